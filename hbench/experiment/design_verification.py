@@ -161,6 +161,8 @@ def _travel(bench: Bench, speed: float) -> tuple[float, float] | None:
 def judge(recorded: ClosedLoopRuns, bench: Bench, rules: Screening, plant: str) -> Iterator[Check]:
     """Yield the checks on the runs against one plant."""
     whole, stop = sum(not run.aborted for run in recorded.runs), recorded.stopped
+    ended = [run for run in recorded.runs if run.aborted]
+    stop = f"{_where(ended[-1])}: {stop}" if ended and stop else stop
     cut = max(recorded.planned - whole, 1 if stop else 0)
     yield Check(f"{plant}: runs cut short", cut, 0, "runs", not cut, stop)
     verdicts = [screen(run, rules) for run in recorded.runs]

@@ -23,6 +23,17 @@ def drift_words(drift: Drift) -> str:
     return f"{text}: up to {most} % is possible"
 
 
+def drift_finding(drift: Drift) -> str:
+    """Return what the data shows of a drift, in one sentence without its full stop."""
+    if not drift.significant:
+        most = number(abs(drift.change_percent) + drift.change_percent_ci95, 0)
+        text = f"A drift of up to {most} % over the campaign cannot be excluded"
+        return text if drift.separated else f"{text}, and would appear as an effect of speed"
+    change = with_interval(drift.change_percent, drift.change_percent_ci95)
+    text = f"Friction changed by {change} % over the campaign"
+    return text if drift.separated else f"{text}, which the order of the runs mixes with speed"
+
+
 def drift_with_oil(drift: Drift) -> str:
     """Return the oil's change of temperature as a sentence; empty if it was not measured."""
     if drift.temp_change_k is None:

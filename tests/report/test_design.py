@@ -89,13 +89,15 @@ def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):
         "the board stopped itself: speed_error: the speed was off its reference by more than "
         "limits.speed_error for limits.speed_error_time"
     )
+    at = "+60 mm/s, 500 N"
     checks = tuple(
-        Check(f"{plant}: runs cut short", 18, 0, "runs", False, f"run {run}: {stop}")
+        Check(f"{plant}: runs cut short", 18, 0, "runs", False, f"{at}: run {run}: {stop}")
         for plant, run in (("bench", "0001"), ("softer", "0001"), ("stiffer", "0015"))
     )
     failing = replace(design, proposal=replace(design.proposal, closed_loop=checks))
     for text in (design_text(failing), design_page(failing, ())):
-        assert text.count("off its reference by more than allowed") == 1
+        cause = "at +60 mm/s, 500 N, the speed was off its reference by more than allowed"
+        assert ordinary_spaces(text).count(cause) == 1
         assert text.count("see the verdict") == 3 and "limits.speed" not in text
 
 

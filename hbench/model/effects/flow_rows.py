@@ -211,9 +211,9 @@ ROWS = {
                 "hold", "closed valves: a leak changes the pressures over time, an offset does not"
             ),
         },
-        inspect="the cylinder's piston seal: how fast pressure equalises with closed valves, and "
-        "the flow at a disconnected rod port",
-        repair="Replace the piston seal; look for scoring of the bore.",
+        inspect="the piston seal of each leaking cylinder: how fast pressure equalises with closed "
+        "valves, and the flow at a disconnected rod port",
+        repair="Replace that piston seal; look for scoring of the bore.",
         source="Merritt (1967), section 6.1",
     ),
     "external_leakage": Effect(

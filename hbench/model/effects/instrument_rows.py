@@ -54,8 +54,8 @@ ROWS = {
                 "steady", "one load at two pressures: an offset is the same at both"
             ),
         },
-        inspect="the pressure transducer's zero in open air",
-        repair="Zero the transducer, or enter its offset in the bench file.",
+        inspect="the zero of each pressure transducer in open air",
+        repair="Zero that transducer, or enter its offset in the bench file.",
         source="linear calibration of a pressure transducer",
     ),
     "pressure_gain": Effect(

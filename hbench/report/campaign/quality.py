@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from hbench.records import Completeness, ImplausiblePoint, PointTrials, Quality, QualityCheck
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import load_words
-from hbench.report.drift import drift_words
+from hbench.report.drift import drift_finding, drift_words
 from hbench.report.render.numbers import number, short, significant, with_interval
 from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
@@ -121,7 +121,7 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     """
     worst = [check for check in quality.checks if check.grade == quality.grade]
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
-    reasons = capital("; ".join(map(_reason, worst)))
+    reasons = ". ".join(capital(_reason(check)) for check in worst)
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
     elif quality.grade == "with care":
@@ -178,6 +178,8 @@ def _reason(check: QualityCheck) -> str:
         return f"the tolerances of the instruments{_value(check).removeprefix('their tolerances')}"
     if check.name == "trials_per_point" and check.value == 0:
         return f"{check.count} {_points(check.count)} {_have(check.count or 0)} no accepted trial"
+    if check.drift is not None:
+        return drift_finding(check.drift)
     return f"{_NAMES[check.name].lower()}: {_value(check)}"
 
 

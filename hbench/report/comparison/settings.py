@@ -11,7 +11,6 @@ from hbench.report.setting_words import key_words, value_words
 
 _HEAD = ("Section", "Setting", "A", "B")
 _LONGEST = 80  # letters of a value
-_NAMED = 3  # settings in the sentence
 SERIAL = ("specimen", "serial")
 _HASH = re.compile(r"[0-9a-f]{40,}")
 
@@ -48,12 +47,8 @@ def settings_words(differences: CampaignDifferences) -> str:
     settings = settings_that_differ(differences)
     if not settings:
         return "Bench file, instruments, schedule and software of both campaigns agree."
-    count = len(settings)
-    differ = f"{count} {'setting differs' if count == 1 else 'settings differ'} between A and B"
-    if count <= _NAMED:
-        return f"{differ}: {'; '.join(f'{name} ({section})' for section, name, *_ in settings)}."
-    named = ", ".join(dict.fromkeys(section for section, *_ in settings))
-    return f"{differ}, in {'these sections' if ',' in named else 'the section'}: {named}."
+    verb = "setting differs" if len(settings) == 1 else "settings differ"
+    return f"{len(settings)} {verb} between A and B; they are listed below."
 
 
 def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tuple[str, str], str]]:

@@ -24,7 +24,9 @@ UNSTABLE = (
     "The three loops together are unstable: a margin that passes does not show that its loop is "
     "stable."
 )
-_STOPPED = re.compile(r"^run \d+: the board stopped itself: (?:\w+: )?")
+_STOPPED = re.compile(
+    r"^(?:([^:]+): )?run \d+: the board stopped itself: (?:\w+: )?(.*)", re.DOTALL
+)
 _COMMAND = re.compile(r"\bu_([a-z]\d?)_v\b")
 _CODE = re.compile(r"\b[a-z]+(?:_[a-z]+)+(?=: )")  # of a reason for rejection
 _LIMIT = re.compile(r"limits\.(\w+)")
@@ -51,11 +53,13 @@ def causes_of(checks: Sequence[Check]) -> tuple[str, ...]:
 
 
 def cause_of(check: Check) -> str:
-    """Return why the board stopped itself in a check's first failed run; empty if it did not."""
-    if check.holds or not _STOPPED.match(check.where):
+    """Return at which point and why the board stopped itself in a run; empty if it did not."""
+    stopped = None if check.holds else _STOPPED.match(check.where)
+    if not stopped:
         return ""
-    words = _STOPPED.sub("", check.where)
-    return _LIMIT.sub(lambda found: _ALLOWED.get(found[1], "allowed"), words)
+    point, words = stopped.groups()
+    words = _LIMIT.sub(lambda found: _ALLOWED.get(found[1], "allowed"), words)
+    return f"at {point}, {words}" if point else words
 
 
 def _cause_name(check: Check, causes: Sequence[str]) -> str:

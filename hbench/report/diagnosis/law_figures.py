@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, UnnamedLaw
-from hbench.report.diagnosis.law_words import term, words
+from hbench.report.diagnosis.law_words import law_quantities, term
+from hbench.report.diagnosis.names import mathtext
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
@@ -19,14 +20,17 @@ def law_figure(diagnosis: Diagnosis, law: UnnamedLaw) -> Figure:
     shape = [len(knots) for knots in law.knots]
     columns = [np.reshape(each, (shape[0], -1)) for each in (law.values, law.low, law.high)]
     first, unit = np.array(law.knots[0]), law.quantity_units[0]
-    x_label = f"{words(law.quantities[:1]).capitalize()} ({unit})"
+    first_name, *other_names = (
+        f"{name} {mathtext(symbol)}" for name, symbol in law_quantities(law)
+    )
+    x_label = f"{first_name.strip().capitalize()} ({unit})"
     y_label = f"{term(law).capitalize()} ({law.unit})"
     for j, (value, low, high) in enumerate(zip(*(each.T for each in columns), strict=True)):
         colour = style.COLOURS[j % len(style.COLOURS)]
         label = None
         if len(law.knots) == 2:
             second = f"{short(law.knots[1][j])} {law.quantity_units[1]}"
-            label = f"{words(law.quantities[1:])} {second}"
+            label = f"{other_names[0].strip()} = {second}"
         axes.fill_between(first, low, high, color=colour, alpha=0.15, linewidth=0)
         (line,) = axes.plot(
             first, value, color=colour, marker=style.MARKERS[j % len(style.MARKERS)], label=label

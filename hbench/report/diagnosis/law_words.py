@@ -12,11 +12,12 @@ _TERMS = {
     "force": "force against extension",
     "friction": "dry friction",
 }
+_VALVES = {"tp": "u_T", "tr": "u_T", "lp": "u_L2", "lr": "u_L1"}  # of each chamber
 
 
 def law_title(law: UnnamedLaw) -> str:
     """Return balance and quantities of a law in words."""
-    return f"{balance(law.balance).title}: {term(law)} over {words(law.quantities)}"
+    return f"{balance(law.balance).title}: {term(law)} over {words(law)}"
 
 
 def law_line(law: UnnamedLaw) -> str:
@@ -41,7 +42,7 @@ def law_summary(laws: Sequence[UnnamedLaw]) -> str:
         low, high = (significant(end(law.values), 2) for end in (min, max))
         before, after = (number(gap, 1) for gap in (law.gap_before, law.gap_after))
         parts.append(
-            f"{term(law)} of {low} to {high} {law.unit} over {words(law.quantities)} "
+            f"{term(law)} of {low} to {high} {law.unit} over {words(law)} "
             f"({balance(law.balance).title}; gap of held-out runs {before} before, {after} after)"
         )
     kind = "an unnamed law" if len(laws) == 1 else "unnamed laws"
@@ -56,6 +57,18 @@ def term(law: UnnamedLaw) -> str:
     return _TERMS[law.adds_to.partition("_")[0]]
 
 
-def words(quantities: tuple[str, ...]) -> str:
-    """Return quantities in words."""
-    return " and ".join(name.replace("_", " ") for name in quantities)
+def words(law: UnnamedLaw) -> str:
+    """Return the quantities of a law in words, with their symbols."""
+    return " and ".join(" ".join(filter(None, quantity)) for quantity in law_quantities(law))
+
+
+def law_quantities(law: UnnamedLaw) -> list[tuple[str, str]]:
+    """Return each quantity of a law in words, and its symbol; empty where it has none."""
+    part = law.adds_to.partition("_")[2]
+    cylinder = part[0].upper()
+    symbols = {
+        "piston_pressure": f"P_{cylinder}p",
+        "rod_pressure": f"P_{cylinder}r",
+        "opening": _VALVES.get(part, ""),
+    }
+    return [(name.replace("_", " "), symbols.get(name, "")) for name in law.quantities]

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, Overlay
 from hbench.report.diagnosis.gap_figures import AFTER, BEFORE, MEASURED
-from hbench.report.diagnosis.names import DisplayName, compared_model, mathtext, signal
+from hbench.report.diagnosis.names import DisplayName, compared_model, mathtext, signal, steps_of
 from hbench.report.render import style
 from hbench.units import parse_unit
 
@@ -27,7 +27,7 @@ def overlay_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
 def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
     figure = style.new_figure(height_in=0.9 + _ROW_IN * len(overlays), wide=True)
     panels = figure.subplots(len(overlays), 2, sharex=True, squeeze=False)
-    after = bool(diagnosis.effects)
+    after = steps_of(diagnosis).get("after")
     for (left, right), overlay in zip(panels, overlays, strict=True):
         display = signal(overlay.signal)
         factor, unit = _scale(overlay, display)
@@ -36,7 +36,7 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
         )
         right.axhline(0, color="#374151", linewidth=0.9)
         sides = [(compared_model(diagnosis), overlay.before, BEFORE, 1.0)]
-        sides += [("with the effects", overlay.after, AFTER, 1.3)] if after else []
+        sides += [(after, overlay.after, AFTER, 1.3)] if after else []
         for label, values, colour, width in sides:
             left.plot(overlay.t_s, factor * values, color=colour, linewidth=width, label=label)
             off = factor * (values - overlay.measured)

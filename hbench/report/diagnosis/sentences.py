@@ -12,6 +12,7 @@ from hbench.records import (
     Gap,
     WorkingPoint,
 )
+from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.change_words import listed, main_changes, phrase
 from hbench.report.diagnosis.names import (
     AXES,
@@ -20,6 +21,7 @@ from hbench.report.diagnosis.names import (
     in_sentence,
     in_unit,
     in_words,
+    p_equation,
     p_words,
     residual_name,
     share,
@@ -31,11 +33,11 @@ _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is
 _CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, or unexplained gaps, in a sentence
 _CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
-_WAYS = {"extend": "extending", "retract": "retracting"}
+_WAYS = {"extend": "extending", "retract": "retracting", "rest": "at rest"}
 
 
 def where_words(point: WorkingPoint | None) -> str:
-    """Return the working point in words, as the beginning of a sentence."""
+    """Return the working point, medians of the campaign, as the beginning of a sentence."""
     if point is None:
         return "In these runs,"
     motion = f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
@@ -47,7 +49,7 @@ def where_words(point: WorkingPoint | None) -> str:
         "supply P_S": point.p_s_pa,
     }
     parts = [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
-    return f"At the working point of these runs ({', '.join((motion, *parts))}),"
+    return f"At the median working point ({', '.join((motion, *parts))}),"
 
 
 def at_point_words(
@@ -190,6 +192,17 @@ def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
     return max(known, key=lambda gap: gap.deviation / gap.material, default=None)
 
 
+def significant_gaps(gaps: Sequence[Gap]) -> str:
+    """Return the gaps that are significant where no missing effect is found; empty without any."""
+    parts = [
+        f"{in_sentence(gap.name)} by {in_unit(gap, gap.deviation)} RMS ({p_equation(gap.p_value)}, "
+        f"limit {in_unit(gap, gap.material)})"
+        for gap in gaps
+        if gap.p_value < SIGNIFICANCE and isfinite(gap.deviation)
+    ]
+    return f"Significant, but no missing effect by their size: {listed(parts)}." if parts else ""
+
+
 def significance(gaps: Sequence[Gap]) -> str:
     """Return how probable such deviations are with a correct model."""
     parts = [f"{p_words(gap.p_value)} ({balance(gap.name).title})" for gap in gaps[:_FEW]]
@@ -233,11 +246,11 @@ def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
 def worst_region(diagnosis: Diagnosis, name: str) -> str:
     """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
     places = worst_places(diagnosis, name)
-    return f"The gap of {in_sentence(name)} is largest at: {places}." if places else ""
+    return f"The gap of {in_sentence(name)} is largest {places}." if places else ""
 
 
 def worst_places(diagnosis: Diagnosis, name: str) -> str:
-    """Return in which regions the gap of a balance is most clearly larger than elsewhere."""
+    """Return where the gap of a balance is clearly larger than elsewhere, as adverbs of place."""
     places = []
     for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
         own = [
@@ -252,10 +265,11 @@ def worst_places(diagnosis: Diagnosis, name: str) -> str:
         if contrast > _CLEARLY_LARGER:
             display = AXES[axis]
             low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
-            stretch = f"{display.title} {low} to {high} {display.unit}"
-            places.append((contrast, _WAYS.get(worst.label, worst.label) or stretch))
+            stretch = f"at a {display.title} of {low} to {high} {display.unit}"
+            way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
+            places.append((contrast, way or stretch))
     places.sort(key=lambda place: -place[0])
-    return ", ".join(words for _, words in places[:_FEW])
+    return " and ".join(words for _, words in places[:_FEW])
 
 
 def title(name: str) -> str:

@@ -4,7 +4,7 @@ What is missing, how large it is at the working point, what it does to force, sp
 how sure that is, and what to inspect or to repair. All numbers are those of the diagnosis.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from hbench.records import AddedEffect, Diagnosis, EffectInPractice, Lookalike
 from hbench.report.diagnosis.change_words import along_words, listed, main_changes
@@ -23,6 +23,7 @@ from hbench.report.diagnosis.sentences import (
     odds_words,
     residual_words,
     significance,
+    significant_gaps,
     title,
     where_words,
     worse_words,
@@ -172,7 +173,7 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
     experiment = diagnosis.next_experiment or ""
     inspect = [each for each in _inspections(diagnosis) if each not in experiment]
     if inspect:
-        yield f"At the bench, inspect {'; or '.join(inspect)}."
+        yield f"At the bench, inspect {_either(inspect)}."
 
 
 def _separable_pairs(diagnosis: Diagnosis) -> Iterator[tuple[EffectInPractice, Lookalike]]:
@@ -192,9 +193,15 @@ def _inspections(diagnosis: Diagnosis) -> list[str]:
     return [inspect for each in chosen if (inspect := practice.get(each.name))]
 
 
+def _either(parts: Sequence[str]) -> str:
+    """Return alternatives; a semicolon separates those that contain a comma or a colon."""
+    long = any(sign in part for part in parts for sign in ",:;")
+    return ("; or " if long else " or ").join(parts)
+
+
 def next_step(diagnosis: Diagnosis) -> str:
     """Return the sentence of the verdict on what to do next; empty where nothing is missing."""
-    inspect = "; or ".join(each.partition(";")[0] for each in _inspections(diagnosis))
+    inspect = _either([each.partition(";")[0] for each in _inspections(diagnosis)])
     if diagnosis.alternatives:
         if diagnosis.next_schedule:
             return "Next step: measure next.yaml."
@@ -259,6 +266,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     first = [largest.name] if largest else []
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))
     yield _RESIDUALS, residual_words(diagnosis, list(names))
+    yield _RESIDUALS, significant_gaps(diagnosis.where)
     yield _ACTION, "There is nothing to inspect or to repair."
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, "Use model.yaml, which has the refitted values."
