@@ -65,15 +65,16 @@ def _checks(rows: list[Any]) -> Iterator[ConformityCheck]:
             continue
         requirement = _record(Requirement, row.get("requirement"))
         measurement = _record(Measurement, row.get("measurement"))
-        decision, reason = row.get("decision"), row.get("reason")
-        if requirement and measurement and decision in get_args(Conformity):
+        reason = row.get("reason")
+        if requirement and measurement and row.get("decision") in get_args(Conformity):
+            decision: Conformity = row["decision"]
             yield ConformityCheck(
                 Requirement(**requirement), Measurement(**measurement), None, decision
             )
-        elif requirement and decision == "NOT TESTED" and isinstance(reason, str):
+        elif requirement and row.get("decision") == "NOT TESTED" and isinstance(reason, str):
             if row.get("measurement") is None:
                 words = printable(reason[:_LONGEST])
-                yield ConformityCheck(Requirement(**requirement), None, None, decision, words)
+                yield ConformityCheck(Requirement(**requirement), None, None, "NOT TESTED", words)
 
 
 def _record(kind: type, content: Any) -> dict[str, Any]:

@@ -33,7 +33,7 @@ def station_charts(
     limits, mean ± 3 sigma of the moving ranges, with the rules that signal at each value.
     """
     by_series = [_by_series(each) for each in checks]
-    newest = next((each for each in reversed(by_series) if each), {})
+    newest = next(filter(None, reversed(by_series)), dict[Series, ConformityCheck]())
     shown = sorted(newest, key=lambda series: _ORDER.index(newest[series].decision))[:_MOST]
     return [_chart(series, names, by_series) for series in shown]
 
