@@ -8,18 +8,15 @@ import time
 from contextlib import suppress
 from typing import TextIO
 
+from hbench.channels import CHANNELS
 from hbench.experiment.progress import Ended, Progress
 from hbench.records import KINDS, RunPlan
 
 _BAR = 24
 _EVERY_S = 0.1  # shortest interval between redraws
 _HIGH = 0.9  # of the limit: a higher pressure is marked
-_CHAMBERS = {  # keys of the status, and symbols of the hydraulic circuit
-    "p_tp": "P_Tp",
-    "p_tr": "P_Tr",
-    "p_lp": "P_Lp",
-    "p_lr": "P_Lr",
-    "p_s": "supply",
+_CHAMBERS = {  # keys of the status, and symbols
+    key: CHANNELS[f"{key}_pa"].symbol for key in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 }
 _PHASES = {
     "return": "moving to its start",
@@ -93,8 +90,8 @@ def _block(now: Progress) -> list[str]:
     count = _count(min(now.runs_done + 1, total), now)
     force = f"F_L {now.f_load_n:+.0f} of {plan.f_load_n or 0.0:+.0f} N"
     pressures = "  ".join(
-        f"{name} {now.pressures_pa[key] / 1e5:.1f}{_mark(now.pressures_pa[key], now)}"
-        for key, name in _CHAMBERS.items()
+        f"{symbol} {now.pressures_pa[key] / 1e5:.1f}{_mark(now.pressures_pa[key], now)}"
+        for key, symbol in _CHAMBERS.items()
         if key in now.pressures_pa
     )
     return [

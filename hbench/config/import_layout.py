@@ -8,28 +8,6 @@ from hbench.config.quantity import ConfigSection, QuantityText, SignedVoltage
 from hbench.config.sensors import LoadCell
 from hbench.units import parse_unit
 
-# Channels of an import map, with their units.
-CHANNELS = {
-    "t_s": "s",
-    "x_m": "m",
-    "v_m_s": "m/s",
-    "p_tp_pa": "Pa",
-    "p_tr_pa": "Pa",
-    "p_lp_pa": "Pa",
-    "p_lr_pa": "Pa",
-    "p_s_pa": "Pa",
-    "f_applied_n": "N",
-    "f_drive_n": "N",  # of a drive without hydraulics, such as a motor
-    "u_t_v": "V",
-    "u_l1_v": "V",
-    "u_l2_v": "V",
-    "v_ref_m_s": "m/s",
-    "p_lr_ref_pa": "Pa",
-    "p_lp_ref_pa": "Pa",
-    "temp_tank_k": "K",  # of the oil: in the tank, at a port of the test cylinder, at its seal
-    "temp_port_k": "K",
-    "temp_seal_k": "K",
-}
 ROTARY = {"m": "rad", "m/s": "rad/s", "N": "N m"}  # units of a rotary actuator's channels
 # 0 or 1, in files of the default layout.
 FLAGS = ("at_reference", "sensor_saturated", "valve_saturated")

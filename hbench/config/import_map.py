@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from hbench.channels import CHANNELS
 from hbench.config import quantity as q
 from hbench.config.campaign_settings import CampaignSettings
 from hbench.config.files.loading import validate
 from hbench.config.import_layout import (
-    CHANNELS,
     DATE_TIME,
     ROTARY,
     Column,
@@ -233,7 +233,7 @@ class ImportMap(CampaignSettings):
 
     def unit(self, channel: str) -> str:
         """Return a channel's unit."""
-        unit = CHANNELS[channel]
+        unit = CHANNELS[channel].unit
         return ROTARY.get(unit, unit) if self.series[0].cylinder.rotary else unit
 
     @model_validator(mode="after")
@@ -299,7 +299,7 @@ def _check_unit(name: str, column: Column) -> None:
         parse_unit(column.unit)
     except ValueError as error:
         volts = "; for an electrical signal write the channel's unit and a scale"
-        needed = f"; {name} needs a unit such as {CHANNELS[name]}{volts}"
+        needed = f"; {name} needs a unit such as {CHANNELS[name].unit}{volts}"
         raise ValueError(f"columns.{name}.unit: {error}{needed}") from None
 
 

@@ -23,7 +23,7 @@ Channels = tuple[float, ...]
 
 
 class SensorParameters(NamedTuple):
-    """All channels as plain numbers for compiled code, in ``CHANNELS`` order."""
+    """All channels as plain numbers for compiled code, in the order of ``SENSORS``."""
 
     per_unit: Channels  # counts per SI unit
     zero: Channels  # counts at 0

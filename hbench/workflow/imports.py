@@ -10,8 +10,8 @@ import numpy as np
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.screening.steadiness import speeds_over_tenths
 from hbench.analysis.screening.steady_window import at_reference
+from hbench.channels import CHANNELS
 from hbench.config.files.loading import read_yaml
-from hbench.config.import_layout import CHANNELS
 from hbench.config.import_map import ImportMap, parse_import_map
 from hbench.errors import HbenchError
 from hbench.experiment.campaign_header import software

@@ -75,7 +75,7 @@ def test_a_terminal_shows_a_block_and_keeps_the_rejections(picky_schedule, tmp_p
     assert re.match(r"run +1 of 4, \w+ 1 of 2: steady \+80\.0 mm/s, \+2000 N; ", first[1])
     assert re.fullmatch(r"speed     [+-]\d+\.\d of [+-]\d+\.\d mm/s", first[2])
     assert re.fullmatch(r"force     F_L [+-]\d+ of \+2000 N, .* [+-]\d+ N", first[3])
-    sides = "  ".join(rf"{name} \d+\.\d" for name in ("P_Tp", "P_Tr", "P_Lp", "P_Lr", "supply"))
+    sides = "  ".join(rf"{name} \d+\.\d" for name in ("P_Tp", "P_Tr", "P_Lp", "P_Lr", "P_S"))
     assert re.fullmatch(rf"pressure  {sides} bar, limit 230", first[4])
     assert any(re.search(r"^rejected  [1-4]; 000\d: off_reference: ", b, re.M) for b in blocks)
     assert all(len(line) < 90 for block in blocks for line in block.splitlines()[-6:])

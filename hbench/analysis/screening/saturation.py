@@ -3,17 +3,10 @@
 import numpy as np
 
 from hbench.analysis.rounding import is_constant
+from hbench.channels import CHANNELS
 from hbench.records import Run
 
-_SENSORS = {  # channel: symbol
-    "x_m": "x",
-    "p_tp_pa": "P_Tp",
-    "p_tr_pa": "P_Tr",
-    "p_lp_pa": "P_Lp",
-    "p_lr_pa": "P_Lr",
-    "p_s_pa": "P_S",
-    "f_applied_n": "F_applied",
-}
+_SENSORS = ("x_m", "p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa", "f_applied_n")
 _SAME = 1e-9  # of a channel's range: equal within rounding
 _NEARLY_ALL, _MOST = 0.95, 0.5  # of the marked records
 
@@ -34,8 +27,8 @@ def saturated_sensors(run: Run, window: slice) -> str:
         return ""
     unmarked = np.flatnonzero(~run.sensor_saturated)
     shares, throughout = {}, []
-    for name, symbol in _SENSORS.items():
-        values = getattr(run, name)
+    for name in _SENSORS:
+        symbol, values = CHANNELS[name].symbol, getattr(run, name)
         if values is None:
             continue
         if is_constant(values):

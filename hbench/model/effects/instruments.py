@@ -8,7 +8,7 @@ from hbench.model.effects.couplings import Coefficients
 if TYPE_CHECKING:
     from hbench.model.sensors import SensorParameters
 
-_FORCE = 6  # of sensors.CHANNELS
+_FORCE = 6  # of sensors.SENSORS
 _PRESSURES = slice(1, 6)
 
 

@@ -21,7 +21,7 @@ from hbench.model.sensors import SensorParameters
 
 _STROKE_M = 1.0  # arbitrary: the piston is at mid-stroke
 _STEP = 1e-3  # finite difference of an effect's state
-_P_TP, _P_TR, _FORCE = 1, 2, 6  # of sensors.CHANNELS
+_P_TP, _P_TR, _FORCE = 1, 2, 6  # of sensors.SENSORS
 
 
 @dataclass(frozen=True)

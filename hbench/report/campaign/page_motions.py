@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from hbench.channels import CHANNELS
 from hbench.records import Comparison, DwellLaw, Leakage, Results, Zero
 from hbench.report.campaign.motion_rows import (
     DISTANCE_QUANTITIES,
@@ -15,14 +16,6 @@ from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
-
-SYMBOLS = {
-    "p_tp_pa": "P_Tp",
-    "p_tr_pa": "P_Tr",
-    "p_lp_pa": "P_Lp",
-    "p_lr_pa": "P_Lr",
-    "f_applied_n": "F_applied",
-}
 
 
 def comparison_table(results: Results) -> Table:
@@ -241,7 +234,7 @@ def zero_table(results: Results) -> Table:
         limit = next(iter(of.values())).limit
         rows.append(
             (
-                f"{SYMBOLS[channel]} ({unit})",
+                f"{CHANNELS[channel].symbol} ({unit})",
                 *(_zero(of.get(check.run), unit) for check in checks),
                 short(from_si(limit, unit)),
             )

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from hbench.config.import_layout import ALWAYS, CHANNELS, FLAGS, LEAST, LIMITS, LONGEST_S, Format
+from hbench.channels import CHANNELS
+from hbench.config.import_layout import ALWAYS, FLAGS, LEAST, LIMITS, LONGEST_S, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
 from hbench.store.files.number_columns import formatted_rows
@@ -56,7 +57,7 @@ def check_lengths(channels: Mapping[str, np.ndarray], table: Table) -> None:
 
 def check_limits(channels: Mapping[str, np.ndarray], table: Table) -> None:
     """Raise ``DataError`` naming the line of a value beyond any physical range."""
-    for name, unit in CHANNELS.items():
+    for name, (unit, *_) in CHANNELS.items():
         values = channels.get(name, np.zeros(0))
         least = LEAST.get(unit, -LIMITS[unit])
         beyond = np.flatnonzero((values > LIMITS[unit]) | (values < least))

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import yaml
 
-from hbench.config.import_layout import CHANNELS, FLAGS
+from hbench.channels import CHANNELS
+from hbench.config.import_layout import FLAGS
 from hbench.records import Run
 from hbench.store.campaign.run_csv import format_run
 from hbench.store.formats.parquet import require_pyarrow

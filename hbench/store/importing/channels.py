@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hbench.config.import_layout import CHANNELS
+from hbench.channels import CHANNELS
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.rest import LEAST_REST_S, ZeroOffset, rest_before_motion, zero_offset
@@ -102,7 +102,7 @@ def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], li
 
 def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> FileNote:
     text = (
-        f"{key}: clipped at {{limit}} {CHANNELS[key]} in {{count}} of {{samples}} samples: "
+        f"{key}: clipped at {{limit}} {CHANNELS[key].unit} in {{count}} of {{samples}} samples: "
         "constant while other channels change"
     )
     limit = float(values[samples][0])

@@ -35,7 +35,7 @@ class StoredLog:
 
 
 # Writes a run's log, given the file that it is from, the run's id and its channels in SI, named as
-# in ``import_layout.CHANNELS``.
+# in ``CHANNELS``.
 StoreLog = Callable[[str, str, Mapping[str, np.ndarray]], StoredLog]
 
 

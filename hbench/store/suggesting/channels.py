@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.config.import_layout import CHANNELS, LEAST, LIMITS
+from hbench.channels import CHANNELS
+from hbench.config.import_layout import LEAST, LIMITS
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
 from hbench.store.suggesting.quantities import Quantity, quantity_of
 from hbench.store.suggesting.samples import SampleColumn
@@ -236,7 +237,7 @@ def _with_units(chosen: dict[str, Choice], time: TimeChoice) -> dict[str, Choice
         if choice is None:
             continue
         if choice.column.name == channel and choice.column.unit is None:
-            out[channel] = replace(choice, unit=CHANNELS[channel])
+            out[channel] = replace(choice, unit=CHANNELS[channel].unit)
         elif choice.unit and not _is_usable(channel, choice.unit):
             unit = _USUAL_UNITS[_QUANTITIES[channel]]
             reason = (

@@ -6,8 +6,9 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from hbench.channels import CHANNELS
 from hbench.config.files.yaml_text import parse_yaml
-from hbench.config.import_layout import CHANNELS, Format
+from hbench.config.import_layout import Format
 from hbench.config.import_map import UNFILLED
 from hbench.config.schedule import Screening
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
@@ -318,7 +319,9 @@ def _table(found: SuggestedMap) -> Iterator[str]:
 def _column(found: SuggestedMap, channel: str, choice: Choice) -> str:
     key = choice.column.key
     parts = [f"column: {key if isinstance(key, int) else _scalar(key, flow=True)}"]
-    if not (_is_stated(found, choice) or (key == channel and choice.unit == CHANNELS[channel])):
+    if not (
+        _is_stated(found, choice) or (key == channel and choice.unit == CHANNELS[channel].unit)
+    ):
         parts.append(f"unit: {_scalar(choice.unit, flow=True)}")
     if choice.scale is None:
         parts.append(f"scale: {_ASKED}")

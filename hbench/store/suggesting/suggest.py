@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from hbench.channels import CHANNELS
 from hbench.config.files.yaml_text import parse_yaml
-from hbench.config.import_layout import CHANNELS, LIMITS
+from hbench.config.import_layout import LIMITS
 from hbench.config.import_map import UNFILLED, ImportMap, parse_import_map
 from hbench.errors import DataError, HbenchError
 from hbench.motion.plateaus import Plateau, plateaus
@@ -173,7 +174,7 @@ def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[s
     values = {
         channel: y
         for channel, y in values.items()
-        if not (np.abs(y) > LIMITS[CHANNELS[channel]]).any()  # else it is refused
+        if not (np.abs(y) > LIMITS[CHANNELS[channel].unit]).any()  # else it is refused
     }
     if "x_m" not in values:
         return {}

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from hbench.channels import CHANNELS
 from hbench.records import Results, Run, ScreenedRun
 from hbench.report.campaign.reasons import code_of, reason_counts
 from hbench.report.render import style
@@ -122,8 +123,8 @@ def _positions(run: Run) -> list[_Line]:
 
 
 def _sensors(run: Run) -> list[_Line]:
-    names = {"p_tp_pa": "P_Tp", "p_tr_pa": "P_Tr", "p_s_pa": "supply"}
-    channels = {label: getattr(run, name) for name, label in names.items()}
+    names = ("p_tp_pa", "p_tr_pa", "p_s_pa")
+    channels = {CHANNELS[name].symbol: getattr(run, name) for name in names}
     return [_Line(label, values / 1e5) for label, values in channels.items() if values is not None]
 
 
