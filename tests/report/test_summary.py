@@ -25,6 +25,8 @@ from hbench.records import (
     WorkingPoint,
 )
 from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
+from hbench.report.diagnosis.law_figures import law_figure
+from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.summary import answers, short_summary
 from hbench.report.diagnosis.text import diagnosis_text
@@ -208,6 +210,21 @@ def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unname
     text = summary(replace(compared, verdict="unknown", unnamed=(law,)))
     assert says in text and "model.yaml predicts this deviation by its unnamed law" in text
     assert says in short_summary(replace(compared, verdict="unknown", unnamed=(law,)))
+
+
+def test_quantities_of_a_learned_law_have_the_symbols_of_its_chamber(compared):
+    values = (0.0, 0.1, 0.2, 0.4)
+    law = UnnamedLaw(
+        "flow_lp", "flow_lp", "l/min", ("rod_pressure", "opening"), ("bar", "V"),
+        ((40.0, 140.0), (-2.0, 2.0)), values, values, values, 3.0, 1.1, 40.0, 12.0, 0.001,
+    )  # fmt: skip
+    assert " over rod pressure P_Lr and opening u_L2" in law_title(law)
+    (axes,) = law_figure(compared, law).axes
+    assert axes.get_xlabel() == "Rod pressure $P_{Lr}$ (bar)"
+    assert [text.get_text() for text in axes.get_legend().texts] == [
+        "opening $u_{L2}$ = −2 V",
+        "opening $u_{L2}$ = 2 V",
+    ]
 
 
 def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):

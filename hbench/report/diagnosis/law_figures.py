@@ -9,6 +9,7 @@ from hbench.report.diagnosis.names import mathtext
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
+from hbench.report.render.symbols import capital
 
 _HEIGHT_IN = 3.6
 
@@ -23,7 +24,7 @@ def law_figure(diagnosis: Diagnosis, law: UnnamedLaw) -> Figure:
     first_name, *other_names = (
         f"{name} {mathtext(symbol)}" for name, symbol in law_quantities(law)
     )
-    x_label = f"{first_name.strip().capitalize()} ({unit})"
+    x_label = f"{capital(first_name.strip())} ({unit})"
     y_label = f"{term(law).capitalize()} ({law.unit})"
     for j, (value, low, high) in enumerate(zip(*(each.T for each in columns), strict=True)):
         colour = style.COLOURS[j % len(style.COLOURS)]
