@@ -276,6 +276,7 @@ class ChartStep:
     at: float  # day of this campaign
     before: float  # means
     after: float
+    ci95: float  # half-width of the interval of their difference
     p: float  # of no step, by permutation
     p_holm: float  # corrected for the number of charts
 

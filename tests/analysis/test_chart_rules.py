@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import ttest_ind
 
 from hbench.analysis.comparison.change_point import change_point
 from hbench.analysis.comparison.ewma import ewma
@@ -97,6 +98,25 @@ def test_without_a_step_five_per_cent_of_p_values_are_below_five_per_cent():
     rng = np.random.default_rng(4)
     p = np.array([change_point(rng.exponential(size=20)).p for _ in range(150)])
     assert (p < 0.05).mean() == pytest.approx(0.05, abs=3 * np.sqrt(0.05 * 0.95 / len(p)))
+
+
+def test_the_interval_of_a_clear_step_holds_it():
+    rng = np.random.default_rng(6)
+    found = []
+    for _ in range(150):
+        x = rng.standard_t(8, 24)
+        x[14:] += 3.5
+        found.append(change_point(x))
+    holds = np.array([abs(one.after - one.before - 3.5) <= one.ci95 for one in found])
+    assert holds.mean() == pytest.approx(0.95, abs=3 * np.sqrt(0.95 * 0.05 / len(holds)))
+
+
+def test_the_interval_of_a_step_is_that_of_students_t_test():
+    x = np.random.default_rng(7).standard_normal(25)
+    x[12:] += 10.0
+    low, high = ttest_ind(x[12:], x[:12]).confidence_interval()
+    found = change_point(x)
+    assert found.first == 12 and found.ci95 == pytest.approx((high - low) / 2)
 
 
 def test_few_or_constant_values_have_no_step():

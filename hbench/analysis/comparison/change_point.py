@@ -10,13 +10,18 @@ is the k of the largest t_k^2 (Worsley, Journal of the American Statistical Asso
 Hawkins, Qiu and Kang, Journal of Quality Technology 35, 2003). Since k is chosen by the data, the p
 value is that of the largest t_k^2 among random orders of the same values (permutation test), from a
 generator with a fixed seed: the same values have the same p. A steady drift also appears as a step.
+
+The interval of the step is Student's for two means with s_k at the chosen k. Where the position of
+a small step is in doubt, it does not contain that the largest difference was chosen.
 """
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from hbench.analysis.rounding import is_constant
+from hbench.analysis.statistics.student import student_factor
 from hbench.records import FEWEST_CAMPAIGNS
 
 _PART = 3  # values of the shorter part
@@ -32,6 +37,7 @@ class StepChange(NamedTuple):
     first: int  # position of the first value after it
     before: float  # means
     after: float
+    ci95: float  # half-width of the interval of their difference
     p: float  # of no step
 
 
@@ -55,7 +61,15 @@ def change_point(x: np.ndarray) -> StepChange | None:
         largest = _statistic(orders).max(axis=1)
         as_large += int((largest >= statistic[at] * (1 - 1e-12)).sum())
     p = (1 + as_large) / (1 + _ORDERS)
-    return StepChange(first, float(x[:first].mean()), float(x[first:].mean()), p)
+    return StepChange(first, *_means_and_interval(x[:first], x[first:]), p)
+
+
+def _means_and_interval(before: np.ndarray, after: np.ndarray) -> tuple[float, float, float]:
+    """Return both means, and the half-width of the 95 % interval of their difference."""
+    dof = len(before) + len(after) - 2
+    variance = sum(float(((part - part.mean()) ** 2).sum()) for part in (before, after)) / dof
+    half = student_factor(dof) * sqrt(variance * (1 / len(before) + 1 / len(after)))
+    return float(before.mean()), float(after.mean()), half
 
 
 def _statistic(y: np.ndarray) -> np.ndarray:

@@ -96,6 +96,7 @@ def control_chart(
             float(at[rows[step.first]]),
             step.before,
             step.after,
+            step.ci95,
             step.p,
             step.p,
         ),

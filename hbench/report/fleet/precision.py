@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from hbench.records import (
     CYLINDER,
+    ChartStep,
     ControlChart,
     Estimate,
     Fleet,
@@ -14,7 +15,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.fleet.names import name_of, of_change, of_side, signed, without_condition
-from hbench.report.render.numbers import NONE, number, significant, with_ends
+from hbench.report.render.numbers import NONE, number, significant, with_ends, with_interval
 
 METHOD = (
     (
@@ -62,7 +63,7 @@ METHOD = (
         "The most likely step of the mean: the split into two parts with the largest likelihood "
         "ratio, at least three campaigns each. p is that of a permutation test with 1999 random "
         "orders of a fixed seed, corrected after Holm for the number of charts. A steady drift "
-        "appears as a step, too.",
+        "appears as a step, too. The interval of a step is that at the chosen campaign.",
     ),
     (
         "Wear",
@@ -106,7 +107,7 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             title = without_condition(chart.quantity)
             name = f"{title[:1].lower()}{title[1:]}{of_side(chart.direction)}"
             at = chart.step.name
-            size = signed(significant(scale * (chart.step.after - chart.step.before), 2))
+            size = _step(chart.step, scale)
             words = f"{name}, by {size} {of_change(unit)} ({before} to {after} {unit})"
             steps.setdefault(at, []).append(words)
             largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
@@ -242,13 +243,18 @@ def step_table(fleet: Fleet) -> WordTable:
                 step.name,
                 before,
                 after,
-                signed(significant(scale * (step.after - step.before), 2)),
+                _step(step, scale),
                 significant(step.p_holm, 2),
                 "step" if step.real else "not significant",
             )
         )
-    head = ("Number", "From campaign", "Mean before", "After", "Step", "p (Holm)", "Verdict")
+    head = ("Number", "From campaign", "Mean before", "After", "Step (95 %)", "p (Holm)", "Verdict")
     return WordTable("Change points", head, tuple(rows))
+
+
+def _step(step: ChartStep, scale: float) -> str:
+    """Write the size of a step with its 95 % interval."""
+    return signed(with_interval(scale * (step.after - step.before), scale * step.ci95))
 
 
 def capability_table(fleet: Fleet) -> WordTable:
