@@ -148,7 +148,7 @@ def _assembled(
             refitted.gap_map,
             final.gap_map.in_units_of(refitted.gap_map),
         ),
-        _uncertain(final, estimates),
+        expected_variance(final, estimates),
     )
     runs = tuple(run for log in measured.logs for run in log.runs)
     simulated, overlaid, notes = _verification(task, result, held_out_points)
@@ -252,7 +252,7 @@ def _undecided(
     return Undecided(model, train, result.names, fitted)
 
 
-def _uncertain(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
+def expected_variance(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
     """Return the variance (w, c) of the residuals by the parameters' uncertainty, in scatters."""
     names = [final.data.names[i] for i in estimates.chosen]
     columns = np.stack([np.nan_to_num(final.columns[name]) for name in names], axis=-1)

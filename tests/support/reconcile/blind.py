@@ -14,7 +14,7 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -29,11 +29,13 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import map_on_cores
-from hbench.reconcile.diagnose import ReconcileTask, run_search
+from hbench.reconcile.diagnose import ReconcileTask, expected_variance, run_search
 from hbench.reconcile.diagnosis_fields import gap_of_balances
+from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.nuisance import BACKGROUND
+from hbench.reconcile.search import SearchResult
 from hbench.reconcile.verdict import decide_verdict, unexplained_gaps
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import calibrated_runs
@@ -60,6 +62,7 @@ class Outcome:
     threshold: float
     before: float  # gaps of held-out points in the balances that the first effect touches
     after: float
+    floor: float  # of a correct model whose values are as uncertain
     seconds: float  # of CPU
     coefficients: dict[str, float] = field(default_factory=dict)  # of the first effect, in SI
     learned: tuple[str, ...] = ()  # unnamed laws
@@ -87,6 +90,7 @@ def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
         threshold=best.threshold,
         before=gap_of_balances(found.refitted.gap_map, touched, out),
         after=gap_of_balances(final, touched, out),
+        floor=_floor(task, found, out, touched),
         seconds=time.process_time() - started,
         coefficients=dict(found.final.hypothesis.effects.get(best.name, {})),
         learned=tuple(
@@ -94,6 +98,16 @@ def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
             for table in found.final.hypothesis.tables
         ),
     )
+
+
+def _floor(task: ReconcileTask, found: SearchResult, out: np.ndarray, touched: Sequence) -> float:
+    """Return the gap that a correct model has on average over balances and operating points."""
+    gaps = found.final.gap_map
+    train = np.setdiff1d(np.arange(len(gaps.points)), out)
+    estimates = fit_coefficients(task.plant, found.final, found.names, train)
+    variance = expected_variance(found.final, estimates)
+    chosen = variance[np.isin(gaps.point, out)][:, np.isin(gaps.names, touched)]
+    return float(np.sqrt(1 + np.nanmean(chosen)))
 
 
 def stored_outcome(folder: Path) -> Outcome:
@@ -201,12 +215,12 @@ def tables(truth: dict, found: list[Outcome]) -> str:
         one for (name, _), cell in cells.items() for one in cell if _kind(name, one) == "right"
     ]
     if named:
-        near = np.mean([one.after <= 1.3 for one in named])
+        near = np.mean([one.after <= 1.3 * one.floor for one in named])
         gone = [1 - (one.after**2 - 1) / (one.before**2 - 1) for one in named if one.before > 1.1]
         extra = sum(len(one.named) > 1 for one in named)
         lines.append(
-            f"named right: held-out gap at most 1.3 in {near:.0%}; of the gap's excess square "
-            f"{np.median(gone):.0%} gone (median); {extra} of {len(named)} with a second name"
+            f"named right: held-out gap at most 1.3 floors in {near:.0%}; of the gap's excess "
+            f"square {np.median(gone):.0%} gone (median); {extra} of {len(named)} with a second name"
         )
     for group, own in others.items():
         verdicts = {one.verdict: 0 for one in own}
