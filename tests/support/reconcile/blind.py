@@ -220,7 +220,8 @@ def tables(truth: dict, found: list[Outcome]) -> str:
         extra = sum(len(one.named) > 1 for one in named)
         lines.append(
             f"named right: held-out gap at most 1.3 floors in {near:.0%}; of the gap's excess "
-            f"square {np.median(gone):.0%} gone (median); {extra} of {len(named)} with a second name"
+            f"square {np.median(gone):.0%} gone (median); "
+            f"{extra} of {len(named)} with a second name"
         )
     for group, own in others.items():
         verdicts = {one.verdict: 0 for one in own}
