@@ -145,7 +145,7 @@ def test_an_error_of_a_sensor_is_told_as_one_with_what_it_shows_too_much(named):
     text = summary(replace(named, effects=effects, practice=(CELL,)))
     assert "Load cell gain is an error of the measurement that the model does not" in text
     assert "the load cell shows 49.8 N too much" in text
-    assert "the friction of the test cylinder is 49.8 N lower" in text
+    assert "the computed friction of the test cylinder is 49.8 N too low" in text
 
 
 def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):

@@ -6,7 +6,12 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, Gap, WordTable
 from hbench.report.diagnosis import text as text
-from hbench.report.diagnosis.change_words import changes_tables, listed, lookalikes_tables
+from hbench.report.diagnosis.change_words import (
+    changes_tables,
+    listed,
+    lookalikes_tables,
+    of_instrument,
+)
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     SIGNAL_NAMES,
@@ -41,6 +46,11 @@ _CHANGES = (
      "at the same commands and pressures; the pressure, which is that of the fed chamber, at the "
      "same speed and load."),
 )  # fmt: skip
+_COMPUTED = (
+    "Error of an instrument",
+    "It changes the readings, and the friction and the flows that are computed from them. At the "
+    "bench nothing is different.",
+)
 _GAP = (
     "Root mean square of measurement less model, in units of the scatter of repeated trials. 1 is "
     "the repeatability of the bench. Gaps below 0.3 are drawn at 0.3."
@@ -151,7 +161,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *changes_tables(diagnosis),
             *lookalikes_tables(diagnosis),
         ),
-        facts=(*_laws(diagnosis), *(_CHANGES if diagnosis.practice else ())),
+        facts=(*_laws(diagnosis), *_change_facts(diagnosis)),
     )
     missing = Section(
         "Missing data and runs left out", items=diagnosis.notes, facts=_caveats(diagnosis)
@@ -286,6 +296,12 @@ def _laws(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
         for effect in diagnosis.effects
         if effect.law
     )
+
+
+def _change_facts(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
+    """Return how the tables of changes are to be read; empty without any."""
+    computed = (_COMPUTED,) if any(map(of_instrument, diagnosis.practice)) else ()
+    return (*_CHANGES, *computed) if diagnosis.practice else ()
 
 
 def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:

@@ -13,7 +13,7 @@ from hbench.records import (
     WorkingPoint,
 )
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.diagnosis.change_words import listed, main_changes, phrase
+from hbench.report.diagnosis.change_words import listed, main_changes, of_instrument, phrase
 from hbench.report.diagnosis.names import (
     AXES,
     balance,
@@ -66,14 +66,16 @@ def at_point_words(
         )
     if brief:
         changes = [change for change in changes if change.quantity not in ("pressure",)][:2]
-    clauses = [phrase(change, point.direction) for change in changes]
+    clauses = change_clauses(effect, changes, point)
     return f"{where_words(point)} {listed(clauses)}."
 
 
-def clause(change: Change, diagnosis: Diagnosis) -> str:
-    """Return a change at the working point of a diagnosis."""
-    assert diagnosis.working_point is not None  # there are changes
-    return phrase(change, diagnosis.working_point.direction)
+def change_clauses(
+    effect: EffectInPractice, changes: Sequence[Change], point: WorkingPoint
+) -> list[str]:
+    """Return changes of an effect at the working point, a clause each."""
+    computed = of_instrument(effect)
+    return [phrase(change, point.direction, computed=computed) for change in changes]
 
 
 def odds_words(effect: AddedEffect) -> str:

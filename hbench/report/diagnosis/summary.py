@@ -15,7 +15,7 @@ from hbench.report.diagnosis.sentences import (
     agreement,
     at_point_words,
     best_candidate,
-    clause,
+    change_clauses,
     closeness,
     detectable,
     deviations,
@@ -151,14 +151,16 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
 def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    point = diagnosis.working_point
+    if point is None:
+        return ""
     parts = [
-        f"{in_words(effect.name)} would mean that "
-        f"{listed([clause(c, diagnosis) for c in changes])}."
+        f"{in_words(effect.name)} would mean that {listed(change_clauses(effect, changes, point))}."
         for effect in chosen
         if (changes := main_changes(effect)[: 1 if brief else None])
     ]
     sentences = " ".join((*parts[:1], *map(capital, parts[1:])))
-    return f"{where_words(diagnosis.working_point)} {sentences}" if parts else ""
+    return f"{where_words(point)} {sentences}" if parts else ""
 
 
 def _separation(diagnosis: Diagnosis) -> Iterator[str]:
