@@ -222,10 +222,14 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     assert "The gap of 2 held-out runs is 9.5 with the refitted model" in text
     assert "A correct model whose values are as uncertain would have 1.2 on average." in text
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
+    assert "mass and rest time: these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
-    assert "There is nothing to inspect or to repair." in text
+    assert "These runs give no reason to inspect or to repair anything." in text
     gap = "the force of the test cylinder by 40 N RMS (p = 0.010, limit 12 N)"
     assert f"Significant, but no missing effect by their size: {gap}." in text
+    close = replace(compared.where[0], deviation=11.64, material=12.04)
+    text = summary(replace(compared, verdict="none", rest=(), where=(close,)))
+    assert "the force of the test cylinder by 11.6 N RMS (p = 0.010, limit 12.0 N)" in text
 
 
 def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):

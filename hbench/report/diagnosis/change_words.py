@@ -149,8 +149,8 @@ def along_words(effect: EffectInPractice) -> str:
     chosen = [max(group, key=lambda change: _rounded(change.along)) for group in groups if group]
     return listed(
         [
-            f"{_object(change, computed=computed)} by {significant(change.along, 2)} "
-            f"{change.unit} (root mean square; up to {significant(change.largest, 2)} {change.unit})"
+            f"{_object(change, computed=computed)} by {significant(change.along, 2)} {change.unit} "
+            f"(root mean square; up to {significant(change.largest, 2)} {change.unit})"
             for change in chosen
         ]
     )

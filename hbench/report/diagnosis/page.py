@@ -15,14 +15,14 @@ from hbench.report.diagnosis.change_words import (
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     SIGNAL_NAMES,
+    deviation_and_limit,
     in_sentence,
-    in_unit,
     in_words,
     p_equation,
     value_words,
 )
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import deviations, largest_deviation
+from hbench.report.diagnosis.sentences import deviations, largest_deviation, undetectable
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
 from hbench.report.diagnosis.summary import answers, next_step
 from hbench.report.render.document import Section, document
@@ -195,7 +195,8 @@ def _verdict(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "ambiguous":
         return f"One of these effects is missing in the model: {finding}{step}"
     if diagnosis.verdict == "none":
-        return f"No missing effect is found: {finding}{_largest(diagnosis.where)}"
+        found = f"{finding}{_largest(diagnosis.where)} {undetectable(diagnosis)}".rstrip()
+        return f"No missing effect is found: {found}"
     if not diagnosis.where:
         missing = f" Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return f"These runs do not suffice to find a missing effect.{missing}"
@@ -216,10 +217,10 @@ def _largest(gaps: Sequence[Gap]) -> str:
         why = "does not matter"
     elif largest.p_value < _SIGNIFICANCE:
         why = f"is {number(largest.gap, 1)} trial scatters, too few for a missing effect"
+    deviation, limit = deviation_and_limit(largest)
     return (
-        f" The largest deviation that remains, {in_sentence(largest.name)} by "
-        f"{in_unit(largest, largest.deviation)} RMS (limit {in_unit(largest, largest.material)}), "
-        f"{why}."
+        f" The largest deviation that remains, {in_sentence(largest.name)} by {deviation} RMS "
+        f"(limit {limit}), {why}."
     )
 
 

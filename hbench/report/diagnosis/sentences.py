@@ -18,8 +18,8 @@ from hbench.report.diagnosis.names import (
     AXES,
     balance,
     compared_model,
+    deviation_and_limit,
     in_sentence,
-    in_unit,
     in_words,
     p_equation,
     p_words,
@@ -181,8 +181,7 @@ def deviations(gaps: Sequence[Gap]) -> str:
     for gap in gaps[:_FEW]:
         size = f"{number(gap.gap, 1)} trial scatters"
         if isfinite(gap.deviation):
-            limit = f"limit {in_unit(gap, gap.material)}"
-            size = f"{in_unit(gap, gap.deviation)} RMS ({limit})"
+            size = "{} RMS (limit {})".format(*deviation_and_limit(gap))
         parts.append(f"{in_sentence(gap.name)} deviates by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
     return f"{'; '.join(parts)}{more}"
@@ -197,10 +196,10 @@ def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
 def significant_gaps(gaps: Sequence[Gap]) -> str:
     """Return the gaps that are significant where no missing effect is found; empty without any."""
     parts = [
-        f"{in_sentence(gap.name)} by {in_unit(gap, gap.deviation)} RMS ({p_equation(gap.p_value)}, "
-        f"limit {in_unit(gap, gap.material)})"
+        f"{in_sentence(gap.name)} by {deviation} RMS ({p_equation(gap.p_value)}, limit {limit})"
         for gap in gaps
         if gap.p_value < SIGNIFICANCE and isfinite(gap.deviation)
+        for deviation, limit in [deviation_and_limit(gap)]
     ]
     return f"Significant, but no missing effect by their size: {listed(parts)}." if parts else ""
 
@@ -213,16 +212,32 @@ def significance(gaps: Sequence[Gap]) -> str:
 
 def detectable(diagnosis: Diagnosis) -> str:
     """Return how many effects of a typical size these runs would show, and which ones not."""
-    if diagnosis.separability is None:
+    seen = _detectable(diagnosis)
+    if not seen:
         return ""
+    unseen = [in_words(name) for name, known in seen.items() if not known]
+    rest = f" They would not show {listed(unseen)}: these can be present." if unseen else ""
+    count = f"{sum(seen.values())} of {len(seen)}"
+    return f"These runs would show {count} known effects at a typical size.{rest}"
+
+
+def undetectable(diagnosis: Diagnosis) -> str:
+    """Return how many effects of a typical size these runs would not show; empty for none."""
+    seen = _detectable(diagnosis)
+    unseen = len(seen) - sum(seen.values())
+    if not unseen:
+        return ""
+    return f"These runs would not show {unseen} of {len(seen)} known effects at a typical size."
+
+
+def _detectable(diagnosis: Diagnosis) -> dict[str, bool]:
+    """Return each known effect, and whether these runs would show a typical size of it."""
+    if diagnosis.separability is None:
+        return {}
     seen: dict[str, bool] = {}
     for size in diagnosis.separability.sizes:
         seen[size.effect] = seen.get(size.effect, False) or size.detectable
-    unseen = [in_words(name) for name, known in seen.items() if not known]
-    unseen += map(in_words, diagnosis.not_tried)
-    count = f"{sum(seen.values())} of {len(seen.keys() | diagnosis.not_tried.keys())}"
-    rest = f" They would not show {listed(unseen)}." if unseen else ""
-    return f"These runs would show {count} known effects at a typical size.{rest}"
+    return {**seen, **dict.fromkeys(diagnosis.not_tried, False)}
 
 
 def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:

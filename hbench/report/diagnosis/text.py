@@ -20,6 +20,7 @@ from hbench.report.diagnosis.names import (
     balance,
     coefficient_words,
     compared_model,
+    deviation_and_limit,
     in_sentence,
     in_unit,
     p_words,
@@ -176,8 +177,7 @@ def where_table(diagnosis: Diagnosis) -> WordTable:
             number(gap.structured, 2),
             p_words(gap.p_value),
             in_unit(gap, gap.scatter),
-            in_unit(gap, gap.deviation),
-            in_unit(gap, gap.material),
+            *deviation_and_limit(gap),
             in_unit(gap, gap.allowed),
             str(gap.windows),
         )
