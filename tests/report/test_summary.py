@@ -155,6 +155,15 @@ def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
     assert "the friction of the test cylinder by 20 N (root mean square; up to 60 N)" in text
 
 
+def test_what_the_effects_do_not_explain_is_that_of_the_model_with_them(named, compared):
+    part = replace(named, rest=compared.rest)
+    text = summary(part)
+    words = "With the effects, the force of the test cylinder deviates by 40 N RMS (limit 12 N)"
+    assert f"{words} over all runs." in text
+    assert "Balances that the effects do not explain" in diagnosis_page(part, ())
+    assert "Balances that the effects do not explain" not in diagnosis_page(named, ())
+
+
 def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared):
     first = Candidate("internal_leakage", 30.0, 0.9, 1.0, {}, "full", 5.0)
     second = replace(first, name="external_leakage", score=29.0)

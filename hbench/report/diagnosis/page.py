@@ -83,6 +83,8 @@ _WHERE = (
      "unit of the balance. Below the next column it does not matter."),
     ("Tolerances allow", "Deviation that sensors within their tolerances may cause in a model that "
      "is not refitted."),
+    ("Metering edge", "Edge of the valve's spool that connects the chamber with the supply or the "
+     "tank. Where one gap is much larger, inspect that edge."),
 )  # fmt: skip
 _WHICH = (
     ("Score", "Gain of log-likelihood at held-out operating points, in nats (natural logarithm)."),
@@ -132,7 +134,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     where = Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
         drawings=drawn("where"),
-        tables=_with_rows(_untitled(text.where_table(diagnosis)), text.edges_table(diagnosis)),
+        tables=_with_rows(
+            text.where_table(diagnosis), text.rest_table(diagnosis), text.edges_table(diagnosis)
+        ),
         facts=_WHERE,
     )
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))

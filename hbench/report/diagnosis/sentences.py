@@ -267,7 +267,10 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
 
 
 def worst_places(diagnosis: Diagnosis, name: str) -> str:
-    """Return where the gap of a balance is clearly larger than elsewhere, as adverbs of place."""
+    """Return where the gap of a balance is clearly larger than elsewhere, as adverbs of place.
+
+    The regions of the largest gaps come first.
+    """
     places = []
     for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
         own = [
@@ -284,7 +287,7 @@ def worst_places(diagnosis: Diagnosis, name: str) -> str:
             low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
             stretch = f"at a {display.title} of {low} to {high} {display.unit}"
             way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
-            places.append((contrast, way or stretch))
+            places.append((worst.gaps[name], way or stretch))
     places.sort(key=lambda place: -place[0])
     return " and ".join(words for _, words in places[:_FEW])
 

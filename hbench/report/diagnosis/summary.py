@@ -78,7 +78,7 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.alternatives:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects and diagnosis.rest:
-        yield _NOT_EXPLAINED, f"{capital(deviations(diagnosis.rest))}."
+        yield _NOT_EXPLAINED, f"With the effects, {deviations(diagnosis.rest)} over all runs."
         yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
     if diagnosis.effects or diagnosis.alternatives:
         return
