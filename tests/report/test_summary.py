@@ -182,6 +182,8 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
     assert "kind hold separate internal leakage and external leakage (pressures meet" in text
     assert "Not explained" not in summary(replace(both, rest=compared.rest))  # the set would do so
     assert "inspect the piston seal or the rod seal." in text
+    alike = replace(both, practice=(replace(LEAK, lookalikes=()), other))
+    assert "The catalogue contains no run that separates them." in summary(alike)
     planned = replace(both, next_experiment="Measure the hold runs of next.yaml.")
     assert "Measure the hold runs of next.yaml." in summary(planned)
 

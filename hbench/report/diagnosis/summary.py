@@ -164,10 +164,13 @@ def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
 
 
 def _separation(diagnosis: Diagnosis) -> Iterator[str]:
+    pairs = list(_separable_pairs(diagnosis))
     if diagnosis.next_experiment:
         yield diagnosis.next_experiment
+    elif not pairs and not diagnosis.missing:
+        yield "The catalogue contains no run that separates them."
     else:
-        for effect, other in _separable_pairs(diagnosis):
+        for effect, other in pairs:
             pair = f"{in_words(effect.name)} and {in_words(other.name)}"
             yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
     if not diagnosis.next_experiment and diagnosis.missing:
@@ -203,7 +206,7 @@ def _either(parts: Sequence[str]) -> str:
 
 def next_step(diagnosis: Diagnosis) -> str:
     """Return the sentence of the verdict on what to do next; empty where nothing is missing."""
-    inspect = _either([each.partition(";")[0] for each in _inspections(diagnosis)])
+    inspect = _either(_inspections(diagnosis))
     if diagnosis.alternatives:
         if diagnosis.next_schedule:
             return "Next step: measure next.yaml."
