@@ -141,8 +141,11 @@ def test_the_page_states_the_oil_temperature_of_both_or_that_it_was_not_measured
     assert json.loads(differences_json(warm))["oil_temperature"]["a"]["mean_k"] == 313.15
 
 
-def test_serial_numbers_identify_the_cylinders_and_are_no_setting_that_differs(found):
-    a, b = (replace(found.a, settings={"specimen": {"serial": serial}}) for serial in ("7", "8"))
+def test_serial_numbers_and_seeds_of_noise_are_no_settings_that_differ(found):
+    a, b = (
+        replace(found.a, settings={"specimen": {"serial": serial}}, details={"seed": serial})
+        for serial in ("7", "8")
+    )
     changed = replace(found, a=a, b=b)
     assert settings_that_differ(changed) == ()
     assert "before, cylinder 7, " in differences_page(changed, ())

@@ -147,7 +147,7 @@ def test_an_error_of_a_sensor_is_told_as_one_with_what_it_shows_too_much(named):
     text = summary(replace(named, effects=effects, practice=(CELL,)))
     assert "Load cell gain is an error of the measurement that the model does not" in text
     assert "the load cell shows 49.8 N too much" in text
-    assert "the friction of the test cylinder is 49.8 N lower" in text
+    assert "the computed friction of the test cylinder is 49.8 N too low" in text
 
 
 def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
@@ -155,6 +155,15 @@ def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
     text = summary(replace(named, practice=(only,)))
     assert "), it changes nothing: it acts only while speed or pressure changes" in text
     assert "the friction of the test cylinder by 20 N (root mean square; up to 60 N)" in text
+
+
+def test_what_the_effects_do_not_explain_is_that_of_the_model_with_them(named, compared):
+    part = replace(named, rest=compared.rest)
+    text = summary(part)
+    words = "With the effects, the force of the test cylinder deviates by 40 N RMS (limit 12 N)"
+    assert f"{words} over all runs." in text
+    assert "Balances that the effects do not explain" in diagnosis_page(part, ())
+    assert "Balances that the effects do not explain" not in diagnosis_page(named, ())
 
 
 def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared):
@@ -175,6 +184,8 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
     assert "kind hold separate internal leakage and external leakage (pressures meet" in text
     assert "Not explained" not in summary(replace(both, rest=compared.rest))  # the set would do so
     assert "inspect the piston seal or the rod seal." in text
+    alike = replace(both, practice=(replace(LEAK, lookalikes=()), other))
+    assert "The catalogue contains no run that separates them." in summary(alike)
     planned = replace(both, next_experiment="Measure the hold runs of next.yaml.")
     assert "Measure the hold runs of next.yaml." in summary(planned)
 
@@ -239,10 +250,14 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     assert "The gap of 2 held-out runs is 9.5 with the refitted model" in text
     assert "A correct model whose values are as uncertain would have 1.2 on average." in text
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
+    assert "mass and rest time: these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
-    assert "There is nothing to inspect or to repair." in text
+    assert "These runs give no reason to inspect or to repair anything." in text
     gap = "the force of the test cylinder by 40 N RMS (p = 0.010, limit 12 N)"
     assert f"Significant, but no missing effect by their size: {gap}." in text
+    close = replace(compared.where[0], deviation=11.64, material=12.04)
+    text = summary(replace(compared, verdict="none", rest=(), where=(close,)))
+    assert "the force of the test cylinder by 11.6 N RMS (p = 0.010, limit 12.0 N)" in text
 
 
 def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):

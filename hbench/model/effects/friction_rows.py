@@ -35,7 +35,7 @@ ROWS = {
                 "steady", "both directions: friction turns with the direction, a gain does not"
             ),
         },
-        inspect="the seals' type and squeeze; the same strokes with another seal in this cylinder",
+        inspect="the seals' type and squeeze, and the change of friction with another seal",
         repair="Fit seals of lower squeeze, or keep this friction in the model.",
         source="energised lip seals; section 3.7 of the bench's source for the drop's form",
     ),
@@ -58,7 +58,7 @@ ROWS = {
                 "steady", "one stroke at several loads: the change along the stroke stays the same"
             ),
         },
-        inspect="alignment and guide bands; the same strokes with another seal in this cylinder",
+        inspect="alignment and guide bands, and the change of friction with another seal",
         repair="Realign the cylinders, or replace the guide bands.",
         source="Coulomb friction of guides under side load in proportion to the force",
     ),
@@ -77,8 +77,8 @@ ROWS = {
                 "check", "the transducers' zeros with the supply off are free of friction"
             ),
         },
-        inspect="the lips' orientation and wear; the same strokes with the cylinder turned around, "
-        "or other seals in it",
+        inspect="the lips' orientation and wear, and the change of friction with the cylinder "
+        "turned around, or with other seals",
         repair="Replace the seal or the wiper that rubs unequally.",
         source="lip seals with different lips to either side",
     ),

@@ -12,6 +12,7 @@ from hbench.report.setting_words import key_words, value_words
 _HEAD = ("Section", "Setting", "A", "B")
 _LONGEST = 80  # letters of a value
 SERIAL = ("specimen", "serial")
+_SEED = "seed"
 _HASH = re.compile(r"[0-9a-f]{40,}")
 
 
@@ -20,7 +21,7 @@ def settings_that_differ(differences: CampaignDifferences) -> tuple[tuple[str, s
 
     Compared are the bench file and schedule as the campaigns state them, firmware, software, the
     origin of the data, and the areas of the cylinders. A setting of one campaign alone is a dash
-    in the other. The cylinder's serial number is no setting.
+    in the other. The cylinder's serial number and the seed of simulated noise are no settings.
     """
     a, b = (
         dict(_settings(provenance, curves))
@@ -47,8 +48,9 @@ def settings_words(differences: CampaignDifferences) -> str:
     settings = settings_that_differ(differences)
     if not settings:
         return "Bench file, instruments, schedule and software of both campaigns agree."
-    verb = "setting differs" if len(settings) == 1 else "settings differ"
-    return f"{len(settings)} {verb} between A and B; they are listed below."
+    if len(settings) == 1:
+        return "1 setting differs between A and B; it is listed below."
+    return f"{len(settings)} settings differ between A and B; they are listed below."
 
 
 def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tuple[str, str], str]]:
@@ -67,7 +69,7 @@ def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tup
             if (section, path) != SERIAL:
                 yield (key_words(section), path or "value"), value
     for name, value in provenance.details.items():
-        for path, text in _flat(value):
+        for path, text in _flat(value) if name != _SEED else ():
             yield ("run", ", ".join(filter(None, (key_words(name), path)))), text
     for name, version in provenance.software.items():
         yield ("software", name), version

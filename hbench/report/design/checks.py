@@ -36,12 +36,11 @@ CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 def check_rows(checks: Sequence[Check], tick_s: float) -> TextRows:
     """Return a row for each check, as ``CHECK_HEAD``; ``tick_s`` is the sampling period [s]."""
-    causes = causes_of(checks)
     return [
         (
             *shown(check, tick_s),
             "yes" if check.holds else "NO",
-            _cause_name(check, causes) or _where(check),
+            _where(check),
         )
         for check in checks
     ]
@@ -62,16 +61,11 @@ def cause_of(check: Check) -> str:
     return f"at {point}, {words}" if point else words
 
 
-def _cause_name(check: Check, causes: Sequence[str]) -> str:
-    """Return which of the verdict's causes is that of a check; empty if none is."""
-    cause = cause_of(check)
-    if not cause:
-        return ""
-    return "see the verdict" if len(causes) == 1 else f"see cause {causes.index(cause) + 1}"
-
-
 def _where(check: Check) -> str:
     """Return where a check is worst, with symbols and words in place of keys."""
+    stopped = None if check.holds else _STOPPED.match(check.where)
+    if stopped:
+        return ": ".join(filter(None, (stopped[1], "the board stopped itself")))
     text = _CODE.sub(lambda found: found[0].replace("_", " "), check.where)
     return _COMMAND.sub(lambda found: f"u_{found[1].upper()}", text)
 

@@ -60,8 +60,13 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         f"{design.bench}: control loops",
         "Computed from the bench file, and simulated. Nothing here was measured.",
         tuple(sections),
-        _typeset(loops_verdict(design) if proposal is None else proposal_verdict(proposal, design)),
+        _minus(_typeset(_verdict(design))),
     )
+
+
+def _verdict(design: Design) -> str:
+    proposal = design.proposal
+    return loops_verdict(design) if proposal is None else proposal_verdict(proposal, design)
 
 
 def _facts(lines: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:

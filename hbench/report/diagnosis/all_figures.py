@@ -98,7 +98,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         title = "Residuals over velocity and load"
         yield "where", "maps", title, _MAPS + stages, maps_figure(diagnosis)
         shape = _SHAPE + stages + (_HELD_OUT if diagnosis.effects else "")
-        for name in worst(diagnosis)[:_MOST_SHAPES]:
+        for name in _shapes(diagnosis):
             title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
     if diagnosis.where and diagnosis.regions:
@@ -114,6 +114,12 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         fitted = ", fitted together with the effects" if diagnosis.effects else ""
         caption = _REFITTED.format(fitted=fitted)
         yield "refitted", "refitted", "Refitted values", caption, refitted_figure(diagnosis)
+
+
+def _shapes(diagnosis: Diagnosis) -> list[str]:
+    """Return the worst balances, and those that the effects do not explain."""
+    rest = [gap.name for gap in diagnosis.rest if gap.name in diagnosis.residuals_before.names]
+    return list(dict.fromkeys((*worst(diagnosis)[:_MOST_SHAPES], *rest)))
 
 
 def _stages(diagnosis: Diagnosis) -> str:

@@ -63,10 +63,20 @@ def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     )
 
 
+def of_instrument(effect: EffectInPractice) -> bool:
+    """Return whether an effect is an error of a reading, which changes nothing at the bench."""
+    return any(change.quantity in _READINGS for change in effect.changes)
+
+
 def main_changes(effect: EffectInPractice) -> list[Change]:
-    """Return the changes at the working point: the largest of each group."""
+    """Return the changes at the working point: the largest of each group.
+
+    The supply pressure of an instrument's error is that of its reading, which is in the list.
+    """
     chosen = []
     for names in _GROUPS:
+        if names == ("supply",) and of_instrument(effect):
+            continue
         group = [change for change in effect.changes if change.quantity in names]
         group = [c for c in group if abs(c.at_point) > _LEAST * max(c.largest, c.along)]
         if group:
@@ -74,17 +84,19 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
     return chosen
 
 
-def phrase(change: Change, direction: str) -> str:
-    """Return a change at the working point as a clause."""
+def phrase(change: Change, direction: str, *, computed: bool = False) -> str:
+    """Return a change at the working point as a clause; ``computed`` from a wrong reading."""
     more, size, name = change.at_point > 0, _size(change), change.quantity
     way = "higher" if more else "lower"
     if name in _READINGS:
         sensor = "the load cell" if name == "f_applied" else f"the transducer of {_symbol(name)}"
         return f"{sensor} shows {size} too {'much' if more else 'little'}"
+    if computed and (name in _FLOWS or name in _CYLINDERS):
+        return f"the computed {_thing(name)} is {size} too {'high' if more else 'low'}"
     if name in _FLOWS:
         return f"{size} {'more' if more else 'less'} oil enters {CHAMBERS[name[-2:]]}"
     if name in _CYLINDERS:
-        return f"the friction of the {_CYLINDERS[name]} is {size} {way}"
+        return f"the {_thing(name)} is {size} {way}"
     fed = "P_Tp" if direction == "extend" else "P_Tr"
     phrases = {
         "speed": f"the piston is {size} {'faster' if more else 'slower'} at the same commands",
@@ -111,13 +123,18 @@ def _size(change: Change) -> str:
     return text.removesuffix(" (not determined)")
 
 
-def _object(change: Change) -> str:
+def _thing(name: str) -> str:
+    """Return a force or a flow by its cylinder or chamber."""
+    if name in _CYLINDERS:
+        return f"friction of the {_CYLINDERS[name]}"
+    return f"flow to {CHAMBERS[name[-2:]]}"
+
+
+def _object(change: Change, *, computed: bool) -> str:
     """Return a quantity as the object of a sentence."""
     name = change.quantity
-    if name in _CYLINDERS:
-        return f"the friction of the {_CYLINDERS[name]}"
-    if name in _FLOWS:
-        return f"the flow to {CHAMBERS[name[-2:]]}"
+    if name in _CYLINDERS or name in _FLOWS:
+        return f"the {'computed ' if computed else ''}{_thing(name)}"
     if name in BALANCE_NAMES:
         return in_sentence(name)
     return {"speed": "the speed", "pressure": "the pressure"}.get(name, f"the {quantity(name)}")
@@ -125,15 +142,15 @@ def _object(change: Change) -> str:
 
 def along_words(effect: EffectInPractice) -> str:
     """Return what an effect changes over all measured motion, as objects of a sentence."""
-    known = [change for change in effect.changes if change.largest > 0]
+    known, computed = [c for c in effect.changes if c.largest > 0], of_instrument(effect)
     groups = (
         [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
     )
     chosen = [max(group, key=lambda change: _rounded(change.along)) for group in groups if group]
     return listed(
         [
-            f"{_object(change)} by {significant(change.along, 2)} {change.unit} (root mean square; "
-            f"up to {significant(change.largest, 2)} {change.unit})"
+            f"{_object(change, computed=computed)} by {significant(change.along, 2)} {change.unit} "
+            f"(root mean square; up to {significant(change.largest, 2)} {change.unit})"
             for change in chosen
         ]
     )

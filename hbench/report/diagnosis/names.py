@@ -92,6 +92,7 @@ EDGES = {
 
 _CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
 _WITHOUT_ARTICLE = ("friction", "kinematics")
+_MOST_DIGITS = 4  # of a deviation that is close to its limit
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 
@@ -184,6 +185,19 @@ def in_unit(gap: Gap, value: float) -> str:
         return NONE
     display = balance(gap.name)
     return f"{significant(shown(value, display), 2)} {display.unit}".strip()
+
+
+def deviation_and_limit(gap: Gap) -> tuple[str, str]:
+    """Write a deviation and its limit, with more digits where two would make them equal."""
+    display, values = balance(gap.name), (gap.deviation, gap.material)
+    if not all(map(isfinite, values)):
+        return in_unit(gap, gap.deviation), in_unit(gap, gap.material)
+    for digits in range(2, _MOST_DIGITS + 1):
+        words = [significant(shown(value, display), digits) for value in values]
+        if words[0] != words[1]:
+            break
+    deviation, limit = (f"{number} {display.unit}".strip() for number in words)
+    return deviation, limit
 
 
 def share(value: float) -> str:

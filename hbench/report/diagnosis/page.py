@@ -6,18 +6,23 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, Gap, WordTable
 from hbench.report.diagnosis import text as text
-from hbench.report.diagnosis.change_words import changes_tables, listed, lookalikes_tables
+from hbench.report.diagnosis.change_words import (
+    changes_tables,
+    listed,
+    lookalikes_tables,
+    of_instrument,
+)
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     SIGNAL_NAMES,
+    deviation_and_limit,
     in_sentence,
-    in_unit,
     in_words,
     p_equation,
     value_words,
 )
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import deviations, largest_deviation
+from hbench.report.diagnosis.sentences import deviations, largest_deviation, undetectable
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
 from hbench.report.diagnosis.summary import answers, next_step
 from hbench.report.render.document import Section, document
@@ -41,6 +46,11 @@ _CHANGES = (
      "at the same commands and pressures; the pressure, which is that of the fed chamber, at the "
      "same speed and load."),
 )  # fmt: skip
+_COMPUTED = (
+    "Error of an instrument",
+    "It changes the readings, and the friction and the flows that are computed from them. At the "
+    "bench nothing is different.",
+)
 _GAP = (
     "Root mean square of measurement less model, in units of the scatter of repeated trials. 1 is "
     "the repeatability of the bench. Gaps below 0.3 are drawn at 0.3."
@@ -73,6 +83,8 @@ _WHERE = (
      "unit of the balance. Below the next column it does not matter."),
     ("Tolerances allow", "Deviation that sensors within their tolerances may cause in a model that "
      "is not refitted."),
+    ("Metering edge", "Edge of the valve's spool that connects the chamber with the supply or the "
+     "tank. Where one gap is much larger, inspect that edge."),
 )  # fmt: skip
 _WHICH = (
     ("Score", "Gain of log-likelihood at held-out operating points, in nats (natural logarithm)."),
@@ -122,7 +134,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     where = Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
         drawings=drawn("where"),
-        tables=_with_rows(_untitled(text.where_table(diagnosis)), text.edges_table(diagnosis)),
+        tables=_with_rows(
+            text.where_table(diagnosis), text.rest_table(diagnosis), text.edges_table(diagnosis)
+        ),
         facts=_WHERE,
     )
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
@@ -151,7 +165,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *changes_tables(diagnosis),
             *lookalikes_tables(diagnosis),
         ),
-        facts=(*_laws(diagnosis), *(_CHANGES if diagnosis.practice else ())),
+        facts=(*_laws(diagnosis), *_change_facts(diagnosis)),
     )
     missing = Section(
         "Missing data and runs left out", items=diagnosis.notes, facts=_caveats(diagnosis)
@@ -185,7 +199,8 @@ def _verdict(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "ambiguous":
         return f"One of these effects is missing in the model: {finding}{step}"
     if diagnosis.verdict == "none":
-        return f"No missing effect is found: {finding}{_largest(diagnosis.where)}"
+        found = f"{finding}{_largest(diagnosis.where)} {undetectable(diagnosis)}".rstrip()
+        return f"No missing effect is found: {found}"
     if not diagnosis.where:
         missing = f" Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return f"These runs do not suffice to find a missing effect.{missing}"
@@ -206,10 +221,10 @@ def _largest(gaps: Sequence[Gap]) -> str:
         why = "does not matter"
     elif largest.p_value < _SIGNIFICANCE:
         why = f"is {number(largest.gap, 1)} trial scatters, too few for a missing effect"
+    deviation, limit = deviation_and_limit(largest)
     return (
-        f" The largest deviation that remains, {in_sentence(largest.name)} by "
-        f"{in_unit(largest, largest.deviation)} RMS (limit {in_unit(largest, largest.material)}), "
-        f"{why}."
+        f" The largest deviation that remains, {in_sentence(largest.name)} by {deviation} RMS "
+        f"(limit {limit}), {why}."
     )
 
 
@@ -286,6 +301,12 @@ def _laws(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
         for effect in diagnosis.effects
         if effect.law
     )
+
+
+def _change_facts(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
+    """Return how the tables of changes are to be read; empty without any."""
+    computed = (_COMPUTED,) if any(map(of_instrument, diagnosis.practice)) else ()
+    return (*_CHANGES, *computed) if diagnosis.practice else ()
 
 
 def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:

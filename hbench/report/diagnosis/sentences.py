@@ -13,13 +13,13 @@ from hbench.records import (
     WorkingPoint,
 )
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.diagnosis.change_words import listed, main_changes, phrase
+from hbench.report.diagnosis.change_words import listed, main_changes, of_instrument, phrase
 from hbench.report.diagnosis.names import (
     AXES,
     balance,
     compared_model,
+    deviation_and_limit,
     in_sentence,
-    in_unit,
     in_words,
     p_equation,
     p_words,
@@ -66,14 +66,16 @@ def at_point_words(
         )
     if brief:
         changes = [change for change in changes if change.quantity not in ("pressure",)][:2]
-    clauses = [phrase(change, point.direction) for change in changes]
+    clauses = change_clauses(effect, changes, point)
     return f"{where_words(point)} {listed(clauses)}."
 
 
-def clause(change: Change, diagnosis: Diagnosis) -> str:
-    """Return a change at the working point of a diagnosis."""
-    assert diagnosis.working_point is not None  # there are changes
-    return phrase(change, diagnosis.working_point.direction)
+def change_clauses(
+    effect: EffectInPractice, changes: Sequence[Change], point: WorkingPoint
+) -> list[str]:
+    """Return changes of an effect at the working point, a clause each."""
+    computed = of_instrument(effect)
+    return [phrase(change, point.direction, computed=computed) for change in changes]
 
 
 def odds_words(effect: AddedEffect) -> str:
@@ -179,8 +181,7 @@ def deviations(gaps: Sequence[Gap]) -> str:
     for gap in gaps[:_FEW]:
         size = f"{number(gap.gap, 1)} trial scatters"
         if isfinite(gap.deviation):
-            limit = f"limit {in_unit(gap, gap.material)}"
-            size = f"{in_unit(gap, gap.deviation)} RMS ({limit})"
+            size = "{} RMS (limit {})".format(*deviation_and_limit(gap))
         parts.append(f"{in_sentence(gap.name)} deviates by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
     return f"{'; '.join(parts)}{more}"
@@ -195,10 +196,10 @@ def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
 def significant_gaps(gaps: Sequence[Gap]) -> str:
     """Return the gaps that are significant where no missing effect is found; empty without any."""
     parts = [
-        f"{in_sentence(gap.name)} by {in_unit(gap, gap.deviation)} RMS ({p_equation(gap.p_value)}, "
-        f"limit {in_unit(gap, gap.material)})"
+        f"{in_sentence(gap.name)} by {deviation} RMS ({p_equation(gap.p_value)}, limit {limit})"
         for gap in gaps
         if gap.p_value < SIGNIFICANCE and isfinite(gap.deviation)
+        for deviation, limit in [deviation_and_limit(gap)]
     ]
     return f"Significant, but no missing effect by their size: {listed(parts)}." if parts else ""
 
@@ -211,16 +212,32 @@ def significance(gaps: Sequence[Gap]) -> str:
 
 def detectable(diagnosis: Diagnosis) -> str:
     """Return how many effects of a typical size these runs would show, and which ones not."""
-    if diagnosis.separability is None:
+    seen = _detectable(diagnosis)
+    if not seen:
         return ""
+    unseen = [in_words(name) for name, known in seen.items() if not known]
+    rest = f" They would not show {listed(unseen)}: these can be present." if unseen else ""
+    count = f"{sum(seen.values())} of {len(seen)}"
+    return f"These runs would show {count} known effects at a typical size.{rest}"
+
+
+def undetectable(diagnosis: Diagnosis) -> str:
+    """Return how many effects of a typical size these runs would not show; empty for none."""
+    seen = _detectable(diagnosis)
+    unseen = len(seen) - sum(seen.values())
+    if not unseen:
+        return ""
+    return f"These runs would not show {unseen} of {len(seen)} known effects at a typical size."
+
+
+def _detectable(diagnosis: Diagnosis) -> dict[str, bool]:
+    """Return each known effect, and whether these runs would show a typical size of it."""
+    if diagnosis.separability is None:
+        return {}
     seen: dict[str, bool] = {}
     for size in diagnosis.separability.sizes:
         seen[size.effect] = seen.get(size.effect, False) or size.detectable
-    unseen = [in_words(name) for name, known in seen.items() if not known]
-    unseen += map(in_words, diagnosis.not_tried)
-    count = f"{sum(seen.values())} of {len(seen.keys() | diagnosis.not_tried.keys())}"
-    rest = f" They would not show {listed(unseen)}." if unseen else ""
-    return f"These runs would show {count} known effects at a typical size.{rest}"
+    return {**seen, **dict.fromkeys(diagnosis.not_tried, False)}
 
 
 def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
@@ -250,7 +267,10 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
 
 
 def worst_places(diagnosis: Diagnosis, name: str) -> str:
-    """Return where the gap of a balance is clearly larger than elsewhere, as adverbs of place."""
+    """Return where the gap of a balance is clearly larger than elsewhere, as adverbs of place.
+
+    The regions of the largest gaps come first.
+    """
     places = []
     for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
         own = [
@@ -267,7 +287,7 @@ def worst_places(diagnosis: Diagnosis, name: str) -> str:
             low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
             stretch = f"at a {display.title} of {low} to {high} {display.unit}"
             way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
-            places.append((contrast, way or stretch))
+            places.append((worst.gaps[name], way or stretch))
     places.sort(key=lambda place: -place[0])
     return " and ".join(words for _, words in places[:_FEW])
 

@@ -15,7 +15,7 @@ from hbench.report.diagnosis.sentences import (
     agreement,
     at_point_words,
     best_candidate,
-    clause,
+    change_clauses,
     closeness,
     detectable,
     deviations,
@@ -78,7 +78,7 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.alternatives:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects and diagnosis.rest:
-        yield _NOT_EXPLAINED, f"{capital(deviations(diagnosis.rest))}."
+        yield _NOT_EXPLAINED, f"With the effects, {deviations(diagnosis.rest)} over all runs."
         yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
     if diagnosis.effects or diagnosis.alternatives:
         return
@@ -151,21 +151,26 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
 def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    point = diagnosis.working_point
+    if point is None:
+        return ""
     parts = [
-        f"{in_words(effect.name)} would mean that "
-        f"{listed([clause(c, diagnosis) for c in changes])}."
+        f"{in_words(effect.name)} would mean that {listed(change_clauses(effect, changes, point))}."
         for effect in chosen
         if (changes := main_changes(effect)[: 1 if brief else None])
     ]
     sentences = " ".join((*parts[:1], *map(capital, parts[1:])))
-    return f"{where_words(diagnosis.working_point)} {sentences}" if parts else ""
+    return f"{where_words(point)} {sentences}" if parts else ""
 
 
 def _separation(diagnosis: Diagnosis) -> Iterator[str]:
+    pairs = list(_separable_pairs(diagnosis))
     if diagnosis.next_experiment:
         yield diagnosis.next_experiment
+    elif not pairs and not diagnosis.missing:
+        yield "The catalogue contains no run that separates them."
     else:
-        for effect, other in _separable_pairs(diagnosis):
+        for effect, other in pairs:
             pair = f"{in_words(effect.name)} and {in_words(other.name)}"
             yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
     if not diagnosis.next_experiment and diagnosis.missing:
@@ -201,7 +206,7 @@ def _either(parts: Sequence[str]) -> str:
 
 def next_step(diagnosis: Diagnosis) -> str:
     """Return the sentence of the verdict on what to do next; empty where nothing is missing."""
-    inspect = _either([each.partition(";")[0] for each in _inspections(diagnosis)])
+    inspect = _either(_inspections(diagnosis))
     if diagnosis.alternatives:
         if diagnosis.next_schedule:
             return "Next step: measure next.yaml."
@@ -267,7 +272,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))
     yield _RESIDUALS, residual_words(diagnosis, list(names))
     yield _RESIDUALS, significant_gaps(diagnosis.where)
-    yield _ACTION, "There is nothing to inspect or to repair."
+    yield _ACTION, "These runs give no reason to inspect or to repair anything."
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, "Use model.yaml, which has the refitted values."
 

@@ -1,6 +1,6 @@
 """A diagnosis in words and tables, for the terminal and the page."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from hbench.records import (
     AddedEffect,
@@ -20,6 +20,7 @@ from hbench.report.diagnosis.names import (
     balance,
     coefficient_words,
     compared_model,
+    deviation_and_limit,
     in_sentence,
     in_unit,
     p_words,
@@ -119,6 +120,7 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
         effects_table(diagnosis),
         alternatives_table(diagnosis),
         where_table(diagnosis),
+        rest_table(diagnosis),
         *gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs"),
         run_table(diagnosis, _FEW),
         ranking_table(diagnosis, _FEW),
@@ -169,6 +171,16 @@ def alternatives_table(diagnosis: Diagnosis) -> WordTable:
 
 def where_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances of the model before any effect, the worst first."""
+    return _gaps_table(f"Balances of the {compared_model(diagnosis)}", diagnosis.where)
+
+
+def rest_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the balances that the effects do not explain; no rows without effects."""
+    gaps = diagnosis.rest if diagnosis.effects else ()
+    return _gaps_table("Balances that the effects do not explain", gaps)
+
+
+def _gaps_table(title: str, gaps: Sequence[Gap]) -> WordTable:
     rows = tuple(
         (
             balance(gap.name).title,
@@ -176,16 +188,15 @@ def where_table(diagnosis: Diagnosis) -> WordTable:
             number(gap.structured, 2),
             p_words(gap.p_value),
             in_unit(gap, gap.scatter),
-            in_unit(gap, gap.deviation),
-            in_unit(gap, gap.material),
+            *deviation_and_limit(gap),
             in_unit(gap, gap.allowed),
             str(gap.windows),
         )
-        for gap in diagnosis.where
+        for gap in gaps
     )
     units = ("trial scatter", "deviation", "matters above", "tolerances allow")
     head = ("balance", "gap", "structured", "p (Holm)", *units, "windows")
-    return WordTable(f"Where the {compared_model(diagnosis)} disagrees", head, rows)
+    return WordTable(title, head, rows)
 
 
 def edges_table(diagnosis: Diagnosis) -> WordTable:

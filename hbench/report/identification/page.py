@@ -37,7 +37,8 @@ _HELD_OUT = ("RMS error of friction", "Along the motion of runs left out of the 
 _PARTS = (
     ("Steady", "The reference has been constant for 0.3 s."),
     ("Rest", "The reference has been zero for 0.3 s; there friction is the force that holds the "
-     "piston."),
+     "piston. Laws of speed and pressure alone (Tustin, Marton and Lantos, pressure-based) do not "
+     "determine it."),
     ("Unsteady", "All other samples."),
 )  # fmt: skip
 _RANKED = "RMS error, undetermined parameters and plant file of each law"
@@ -72,6 +73,9 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
     overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
     profiles = tuple(drawing for drawing in drawings if drawing not in (*steady, *overview))
+    best = _best(identification)
+    shown = tuple(drawing for drawing in profiles if drawing.section == best)
+    others = tuple(drawing for drawing in profiles if drawing.section != best)
     verified = [_once(tables[title]) for title in (ERRORS, HELD_OUT) if title in tables]
     parameters = _of_each_law(tables[PARAMETERS]) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
@@ -87,10 +91,9 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         ),
         Section(
             "Verification profile",
-            parts=(
-                Section(f"Figures of each law ({len(profiles)})", drawings=profiles, folded=True),
-            )
-            if profiles
+            drawings=shown,
+            parts=(Section(f"Other laws ({len(others)})", drawings=others, folded=True),)
+            if others
             else (),
         ),
         Section("Steady runs and ramps", _ramp_words(identification), tables=tuple(ramps)),
@@ -221,12 +224,14 @@ def _closest(identification: Identification) -> str:
 
 def _next_step(identification: Identification) -> str:
     """Return how to use the law with the smallest error; empty if none was verified."""
+    best = _best(identification)
+    return f" Next step: simulate with hbench run --plant {best}.yaml." if best else ""
+
+
+def _best(identification: Identification) -> str:
+    """Return the law with the smallest error; empty if none was verified."""
     errors = _errors(identification)
-    if not errors:
-        return ""
-    return (
-        f" Next step: simulate with hbench run --plant {min(errors, key=errors.__getitem__)}.yaml."
-    )
+    return min(errors, key=errors.__getitem__, default="")
 
 
 def _errors(identification: Identification) -> dict[str, float]:
