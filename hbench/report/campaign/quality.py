@@ -30,8 +30,8 @@ _LIMITS = {
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
     "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
-    "drift": "good to {good:g} % or not significant; poor above {poor:g} % if not separated from "
-    "speed",
+    "drift": "good to {good:g} % or not significant; if not separated from speed, with care where "
+    "more than {poor:g} % is possible, poor where a significant drift is larger",
     "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
     "poor if a zero is not known",
     "zero_drift": "good to {good:g} % of that tolerance, poor above",
@@ -68,6 +68,8 @@ def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
     ``aborted`` campaign is continued first, which makes its missing runs and trials.
     """
     missing = ("complete", "trials_per_point") if aborted else ()
+    if not quality.completeness.not_completed:
+        missing = (*missing, "complete")  # no run is missing, but trials are
     steps = ["continue the campaign with --resume"] if aborted else []
     steps += [
         _STEPS[check.name].format(parts=f" ({parts})" if parts else "")
