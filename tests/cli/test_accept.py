@@ -60,3 +60,4 @@ def test_the_files_hold_each_decision(accept, tmp_path):
         assert [each.tag for each in case] == tags[check["decision"]]
     assert int(suite.get("failures")) > 0 and suite.get("errors") == "1"
     assert cases[0].get("name").startswith("A.1: friction")
+    assert suite.get("name").endswith("(simulated)")

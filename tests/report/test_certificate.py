@@ -44,7 +44,7 @@ CLAUSES = {
     "7.8.2.2": "as stated by the customer",
     "7.8.3.1 a": "23 °C, 40 %",
     "7.8.3.1 b": "Statement of conformity",
-    "7.8.3.1 c": "U is the expanded uncertainty after JCGM 100",
+    "7.8.3.1 c": "U is the expanded uncertainty according to JCGM 100",
     "7.8.3.1 d": "A remark of the laboratory",
     "7.8.3.1 e": "Back pressure: set pressure",
     "7.8.4.1 a": "for a coverage probability of approximately 95 %",
@@ -307,7 +307,7 @@ def test_an_overdue_calibration_gives_no_traceability(certificate):
 
 def test_without_tolerances_the_uncertainty_is_said_to_be_incomplete(certificate):
     text = page_text(replace(certificate(), instruments=None))
-    assert "no complete uncertainty after JCGM 100" in text
+    assert "no complete uncertainty according to JCGM 100" in text
     assert "errors of the instruments are not recorded" in text.lower()
 
 

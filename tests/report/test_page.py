@@ -9,10 +9,21 @@ from urllib.parse import unquote_to_bytes
 
 import pytest
 
-from hbench.records import Fit, FitParameter, HeldOut, JointFit, Selection
+from hbench.records import (
+    Completeness,
+    Fit,
+    FitParameter,
+    HeldOut,
+    JointFit,
+    PointTrials,
+    Quality,
+    QualityCheck,
+    Selection,
+)
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.page import report_document
+from hbench.report.campaign.quality import next_step, quality_table, quality_verdict
 from hbench.report.render.document import anchor
 from hbench.report.render.document import page as page_of
 from hbench.report.render.numbers import force, number, short, significant, span, with_interval
@@ -193,6 +204,23 @@ def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small)
         summary = report_document(results, ()).sections[0]
         steps.append(dict(summary.facts).get("Next step", ""))
     assert steps[0] == "" and steps[1].startswith("Make more trials of each point")
+
+
+def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_once():
+    point = PointTrials("steady", "", "extend", 500.0, None, None, 0.1, 0, 3)
+    checks = (
+        QualityCheck("complete", "with care", 8, "trials", 8, None, 8, 8),
+        QualityCheck("trials_per_point", "poor", 0, "trials", 3, 1, 1),
+    )
+    quality = Quality("poor", checks, Completeness(8, False, (), 2, (point,)), ())
+    assert "missing" not in next_step(quality, "")
+    assert quality_verdict(quality).count("no accepted trial") == 1
+    assert quality_verdict(quality, count_runs=False).count("no accepted trial") == 1
+    found = [row[2].text for row in quality_table(quality).rows]
+    assert found == [
+        "8 of 8 planned runs were completed; 1 point has no accepted trial",
+        "none at 1 point",
+    ]
 
 
 def test_speeds_of_a_page_are_in_mm_per_second_only(page):

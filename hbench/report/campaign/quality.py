@@ -30,8 +30,8 @@ _LIMITS = {
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
     "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
-    "drift": "good to {good:g} % or not significant; poor above {poor:g} % if not separated from "
-    "speed",
+    "drift": "good to {good:g} % or not significant; if not separated from speed, with care where "
+    "more than {poor:g} % is possible, poor where a significant drift is larger",
     "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
     "poor if a zero is not known",
     "zero_drift": "good to {good:g} % of that tolerance, poor above",
@@ -58,7 +58,7 @@ _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is ab
 def quality_count(quality: Quality) -> str:
     """Count the checks that are good."""
     good = sum(check.grade == "good" for check in quality.checks)
-    return f"{good} of {len(quality.checks)} checks are good"
+    return f"{good} of {len(quality.checks)} checks {'is' if good == 1 else 'are'} good"
 
 
 def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
@@ -68,6 +68,8 @@ def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
     ``aborted`` campaign is continued first, which makes its missing runs and trials.
     """
     missing = ("complete", "trials_per_point") if aborted else ()
+    if not quality.completeness.not_completed:
+        missing = (*missing, "complete")  # no run is missing, but trials are
     steps = ["continue the campaign with --resume"] if aborted else []
     steps += [
         _STEPS[check.name].format(parts=f" ({parts})" if parts else "")
@@ -80,8 +82,8 @@ def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
 def quality_table(quality: Quality) -> Table:
     """Return a row for each check."""
     rows = tuple(
-        (Cell(_NAMES[check.name]), _grade(check), Cell(_value(check)), Cell(_limits(check)))
-        for check in quality.checks
+        (Cell(_NAMES[check.name]), _grade(check), Cell(value), Cell(_limits(check)))
+        for check, value in ((check, _found(check, quality)) for check in quality.checks)
     )
     return Table(_HEAD, rows, frozenset(_HEAD), title="Checks of the data")
 
@@ -121,16 +123,23 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     """
     worst = [check for check in quality.checks if check.grade == quality.grade]
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
-    reasons = ". ".join(capital(_reason(check)) for check in worst)
+    named = [c for c in worst if not (incomplete and _is_without_trial(c))]  # not twice
+    reasons = ". ".join(capital(_reason(check)) for check in named)
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
     elif quality.grade == "with care":
         verdict = f"Use the data with care. {reasons}."
-    elif all(check.name == "trials_per_point" and check.value == 0 for check in worst):
-        verdict = f"The data is poor. {reasons}. The numbers below are those of the other points."
+    elif all(map(_is_without_trial, worst)):
+        why = f"{reasons}. " if reasons else ""
+        verdict = f"The data is poor. {why}The numbers below are those of the other points."
     else:
         verdict = f"The data is poor; do not rely on the numbers below. {reasons}."
     return " ".join(filter(None, (incomplete, verdict, _contradictions(quality.implausible))))
+
+
+def _is_without_trial(check: QualityCheck) -> bool:
+    """Return whether a point has no accepted trial."""
+    return check.name == "trials_per_point" and check.value == 0
 
 
 def incomplete_words(complete: Completeness) -> str:
@@ -176,11 +185,19 @@ def _reason(check: QualityCheck) -> str:
     """Write what a check found, for a sentence."""
     if check.name == "instruments" and check.value is not None:
         return f"the tolerances of the instruments{_value(check).removeprefix('their tolerances')}"
-    if check.name == "trials_per_point" and check.value == 0:
+    if _is_without_trial(check):
         return f"{check.count} {_points(check.count)} {_have(check.count or 0)} no accepted trial"
     if check.drift is not None:
         return drift_finding(check.drift)
     return f"{_NAMES[check.name].lower()}: {_value(check)}"
+
+
+def _found(check: QualityCheck, quality: Quality) -> str:
+    """Write what a check found, for the table; the points without a trial are counted."""
+    none = sum(point.accepted == 0 for point in quality.completeness.short_points)
+    if check.name != "complete" or not none:
+        return _value(check)
+    return f"{_value(check)}; {none} {_points(none)} {_have(none)} no accepted trial"
 
 
 def _value(check: QualityCheck) -> str:
@@ -189,7 +206,7 @@ def _value(check: QualityCheck) -> str:
     if check.name == "runs_accepted":
         return f"{check.count} of {check.of}, {number(check.value)} %"
     if check.name == "trials_per_point":
-        if check.value == 0:
+        if _is_without_trial(check):
             return f"none at {check.count} {_points(check.count)}"
         single = check.value == check.poor
         return "a point has one trial only, so no interval" if single else f"at least {check.value}"

@@ -32,8 +32,8 @@ _STEPS = {
     "MARGINAL": "MARGINAL: the value is within its limit, but nearer to it than U; repeat the "
     "test with more trials or more accurate instruments (hbench report shows the parts of U), or "
     "agree on another rule with the customer",
-    "NOT TESTED": "NOT TESTED: make the runs that the reasons in the table name, then repeat the "
-    "command",
+    "NOT TESTED": "NOT TESTED: the table gives the reason; measure what is missing, or reduce a U "
+    "that is too large with more trials or more accurate instruments, then repeat the command",
 }
 
 
@@ -78,13 +78,15 @@ def next_steps(acceptance: Acceptance) -> Iterator[str]:
 
 
 def junit_xml(acceptance: Acceptance) -> str:
-    """Return a test suite with a case for each decision; only PASS is no failure."""
+    """Return a test suite of the cylinder, a case for each decision; only PASS is no failure."""
     checks = acceptance.checks
     failed = [check for check in checks if check.decision in ("FAIL", "MARGINAL")]
     untested = [check for check in checks if check.decision == "NOT TESTED"]
+    about = [acceptance.provenance.name]
+    about += [f"cylinder {acceptance.serial}"] if acceptance.serial else []
     suite = ElementTree.Element(
         "testsuite",
-        name=printable(f"hbench accept {acceptance.provenance.name}"),
+        name=printable(f"hbench accept {', '.join(about)} ({acceptance.provenance.source})"),
         tests=str(len(checks)),
         failures=str(len(failed)),
         errors=str(len(untested)),

@@ -31,6 +31,8 @@ def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
     sketches = []
     for quantity in dict.fromkeys(spread.quantity for spread in fleet.spreads):
         spreads = [spread for spread in fleet.spreads if spread.quantity == quantity]
+        if all(spread.n < min(2, fleet.compared) for spread in spreads):
+            continue  # nothing to compare
         name = quantity.name.replace("_", "-")
         enough = [spread for spread in spreads if spread.n >= FEWEST_CAMPAIGNS]
         with rc_context(style.RC):

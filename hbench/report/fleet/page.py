@@ -141,6 +141,8 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.worst:
         all_shown = fleet.outliers >= _LEAST
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
+        if not fleet.outliers:
+            few = "These deviate most, but none of them significantly (p at least 0.05)."
         none = () if all_shown else (few,)
         title = "Outliers" if all_shown else "Largest deviations"
         yield Section(title, none, tables=(_worst(fleet),), anchor="worst")

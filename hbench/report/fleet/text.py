@@ -201,9 +201,16 @@ def finding_sentences(fleet: Fleet) -> Iterator[str]:
     ]
     if drifts:
         more = f"; and {len(drifts) - _NAMED} more" if len(drifts) > _NAMED else ""
-        yield f"Significant drift: {'; '.join(drifts[:_NAMED])}{more}."
+        yield f"Significant drift: {'; '.join(drifts[:_NAMED])}{more}.{_step_instead(fleet)}"
     elif any(spread.trend is not None for spread in fleet.spreads):
         yield "No drift is significant."
+
+
+def _step_instead(fleet: Fleet) -> str:
+    """Remark that the drifting numbers also have a step, if all of them do."""
+    steps = {(c.quantity, c.direction) for c in fleet.charts if c.step is not None and c.step.real}
+    drifts = {(s.quantity, s.direction) for s in fleet.spreads if s.trend and s.trend.real}
+    return " A step, as above, appears as a drift too." if drifts <= steps else ""
 
 
 def _outlier_words(suspect: Suspect) -> str:
@@ -274,9 +281,9 @@ def spread_table(fleet: Fleet) -> WordTable:
     rows = []
     for spread in fleet.spreads:
         scale = spread.quantity.scale
-        between = (
-            significant(scale * spread.between, 2) if spread.between > 0 else "not significant"
-        )
+        between = "not significant" if spread.n > 1 else NONE
+        if spread.between > 0:
+            between = significant(scale * spread.between, 2)
         rows.append(
             (
                 name_of(spread),

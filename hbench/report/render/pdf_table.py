@@ -98,7 +98,11 @@ def _size(head: Sequence[str], rows: Sequence[Sequence[str]], width: float) -> f
 def _widths(
     head: Sequence[str], rows: Sequence[Sequence[str]], width: float, size: float
 ) -> list[float]:
-    """Return widths that fill ``width``: words are not broken if possible."""
+    """Return widths that fill ``width``: words are not broken if possible.
+
+    Of the space that the widest words leave, the columns that need least get it first: short cells
+    stay on a line, long ones are wrapped.
+    """
     least = [size * each for each in _least(head, rows)]
     best = least.copy()
     for weight, some in (("bold", [head]), ("normal", rows)):
@@ -110,7 +114,11 @@ def _widths(
     wanted = [more - fewer for more, fewer in zip(best, least, strict=True)]
     if spare <= 0:  # words longer than the page is wide are broken
         return [free * each / sum(least) for each in least]
-    share = min(1.0, spare / sum(wanted)) if sum(wanted) else 0.0
-    widths = [fewer + share * more for fewer, more in zip(least, wanted, strict=True)]
+    widths = least.copy()
+    columns = sorted(range(len(widths)), key=wanted.__getitem__)
+    for left, column in zip(range(len(columns), 0, -1), columns, strict=True):
+        more = min(wanted[column], spare / left)
+        widths[column] += more
+        spare -= more
     rest = (free - sum(widths)) / len(widths)
     return [each + rest for each in widths]

@@ -95,12 +95,13 @@ def not_tested_part(certificate: Certificate) -> Part:
     complete, paragraphs = results.quality.completeness, []
     measured = {value.quantity for value in certificate.values}
     untested = [word(f"q_{key}") for key in CERTIFIED_QUANTITIES if key not in measured]
-    if certificate.acceptance is not None:
-        checks = certificate.acceptance.checks
-        asked = [quantity_words(certificate, c) for c in checks if c.measurement is None]
-        untested += [text for text in asked if text not in untested]
-    if untested:
-        paragraphs.append(word("untested", quantities="; ".join(untested)))
+    checks = certificate.acceptance.checks if certificate.acceptance is not None else ()
+    missing = [check for check in checks if check.decision == "NOT TESTED"]
+    untested += [quantity_words(certificate, c) for c in missing if c.measurement is None]
+    undecided = [quantity_words(certificate, c) for c in missing if c.measurement is not None]
+    for key, quantities in (("untested", untested), ("undecided", undecided)):
+        if quantities:
+            paragraphs.append(word(key, quantities="; ".join(dict.fromkeys(quantities))))
     rejected = sum(not run.accepted for run in results.runs)
     deviations = []
     if complete.short_points:

@@ -56,13 +56,13 @@ def sheets(certificate: Certificate) -> list[Figure]:
     _header(pen, certificate, shown)
     if shown.mark:
         _mark(pen, shown.mark, shown.mark_text)
-    for row in shown.rows:
+    *rows, (validity,) = shown.rows
+    for row in rows:
         _row(pen, row)
+    pen.room(_text_height(validity) + _signatures_height(shown) + 6 + _BODY * LINE)
+    _part(pen, validity)  # on the sheet of the signatures
     _signatures(pen, shown)
-    if shown.mark:
-        _mark(pen, shown.mark, "")
     pen.space(6)
-    pen.room(_BODY * LINE)
     pen.write(shown.end, _BODY, x=SHEET_WIDTH / 2, ha="center", color=QUIET)
     for number, sheet in enumerate(pen.done, start=1):
         page = f"{shown.page_label} {number} {shown.of_label} {len(pen.done)}"
@@ -178,6 +178,18 @@ def _fact_height(part: Part, width: float) -> float:
     return 22 + lines * _BODY * LINE
 
 
+def _text_height(part: Part) -> float:
+    return 22 + sum(len(wrapped(text, INNER, _BODY)) for text in part.paragraphs) * _BODY * LINE
+
+
+def _signatures_height(shown: Content) -> float:
+    return 21 + -(-len(shown.signatories) // _columns(shown)) * _SIGNATURE
+
+
+def _columns(shown: Content) -> int:
+    return 2 if len(shown.signatories) > 1 else 1
+
+
 def _part(pen: Pen, part: Part) -> None:
     pen.room(22 + 3 * _BODY * LINE + (20 if part.tables else 0))  # no heading alone at the foot
     pen.space(7)
@@ -220,9 +232,8 @@ def _table(pen: Pen, table: GridTable) -> None:
 
 
 def _signatures(pen: Pen, shown: Content) -> None:
-    columns = 2 if len(shown.signatories) > 1 else 1
-    rows = -(-len(shown.signatories) // columns)
-    pen.room(30 + rows * _SIGNATURE)
+    columns = _columns(shown)
+    pen.room(_signatures_height(shown))
     pen.space(7)
     pen.write(shown.signature_title, _HEADING, weight="bold", color=_ACCENT)
     pen.space(2.5)

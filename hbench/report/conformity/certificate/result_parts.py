@@ -21,12 +21,15 @@ def method_part(certificate: Certificate) -> Part:
     """Return the laboratory's procedure, how each quantity is measured, and the software."""
     word, file, provenance = certificate.word, certificate.file, certificate.results.provenance
     measured = {value.quantity for value in certificate.values}
+    checks = certificate.acceptance.checks if certificate.acceptance is not None else ()
+    decided = {check.requirement.quantity for check in checks if check.measurement is not None}
     version = provenance.software.get("hbench", word("not_stated"))
     firmware = printable(provenance.firmware) or word("not_stated")
     paragraphs = [
         *([word("procedure", method=file.method)] if file.method else []),
         *([word("method_steady")] if measured & {"friction", "efficiency"} else []),
         *(word(f"method_{key}") for key in ("breakaway", "leakage") if key in measured),
+        *(word(f"method_{key}") for key in ("speed_ripple", "drift") if key in decided),
         word("software", version=printable(version), firmware=firmware),
         word("external", external=file.external) if file.external else word("no_external"),
         word("no_sampling"),

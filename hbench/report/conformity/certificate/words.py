@@ -103,6 +103,10 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "the piston after the longest rest under load.",
         "method_leakage": "Leakage is laminar and follows from the decay of the chamber pressures "
         "with all valves closed, with the bulk modulus of the bench file.",
+        "method_speed_ripple": "The speed ripple is the standard deviation of the mean speeds over "
+        "0.1 s, divided by the mean speed.",
+        "method_drift": "The drift is the relative change of friction from the first run to the "
+        "last, by least squares over the start times of the runs.",
         "software": "Evaluated with hbench {version}; firmware of the bench: {firmware}.",
         "external": "Results from external providers: {external}.",
         "no_external": "No results from external providers are recorded.",
@@ -133,14 +137,14 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "no_load": "At a load of 0 N the cylinder moves little more than the friction of the load "
         "side: the efficiency there is not that of operation under load.",
         # Uncertainty
-        "gum": "U is the expanded uncertainty after JCGM 100 (GUM): the combined standard "
+        "gum": "U is the expanded uncertainty according to JCGM 100 (GUM): the combined standard "
         "uncertainty of the trials and of the instruments multiplied by the stated coverage factor "
         "k, for a coverage probability of approximately 95 %. k is Student's factor for the "
         "effective degrees of freedom, or 2 where the bench file sets it. U contains no "
         "contribution from the long-term behaviour of the specimen.",
         "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
         "of the instruments are not known and are not part of it, so that it is no complete "
-        "uncertainty after JCGM 100.",
+        "uncertainty according to JCGM 100.",
         "leak_interval": "The interval of the leakage is the 95 % confidence interval of its fit; "
         "no coverage factor is stated for it, and the uncertainty of the bulk modulus is not part "
         "of it.",
@@ -178,7 +182,9 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "between": "{low} to {high} {unit}",
         "no_limits": "No statement of conformity was asked for.",
         # Not tested
-        "untested": "Not tested: {quantities}.",
+        "untested": "Not tested, because nothing was measured there: {quantities}.",
+        "undecided": "Measured, but not decided, because U is too large for the decision rule or "
+        "not known: {quantities}.",
         "short": "{points} of {of} operating points have fewer accepted trials than planned.",
         "rejected": "{runs} runs were rejected by screening and do not count.",
         "care": "hbench rates the data “with care”: {checks}.",
@@ -304,6 +310,10 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "längsten Ruhezeit unter Last eine langsam steigende Kraft den Kolben schiebt.",
         "method_leakage": "Die Leckage ist laminar und folgt aus dem Abfall der Kammerdrücke bei "
         "geschlossenen Ventilen, mit dem Kompressionsmodul der Prüfstandsdatei.",
+        "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der mittleren "
+        "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit.",
+        "method_drift": "Die Drift ist die relative Änderung der Reibung vom ersten bis zum "
+        "letzten Lauf, nach kleinsten Quadraten über den Anfangszeiten der Läufe.",
         "software": "Ausgewertet mit hbench {version}; Firmware des Prüfstands: {firmware}.",
         "external": "Ergebnisse externer Anbieter: {external}.",
         "no_external": "Ergebnisse externer Anbieter sind nicht verzeichnet.",
@@ -378,7 +388,9 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "at_least": "mindestens {low} {unit}",
         "between": "{low} bis {high} {unit}",
         "no_limits": "Eine Konformitätsaussage wurde nicht verlangt.",
-        "untested": "Nicht geprüft: {quantities}.",
+        "untested": "Nicht geprüft, weil dort nicht gemessen wurde: {quantities}.",
+        "undecided": "Gemessen, aber nicht entschieden, weil U für die Entscheidungsregel zu groß "
+        "oder nicht bekannt ist: {quantities}.",
         "short": "{points} von {of} Betriebspunkten haben weniger verwendete Wiederholungen als "
         "geplant.",
         "rejected": "{runs} Läufe wurden bei der Sichtung verworfen und zählen nicht.",
