@@ -5,6 +5,7 @@ directions, over as much of the stroke as 6 s and the braking distance allow. A 
 stroke is too short is lowered. Each run is screened as by ``hbench analyze``.
 """
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -30,6 +31,7 @@ PRESSURE_ERROR = 0.01  # of the supply pressure; mean error of a load pressure
 _LAG_S, _WINDOW_S, _SPARE_M = 0.06, 6.0, 2e-3
 _SHORTEST_S, _SLOWER = 0.5, 0.8  # steady window, and the factor by which a speed is lowered for it
 _SLOWEST_M_S = 1e-3
+_LIMIT = re.compile(r"limits\.(\w+)")
 
 
 def proposal(
@@ -162,7 +164,7 @@ def judge(recorded: ClosedLoopRuns, bench: Bench, rules: Screening, plant: str) 
     """Yield the checks on the runs against one plant."""
     whole, stop = sum(not run.aborted for run in recorded.runs), recorded.stopped
     ended = [run for run in recorded.runs if run.aborted]
-    stop = f"{_where(ended[-1])}: {stop}" if ended and stop else stop
+    stop = f"{_where(ended[-1])}: {_with_limits(stop, bench)}" if ended and stop else stop
     cut = max(recorded.planned - whole, 1 if stop else 0)
     yield Check(f"{plant}: runs cut short", cut, 0, "runs", not cut, stop)
     verdicts = [screen(run, rules) for run in recorded.runs]
@@ -203,6 +205,19 @@ def judge(recorded: ClosedLoopRuns, bench: Bench, rules: Screening, plant: str) 
 
 def _window(run: Run, start_s: float, stop_s: float) -> np.ndarray:
     return (run.t_s >= start_s) & (run.t_s <= stop_s)
+
+
+def _with_limits(fault: str, bench: Bench) -> str:
+    """Return a fault of the board in words with the bench's limits in place of their keys."""
+    limits = bench.limits
+    values = {
+        "travel": f"{1e3 * limits.travel_min:g} to {1e3 * limits.travel_max:g} mm",
+        "pressure_max": f"{limits.pressure_max / 1e5:g} bar",
+        "speed_max": f"{1e3 * limits.speed_max:g} mm/s",
+        "speed_error": f"{1e3 * limits.speed_error:g} mm/s",
+        "speed_error_time": f"{limits.speed_error_time:g} s",
+    }
+    return _LIMIT.sub(lambda found: values.get(found[1], found[0]), fault)
 
 
 def _where(run: Run) -> str:

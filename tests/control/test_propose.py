@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 
 from hbench.config.scaling import scaled
+from hbench.config.schedule import Screening, parse_schedule
 from hbench.control.grid import conditions, grid, margin_checks, operating_point
 from hbench.control.linearisation import linear_coefficients
 from hbench.control.loops import loop_plants
 from hbench.control.propose import family, propose
 from hbench.control.transfer import pi
 from hbench.errors import ConvergenceError
+from hbench.experiment import design_verification
+from hbench.experiment.closed_loop import ClosedLoopRuns
 from hbench.experiment.design_verification import plants as variants
 from hbench.experiment.design_verification import proposal, verify, with_gains
+from hbench.experiment.plan import plan_runs
+from hbench.experiment.runner import FAULT_WORDS
 from hbench.model.build import plant_parameters
+from hbench.records import Run
 from hbench.studies.source_design import SOURCE_LOOPS
 
 STIFF = {"oil": {"bulk_modulus": "2000 bar"}}
@@ -140,3 +146,16 @@ def test_proposals_hold_on_other_benches(make_bench, changes):
     bench = make_bench(**changes)
     found = proposal(bench, 1.7, operating_point(bench, plant_parameters(bench), {}), quiet)
     assert found.holds, [check for check in found.closed_loop if not check.holds]
+
+
+def test_a_stop_states_the_operating_point_and_the_limit_that_was_exceeded(stiff):
+    schedule = parse_schedule(design_verification.schedule(stiff), "design")
+    plan = plan_runs(schedule, stiff, "design").runs[0]
+    words = f"run {plan.run}: the board stopped itself: speed_error: {FAULT_WORDS['speed_error']}"
+    ended = Run(plan, np.arange(9) / 100, np.full(9, 0.1), aborted="speed_error")
+    first, *_ = design_verification.judge(
+        ClosedLoopRuns((ended,), 2, words), stiff, Screening(), "bench"
+    )
+    point, _, fault = first.where.partition(": run ")
+    assert point == f"{1e3 * plan.v_ref_m_s:+.4g} mm/s, {plan.f_load_n:.0f} N"
+    assert fault.endswith("by more than 40 mm/s for 0.05 s") and not first.holds

@@ -29,8 +29,6 @@ _STOPPED = re.compile(
 )
 _COMMAND = re.compile(r"\bu_([a-z]\d?)_v\b")
 _CODE = re.compile(r"\b[a-z]+(?:_[a-z]+)+(?=: )")  # of a reason for rejection
-_LIMIT = re.compile(r"limits\.(\w+)")
-_ALLOWED = {"speed_error_time": "longer than allowed", "travel": "the allowed travel"}
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -57,7 +55,6 @@ def cause_of(check: Check) -> str:
     if not stopped:
         return ""
     point, words = stopped.groups()
-    words = _LIMIT.sub(lambda found: _ALLOWED.get(found[1], "allowed"), words)
     return f"at {point}, {words}" if point else words
 
 
