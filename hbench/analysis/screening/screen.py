@@ -125,7 +125,8 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     if run.aborted:
         yield f"aborted: {run.aborted}"
     if run.truncated:
-        yield f"truncated: {run.truncated}"
+        causes = (cause.removeprefix("truncated: ") for cause in run.truncated.split("; "))
+        yield f"truncated: {'; '.join(causes)}"
     missing = missing_friction_channels(run)
     if KINDS[run.plan.kind].is_at_rest:
         missing = [name for name in missing if name != "f_applied_n"]
