@@ -26,7 +26,15 @@ from hbench.report.campaign.page import report_document
 from hbench.report.campaign.quality import next_step, quality_table, quality_verdict
 from hbench.report.render.document import anchor
 from hbench.report.render.document import page as page_of
-from hbench.report.render.numbers import force, number, short, significant, span, with_interval
+from hbench.report.render.numbers import (
+    force,
+    half_width,
+    number,
+    short,
+    significant,
+    span,
+    with_interval,
+)
 from hbench.report.render.style import DARK
 from tests.support.report.made_page import page_html, summarized
 
@@ -307,6 +315,10 @@ def test_a_full_campaign_stays_under_two_megabytes(stribeck):
 )
 def test_a_number_is_rounded_by_its_interval(value, half, text):
     assert with_interval(value, half) == text
+
+
+def test_a_half_width_alone_has_two_digits():
+    assert [half_width(half) for half in (111.4, 99.6, 9.44, 0.0)] == ["110", "100", "9.4", "0"]
 
 
 def test_numbers_read_as_people_write_them():

@@ -24,6 +24,7 @@ from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import (
     NONE,
     alike,
+    half_width,
     number,
     short,
     significant,
@@ -119,7 +120,7 @@ def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
     if halves := [scale * each.u95 for each in numbers if each.u95 is not None]:
         most = "up to " if len(numbers) > 1 else ""
         points = "percentage points" if unit == "%" else unit
-        remarks.append(f"U {most}{significant(max(halves), 2)} {points}")
+        remarks.append(f"U {most}{half_width(max(halves))} {points}")
     text = f"{alike([scale * each.value for each in numbers])} {unit}"
     return f"{text} ({'; '.join(remarks)})" if remarks else text
 
@@ -220,7 +221,7 @@ def _band_tiles(results: Results) -> Iterable[Tile]:
     """Yield the half band over all pressures, and its slope."""
     if results.bands:
         halves = [band.half_ci95_n for band in results.bands if band.half_ci95_n is not None]
-        most = f"; 95 % interval ±{significant(max(halves), 2)} N at most" if halves else ""
+        most = f"; 95 % interval ±{half_width(max(halves))} N at most" if halves else ""
         value = alike([band.half_n for band in results.bands])
         caption = f"half of the friction band, all pressures{most}"
         yield Tile(value, "N", caption, "method-half-band-and-middle")

@@ -7,7 +7,7 @@ from hbench.report.campaign.quality import missing_words
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
 from hbench.report.comparison.tables import who
-from hbench.report.render.numbers import alike, number, significant, with_interval
+from hbench.report.render.numbers import alike, half_width, number, significant, with_interval
 
 _FEW = 2  # curves that the verdict lists
 
@@ -91,7 +91,7 @@ def _efficiency_verdict(differences: CampaignDifferences) -> str:
         return f"Efficiency differs in {count}."
     way = "higher" if values[0] > 0 else "lower"
     halves = [100 * mean.u95 for mean in real if mean.u95]
-    widest = f" (U up to {significant(max(halves), 2)})" if len(halves) == len(real) else ""
+    widest = f" (U up to {half_width(max(halves))})" if len(halves) == len(real) else ""
     sizes = dict.fromkeys(significant(f(map(abs, values)), 2) for f in (min, max))
     return f"Efficiency is {way} in {count}, by {'–'.join(sizes)} percentage points{widest}."
 
@@ -109,7 +109,7 @@ def _widest(means: Sequence[Difference]) -> str:
     """Return the largest uncertainty of differences: U, or the interval of the trials."""
     halves = [mean.u95 or mean.ci95 or 0.0 for mean in means]
     name = "U" if all(mean.u95 for mean in means) else "95 % intervals of the trials"
-    return f"{name} up to {significant(max(halves), 2)} N"
+    return f"{name} up to {half_width(max(halves))} N"
 
 
 def _shares(shares: Sequence[float]) -> str:

@@ -38,7 +38,15 @@ from hbench.report.fleet.precision import (
 )
 from hbench.report.fleet.row import kind_difference
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import NONE, alike, number, short, significant, with_ends
+from hbench.report.render.numbers import (
+    NONE,
+    alike,
+    half_width,
+    number,
+    short,
+    significant,
+    with_ends,
+)
 from hbench.report.render.symbols import capital
 from hbench.report.render.terminal_table import table_lines
 
@@ -157,7 +165,7 @@ def _largest_interval(fleet: Fleet, spreads: list[Spread]) -> str:
     if not halves or len(halves) < len(numbers):
         return ""
     quantity = spreads[0].quantity
-    return f"; 95 % intervals up to ±{significant(quantity.scale * max(halves), 2)} {quantity.unit}"
+    return f"; 95 % intervals up to ±{half_width(quantity.scale * max(halves))} {quantity.unit}"
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:

@@ -68,6 +68,11 @@ def _to_half(value: float, half_width: float) -> str:
     return number(round(value, decimals), max(0, decimals))
 
 
+def half_width(value: float) -> str:
+    """Write the half-width of an interval with two significant digits: 9.4, 110."""
+    return _to_half(value, value) if math.isfinite(value) and value > 0 else significant(value, 2)
+
+
 def short(value: float | None) -> str:
     """Write with three significant digits and no zeros at the end: 5, 1.2, 49.1, 5000."""
     return _without_end_zeros(significant(value, 3))
