@@ -171,8 +171,10 @@ def _largest_interval(fleet: Fleet, spreads: list[Spread]) -> str:
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
     """Yield what is to be looked into: steps, outliers and drifts, without their numbers."""
     steps: dict[str, dict[str, None]] = {}
+    stepped = set()  # a step appears as a drift too
     for chart in fleet.charts:
         if chart.step is not None and chart.step.real:
+            stepped.add((chart.quantity, chart.direction))
             title = without_condition(chart.quantity)
             steps.setdefault(chart.step.name, {})[f"{title[:1].lower()}{title[1:]}"] = None
     for at, titles in list(steps.items())[:_NAMED]:
@@ -182,10 +184,13 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
         yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
     elif any(suspect.deviations for suspect in fleet.worst):
         yield "No campaign is an outlier."
-    drifts = sum(spread.trend is not None and spread.trend.real for spread in fleet.spreads)
+    known = [spread for spread in fleet.spreads if spread.trend is not None]
+    known = [spread for spread in known if (spread.quantity, spread.direction) not in stepped]
+    drifts = sum(spread.trend is not None and spread.trend.real for spread in known)
     if drifts:
-        total = sum(spread.trend is not None for spread in fleet.spreads)
-        yield f"{drifts} of {total} numbers {'drifts' if drifts == 1 else 'drift'} significantly."
+        others = "other " if stepped else ""
+        verb = "drifts" if drifts == 1 else "drift"
+        yield f"{drifts} of {len(known)} {others}numbers {verb} significantly."
 
 
 def finding_sentences(fleet: Fleet) -> Iterator[str]:
