@@ -219,8 +219,22 @@ def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unname
         "A table reproduces a deviation but does not show its cause."
     )
     text = summary(replace(compared, verdict="unknown", unnamed=(law,)))
-    assert says in text and "model.yaml predicts this deviation by its unnamed law" in text
+    assert says in text and "model.yaml reproduces a part of this deviation by its unnamed law" in text
     assert says in short_summary(replace(compared, verdict="unknown", unnamed=(law,)))
+
+
+def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first(compared):
+    def of_flow(extending, retracting):
+        gaps = {"extend": extending, "retract": retracting}
+        regions = tuple(
+            Region("direction", way, NAN, NAN, 9, {"flow_tr": gap}) for way, gap in gaps.items()
+        )
+        gap = replace(compared.where[0], name="flow_tr")
+        return summary(replace(compared, where=(gap,), rest=(gap,), regions=regions))
+
+    begin = "Begin with the valve's edge to tank: the gap is 17.8 there and 8.6 at that to supply."
+    assert begin in of_flow(17.8, 8.6)  # while the piston extends, oil leaves the rod side
+    assert "Begin with" not in of_flow(8.6, 8.0)
 
 
 def test_quantities_of_a_learned_law_have_the_symbols_of_its_chamber(compared):

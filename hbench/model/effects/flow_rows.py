@@ -200,8 +200,8 @@ ROWS = {
         coefficients={"test": _LEAK, "load": _LEAK, "exponent": _LINEAR},
         balances=FLOWS,
         laws={"flows": flows.internal_leakage},
-        law="Q = G (P_p - P_r) from piston to rod side, G = test or load; with an exponent other "
-        "than 1 (0.5: an orifice), G is that at 50 bar",
+        law="Q = G p_0 (|P_p - P_r| / p_0)^n to the side of lower pressure, G = test or load, "
+        "n = exponent (1: laminar, 0.5: an orifice), p_0 = 50 bar",
         signals="The piston is slower than the command; with closed valves both pressures meet.",
         confused_with={
             "external_leakage": Separation(
@@ -221,7 +221,8 @@ ROWS = {
         coefficients={"tp": _LEAK, "tr": _LEAK, "lp": _LEAK, "lr": _LEAK, "exponent": _LINEAR},
         balances=FLOWS,
         laws={"flows": flows.external_leakage},
-        law="Q = G P out of each chamber, G = tp, tr, lp or lr",
+        law="Q = G p_0 (P / p_0)^n out of each chamber, G = tp, tr, lp or lr, n = exponent, "
+        "p_0 = 50 bar",
         signals="One chamber needs more oil; with closed valves its pressure falls to zero.",
         confused_with={
             "pressure_offset": Separation(

@@ -51,8 +51,8 @@ _MAPS = (
 )
 _SHAPE = (
     "Residuals of this balance in units of the trials' scatter (grey band: ±1). A point is a "
-    "window of 0.16 s. Black: medians of equal numbers of windows, extending (▶) and retracting "
-    "(◀). Points beyond the axis are drawn at its edge."
+    "window of 0.16 s. Triangles: medians of equal numbers of windows, extending (▶) and "
+    "retracting (◀). Points beyond the axis are drawn at its edge."
 )
 _LAW = (
     "A table that was fitted to what no effect of the catalogue explains, with 95 % intervals of "

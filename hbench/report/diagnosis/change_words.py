@@ -63,9 +63,9 @@ def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     )
 
 
-def of_instrument(effect: EffectInPractice) -> bool:
-    """Return whether an effect is an error of a reading, which changes nothing at the bench."""
-    return any(change.quantity in _READINGS for change in effect.changes)
+def wrong_readings(effect: EffectInPractice) -> int:
+    """Count the readings that an error of the instruments changes; 0 for an effect of the bench."""
+    return sum(change.quantity in _READINGS for change in effect.changes)
 
 
 def main_changes(effect: EffectInPractice) -> list[Change]:
@@ -75,7 +75,7 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
     """
     chosen = []
     for names in _GROUPS:
-        if names == ("supply",) and of_instrument(effect):
+        if names == ("supply",) and wrong_readings(effect):
             continue
         group = [change for change in effect.changes if change.quantity in names]
         group = [c for c in group if abs(c.at_point) > _LEAST * max(c.largest, c.along)]
@@ -84,14 +84,15 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
     return chosen
 
 
-def phrase(change: Change, direction: str, *, computed: bool = False) -> str:
-    """Return a change at the working point as a clause; ``computed`` from a wrong reading."""
+def phrase(change: Change, direction: str, readings: int = 0) -> str:
+    """Return a change at the working point as a clause; of ``readings`` that are wrong, if any."""
     more, size, name = change.at_point > 0, _size(change), change.quantity
     way = "higher" if more else "lower"
     if name in _READINGS:
         sensor = "the load cell" if name == "f_applied" else f"the transducer of {_symbol(name)}"
-        return f"{sensor} shows {size} too {'much' if more else 'little'}"
-    if computed and (name in _FLOWS or name in _CYLINDERS):
+        words = f"{sensor} shows {size} too {'much' if more else 'little'}"
+        return f"{words}, the largest error of {readings} readings" if readings > 1 else words
+    if readings and (name in _FLOWS or name in _CYLINDERS):
         return f"the computed {_thing(name)} is {size} too {'high' if more else 'low'}"
     if name in _FLOWS:
         return f"{size} {'more' if more else 'less'} oil enters {CHAMBERS[name[-2:]]}"
@@ -142,7 +143,7 @@ def _object(change: Change, *, computed: bool) -> str:
 
 def along_words(effect: EffectInPractice) -> str:
     """Return what an effect changes over all measured motion, as objects of a sentence."""
-    known, computed = [c for c in effect.changes if c.largest > 0], of_instrument(effect)
+    known, computed = [c for c in effect.changes if c.largest > 0], bool(wrong_readings(effect))
     groups = (
         [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
     )

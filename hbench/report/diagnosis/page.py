@@ -10,7 +10,7 @@ from hbench.report.diagnosis.change_words import (
     changes_tables,
     listed,
     lookalikes_tables,
-    of_instrument,
+    wrong_readings,
 )
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -65,7 +65,8 @@ _SIGNALS = (
     "the verdict does not depend on them, and no expected gap is computed for them."
 )
 _REFITTED_STAGE = "The model with its poorly known values fitted, and no effect added."
-_REFUSED = "Everything is compared with the model as given."
+_REFUSED = "Any increase refuses it. Everything is compared with the model as given{fitted}."
+_FITTED_WITH = "; the values of model.yaml are those fitted together with the {added}"
 _EXPECTED = (
     "Gap that a correct model has on average, because its fitted values are uncertain. It is no "
     "lower limit: a fit can come closer."
@@ -76,11 +77,12 @@ _RUNS = (
     "beside this page contains every run and signal."
 )
 _WHERE = (
-    ("Structured", "Part of the gap that repeats: without the noise of single windows."),
+    ("Structured", "Part of the gap beyond the repeatability of the trials: √(gap² − 1)."),
     ("p (Holm)", "Probability of such a gap for a correct model, corrected after Holm for the "
      "number of balances."),
-    ("Deviation", "Root mean square of the residual without the noise of single windows, in the "
-     "unit of the balance. Below the next column it does not matter."),
+    ("Deviation", "Root mean square of the residual in the unit of the balance, without the noise "
+     "of single windows, but with the scatter from trial to trial. Below the next column it does "
+     "not matter."),
     ("Tolerances allow", "Deviation that sensors within their tolerances may cause in a model that "
      "is not refitted."),
     ("Metering edge", "Edge of the valve's spool that connects the chamber with the supply or the "
@@ -232,7 +234,9 @@ def _answer(diagnosis: Diagnosis) -> Section:
     """Return the first section: the engineer's answers, and the files beside the page."""
     known = tuple((question, _in_words(words)) for question, words in answers(diagnosis))
     if diagnosis.refit_refused:
-        known += (("Refit", f"{diagnosis.refit_refused} {_REFUSED}"),)
+        added = "effects" if diagnosis.effects else "unnamed laws" if diagnosis.unnamed else ""
+        fitted = _FITTED_WITH.format(added=added) if added and diagnosis.refitted else ""
+        known += (("Refit", f"{diagnosis.refit_refused} {_REFUSED.format(fitted=fitted)}"),)
     return Section(facts=(*known, ("Files beside this page", _files(diagnosis))))
 
 
@@ -305,7 +309,7 @@ def _laws(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
 
 def _change_facts(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     """Return how the tables of changes are to be read; empty without any."""
-    computed = (_COMPUTED,) if any(map(of_instrument, diagnosis.practice)) else ()
+    computed = (_COMPUTED,) if any(map(wrong_readings, diagnosis.practice)) else ()
     return (*_CHANGES, *computed) if diagnosis.practice else ()
 
 

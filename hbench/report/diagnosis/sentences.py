@@ -13,7 +13,7 @@ from hbench.records import (
     WorkingPoint,
 )
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.diagnosis.change_words import listed, main_changes, of_instrument, phrase
+from hbench.report.diagnosis.change_words import listed, main_changes, phrase, wrong_readings
 from hbench.report.diagnosis.names import (
     AXES,
     balance,
@@ -30,7 +30,7 @@ from hbench.report.diagnosis.names import (
 from hbench.report.render.numbers import number, short, significant
 
 _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is not that exact
-_CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
+CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, or unexplained gaps, in a sentence
 _CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
 _WAYS = {"extend": "extending", "retract": "retracting", "rest": "at rest"}
@@ -74,8 +74,8 @@ def change_clauses(
     effect: EffectInPractice, changes: Sequence[Change], point: WorkingPoint
 ) -> list[str]:
     """Return changes of an effect at the working point, a clause each."""
-    computed = of_instrument(effect)
-    return [phrase(change, point.direction, computed=computed) for change in changes]
+    readings = wrong_readings(effect)
+    return [phrase(change, point.direction, readings) for change in changes]
 
 
 def odds_words(effect: AddedEffect) -> str:
@@ -282,7 +282,7 @@ def worst_places(diagnosis: Diagnosis, name: str) -> str:
             continue
         worst = max(own, key=lambda region: region.gaps[name])
         contrast = worst.gaps[name] / min(region.gaps[name] for region in own)
-        if contrast > _CLEARLY_LARGER:
+        if contrast > CLEARLY_LARGER:
             display = AXES[axis]
             low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
             stretch = f"at a {display.title} of {low} to {high} {display.unit}"

@@ -9,8 +9,9 @@ from collections.abc import Iterator, Sequence
 from hbench.records import AddedEffect, Diagnosis, EffectInPractice, Lookalike
 from hbench.report.diagnosis.change_words import along_words, listed, main_changes
 from hbench.report.diagnosis.law_words import law_summary
-from hbench.report.diagnosis.names import PARTS, in_sentence, in_words
+from hbench.report.diagnosis.names import EDGES, PARTS, in_sentence, in_words
 from hbench.report.diagnosis.sentences import (
+    CLEARLY_LARGER,
     advice,
     agreement,
     at_point_words,
@@ -43,7 +44,8 @@ _OWN_EFFECT = (
     "(configs/README.md, HBENCH_EFFECTS); then reconcile again."
 )
 _MEANWHILE = (
-    "Until then, model.yaml predicts this deviation by its unnamed law, within the measured range."
+    "Until then, model.yaml reproduces a part of this deviation by its unnamed law, within the "
+    "measured range."
 )
 _WORSE, _CLOSEST = "What gets worse", "Closest known effect"
 
@@ -80,6 +82,8 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.effects and diagnosis.rest:
         yield _NOT_EXPLAINED, f"With the effects, {deviations(diagnosis.rest)} over all runs."
         yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
+        rest = listed([in_sentence(gap.name) for gap in diagnosis.rest])
+        yield _NOT_EXPLAINED, f"Do not rely on model.yaml for {rest} until this is explained."
     if diagnosis.effects or diagnosis.alternatives:
         return
     if diagnosis.verdict == "unknown":
@@ -228,7 +232,25 @@ def _where_to_look(diagnosis: Diagnosis) -> str:
     name = (diagnosis.rest or diagnosis.where)[0].name
     if name not in PARTS:
         return ""
-    return f"Next, inspect {PARTS[name]}. {worst_region(diagnosis, name)}".rstrip()
+    words = (f"Next, inspect {PARTS[name]}.", _edge(diagnosis, name), worst_region(diagnosis, name))
+    return " ".join(filter(None, words))
+
+
+def _edge(diagnosis: Diagnosis, name: str) -> str:
+    """Return which metering edge of a chamber's valve is suspect; empty where neither is."""
+    gaps = {
+        edge: region.gaps[name]
+        for way, edge in zip(("extend", "retract"), EDGES.get(name, ()), strict=False)
+        for region in diagnosis.regions
+        if region.axis == "direction" and region.label == way and name in region.gaps
+    }
+    if len(gaps) < 2 or not max(gaps.values()) > CLEARLY_LARGER * min(gaps.values()):
+        return ""
+    worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
+    return (
+        f"Begin with the valve's edge to {worst}: the gap is {number(gaps[worst], 1)} there and "
+        f"{number(gaps[other], 1)} at that to {other}."
+    )
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
@@ -245,6 +267,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     if gaps[0].name in PARTS:
         name = capital(in_sentence(gaps[0].name))
         yield _ACTION, f"{name} depends on {PARTS[gaps[0].name]}: inspect these."
+        yield _ACTION, _edge(diagnosis, gaps[0].name)
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."

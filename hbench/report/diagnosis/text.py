@@ -30,6 +30,7 @@ from hbench.report.diagnosis.names import (
     steps_of,
 )
 from hbench.report.diagnosis.run_gaps import run_table
+from hbench.report.diagnosis.sentences import deviations
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short
 from hbench.report.render.terminal_table import table_lines
@@ -63,7 +64,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
     if diagnosis.verdict == "named":
         also = f" Further {names}: these data cannot distinguish them." if names else ""
-        rest = f" Residuals remain in {_list(diagnosis.rest)}." if diagnosis.rest else ""
+        rest = f" Not explained: {deviations(diagnosis.rest)}." if diagnosis.rest else ""
         return f"named: {effects}.{also}{rest}"
     also = f" Added before: {effects}." if effects else ""
     if diagnosis.verdict == "ambiguous":
