@@ -49,7 +49,8 @@ def settings_words(differences: CampaignDifferences) -> str:
     if not settings:
         return "Bench file, instruments, schedule and software of both campaigns agree."
     if len(settings) == 1:
-        return "1 setting differs between A and B; it is listed below."
+        section, name, *_ = settings[0]
+        return f"1 setting differs between A and B: {name} ({section})."
     return f"{len(settings)} settings differ between A and B; they are listed below."
 
 

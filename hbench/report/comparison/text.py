@@ -241,7 +241,8 @@ _NONE_DIFFERS = (
 _LONG = 12  # rows; a longer table starts folded
 _READ = (
     "± is the half-width of the 95 % interval by the trials alone; U contains the errors of the "
-    "instruments too. Neither contains what mounting the cylinder again would change, nor a drift "
+    "instruments too, and is a little smaller where more degrees of freedom make its coverage "
+    "factor smaller. Neither contains what mounting the cylinder again would change, nor a drift "
     "that is alike in all trials."
 )
 _SET_UP = (

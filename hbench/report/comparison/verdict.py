@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from hbench.records import CampaignDifferences, Difference
+from hbench.records import CampaignDifferences, Difference, Quality
 from hbench.report.campaign.quality import missing_words
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
@@ -33,10 +33,20 @@ def headline(differences: CampaignDifferences) -> str:
         if quality.grade == "with care"
     ]
     care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
+    if any(map(_may_drift, differences.qualities)):
+        care += " A drift is part of no interval: measure A again after B to confirm a difference."
     found = [band_verdict(differences)]
     if not found[0]:
         found = [_verdict(differences), _efficiency_verdict(differences)]
     return " ".join(filter(None, (*found, _warmer(differences), care)))
+
+
+def _may_drift(quality: Quality) -> bool:
+    """Return whether the runs' order does not separate a drift from friction."""
+    return any(
+        check.drift is not None and check.grade != "good" and not check.drift.separated
+        for check in quality.checks
+    )
 
 
 def _warmer(differences: CampaignDifferences) -> str:

@@ -143,6 +143,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
         if not fleet.outliers:
             few = "These deviate most, but none of them significantly (p at least 0.05)."
+        few += " p counts that these are the largest of all values, so that some σ can be chance."
         none = () if all_shown else (few,)
         title = "Outliers" if all_shown else "Largest deviations"
         yield Section(title, none, tables=(_worst(fleet),), anchor="worst")

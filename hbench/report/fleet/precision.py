@@ -107,7 +107,7 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             title = without_condition(chart.quantity)
             name = f"{title[:1].lower()}{title[1:]}{of_side(chart.direction)}"
             at = chart.step.name
-            size = _step(chart.step, scale)
+            size = step_size(chart.step, scale)
             words = f"{name}, by {size} {of_change(unit)} ({before} to {after} {unit})"
             steps.setdefault(at, []).append(words)
             largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
@@ -243,7 +243,7 @@ def step_table(fleet: Fleet) -> WordTable:
                 step.name,
                 before,
                 after,
-                _step(step, scale),
+                step_size(step, scale),
                 significant(step.p_holm, 2),
                 "step" if step.real else "not significant",
             )
@@ -252,7 +252,7 @@ def step_table(fleet: Fleet) -> WordTable:
     return WordTable("Change points", head, tuple(rows))
 
 
-def _step(step: ChartStep, scale: float) -> str:
+def step_size(step: ChartStep, scale: float) -> str:
     """Write the size of a step with its 95 % interval."""
     return signed(with_interval(scale * (step.after - step.before), scale * step.ci95))
 

@@ -33,6 +33,7 @@ from hbench.report.fleet.precision import (
     limit_sentences,
     limits_table,
     signal_table,
+    step_size,
     step_table,
     wear_table,
 )
@@ -169,16 +170,20 @@ def _largest_interval(fleet: Fleet, spreads: list[Spread]) -> str:
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
-    """Yield what is to be looked into: steps, outliers and drifts, without their numbers."""
-    steps: dict[str, dict[str, None]] = {}
+    """Yield what is to be looked into: steps with their first size, outliers and drifts."""
+    steps: dict[str, dict[str, str]] = {}
     stepped = set()  # a step appears as a drift too
     for chart in fleet.charts:
         if chart.step is not None and chart.step.real:
             stepped.add((chart.quantity, chart.direction))
             title = without_condition(chart.quantity)
-            steps.setdefault(chart.step.name, {})[f"{title[:1].lower()}{title[1:]}"] = None
-    for at, titles in list(steps.items())[:_NAMED]:
-        yield capital(f"{' and '.join(titles)} changed from {at} on.")
+            title = f"{title[:1].lower()}{title[1:]}"
+            size = f"{step_size(chart.step, chart.quantity.scale)} {of_change(chart.quantity.unit)}"
+            sizes = steps.setdefault(chart.step.name, {})
+            sizes.setdefault(title, f"{title}{of_side(chart.direction)}, by {size}")
+    for at, sizes in list(steps.items())[:_NAMED]:
+        first = next(iter(sizes.values()))
+        yield capital(f"{' and '.join(sizes)} changed from {at} on ({first}).")
     if fleet.outliers:
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
@@ -292,7 +297,8 @@ def _with_ends(number: FleetNumber | None, scale: float) -> str:
 def spread_table(fleet: Fleet) -> WordTable:
     """Return the middle and the spread of each number."""
     rows = []
-    for spread in fleet.spreads:
+    several = (spread for spread in fleet.spreads if spread.n > 1 or fleet.compared == 1)
+    for spread in several:
         scale = spread.quantity.scale
         between = "not significant" if spread.n > 1 else NONE
         if spread.between > 0:
