@@ -94,7 +94,10 @@ def _margins(checks: Sequence[Check]) -> str:
         for unit in ("deg", "dB")
         if (some := [check for check in checks if check.unit == unit])
     ]
-    words = " and ".join(f"{check_value(check)} {check.unit}" for check in smallest)
+    words = " and ".join(
+        f"{check_value(check)} {check.unit} (limit {short(check.limit)} {check.unit})"
+        for check in smallest
+    )
     return f": the smallest margins are {words}" if len(smallest) > 1 else ""
 
 
