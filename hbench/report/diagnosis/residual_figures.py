@@ -11,6 +11,7 @@ from scipy.stats import binned_statistic_2d
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
 from hbench.report.diagnosis.names import AXES, balance, in_unit, shown
+from hbench.report.diagnosis.sentences import largest_deviation
 from hbench.report.render import style
 from hbench.report.render.series import behind
 
@@ -90,12 +91,17 @@ def _limits(values: np.ndarray) -> tuple[float, float]:
 
 
 def worst(diagnosis: Diagnosis) -> list[str]:
-    """Return the balances with significant gaps that matter, or else the worst one."""
+    """Return the balances with significant gaps that matter.
+
+    Without any, the one whose deviation exceeds its limit most, which the verdict names, and the
+    one with the largest gap.
+    """
     known = [gap for gap in diagnosis.where if gap.name in diagnosis.residuals_before.names]
     significant = [
         gap.name for gap in known if gap.p_value < 0.05 and not gap.deviation <= gap.material
     ]
-    return significant or [gap.name for gap in known[:1]]
+    others = (largest_deviation(known), *known[:1])
+    return significant or list(dict.fromkeys(gap.name for gap in others if gap is not None))
 
 
 def _sides(diagnosis: Diagnosis) -> list[ResidualMap]:
