@@ -219,7 +219,8 @@ def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unname
         "A table reproduces a deviation but does not show its cause."
     )
     text = summary(replace(compared, verdict="unknown", unnamed=(law,)))
-    assert says in text and "model.yaml reproduces a part of this deviation by its unnamed law" in text
+    assert says in text
+    assert "model.yaml reproduces a part of this deviation by its unnamed law" in text
     assert says in short_summary(replace(compared, verdict="unknown", unnamed=(law,)))
 
 
