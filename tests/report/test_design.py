@@ -5,6 +5,7 @@ import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hbench.records import Check
@@ -120,3 +121,14 @@ def test_bode_tells_margins_and_marks_them_where_they_are_read(design):
     for draw in (bode, locus, pole_zero, step_figure):
         axes = draw(design.loops[0]).axes[-1]
         assert axes.get_xlabel() and axes.get_ylabel()
+
+
+def test_all_closed_loop_poles_lie_within_the_axes(design):
+    from hbench.report.design.figures import locus, pole_zero
+
+    loop = design.loops[0]
+    merits = replace(loop.merits[0], poles_rad_s=np.array([-270.0 + 1069.0j, -270.0 - 1069.0j]))
+    for draw in (locus, pole_zero):
+        plane = draw(replace(loop, merits=(merits, *loop.merits[1:]))).axes[0]
+        (left, right), (low, high) = plane.get_xlim(), plane.get_ylim()
+        assert left < -270.0 < right and low < -1069.0 and 1069.0 < high

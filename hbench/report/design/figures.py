@@ -176,7 +176,7 @@ def _s_plane(axes: Axes, reach: float) -> None:
         xlabel="Re s (rad/s), logarithmic beyond ±1",
         ylabel="Im s (rad/s)",
         xlim=(-1.5 * reach, reach),
-        ylim=(-0.75 * reach, 0.75 * reach),
+        ylim=(-1.05 * reach, 1.05 * reach),
     )
 
 
