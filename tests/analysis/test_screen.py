@@ -189,6 +189,14 @@ def test_saturation_counts_within_the_window(make_run, rules, code):
     assert screen(marked(run, code, 0.0, 0.40), rules).accepted
 
 
+def test_the_reason_names_the_valve_at_its_limit(make_run, rules):
+    run = marked(make_run(v_m_s=0.1), "valve_saturated", 1.0, 1.1)
+    at_limit = np.where(run.valve_saturated, -10.0, 3.0 + np.sin(run.t_s))
+    run = replace(run, u_t_v=5.0 + np.cos(run.t_s), u_l1_v=at_limit, u_l2_v=0 * run.t_s)
+    (reason,) = screen(run, rules).reasons
+    assert reason.endswith("limit 0; u_L1 is at its minimum, -10.0 V")
+
+
 @pytest.mark.parametrize(("stop_s", "rejected"), [(0.711, False), (0.689, True)])
 def test_too_short_a_window(make_run, rules, stop_s, rejected):
     run = marked(make_run(v_m_s=0.1), "at_reference", 0.1, stop_s)

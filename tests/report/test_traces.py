@@ -39,7 +39,7 @@ def test_a_run_without_a_logged_velocity_shows_that_of_its_position(small):
 @pytest.mark.parametrize(
     "code,channel,label,scale",
     [
-        ("valve_saturated", "u_t_v", "test valve", 1.0),
+        ("valve_saturated", "u_t_v", "u_T", 1.0),
         ("sensor_saturated", "p_tp_pa", "P_Tp", 1e-5),
     ],
 )
@@ -52,6 +52,30 @@ def test_records_at_a_limit_are_crossed(small, code, channel, label, scale):
     np.testing.assert_allclose(line.y, values * scale)
     crosses = [one for one in figure.axes[0].lines if one.get_marker() == "x"]
     assert len(crosses) == 1 and min(crosses[0].get_xdata()) > 0.5
+
+
+@pytest.mark.parametrize(
+    "code,reason,channel,y_name",
+    [
+        ("sensor_saturated", "F_applied is at its maximum, 12251 N", "f_applied_n", "Force (N)"),
+        ("sensor_saturated", "x is constant at 100.0 mm", "x_m", "Position (mm)"),
+        ("valve_saturated", "u_L1 is at its minimum, -10.0 V", "u_l1_v", "Valve (V)"),
+    ],
+)
+def test_the_crosses_are_on_the_channel_that_the_reason_names(small, code, reason, channel, y_name):
+    logged = {
+        "p_s_pa": 150e5 + 0 * T,
+        "f_applied_n": 12251 + 0 * T,
+        "u_t_v": 12 + 0 * T,
+        "u_l1_v": -10 + 0 * T,
+    }
+    words = f"{code}: in 49 of the 100 records of the window; limit 0; {reason}"
+    rows = rejected(small, 1, words, **logged, **{code: T > 0.5})
+    axes = traces(rows)[code].axes[0]
+    (crosses,) = [line for line in axes.lines if line.get_marker() == "x"]
+    values = rows.runs[0].run.channel(channel) * (1e3 if channel == "x_m" else 1.0)
+    np.testing.assert_allclose(crosses.get_ydata(), values[T > 0.5])
+    assert axes.get_ylabel() == y_name
 
 
 def test_a_gap_in_the_log_is_a_gap_in_the_line(small):

@@ -1,4 +1,6 @@
-"""Identification of the saturated sensors in records marked as ``sensor_saturated``."""
+"""Identification of the saturated sensors and valves in records that are marked as saturated."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -7,6 +9,7 @@ from hbench.channels import CHANNELS
 from hbench.records import Run
 
 _SENSORS = ("x_m", "p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa", "f_applied_n")
+_VALVES = ("u_t_v", "u_l1_v", "u_l2_v")
 _SAME = 1e-9  # of a channel's range: equal within rounding
 _NEARLY_ALL, _MOST = 0.95, 0.5  # of the marked records
 
@@ -20,14 +23,30 @@ def saturated_sensors(run: Run, window: slice) -> str:
     run, or else those at their highest or lowest value in most marked records, since a record can
     average saturated and unsaturated samples.
     """
-    if run.sensor_saturated is None:
+    return _at_limits(run, run.sensor_saturated, window, _SENSORS)
+
+
+def saturated_valves(run: Run, window: slice) -> str:
+    """Return the symbols of the valve commands at their limit, as ``saturated_sensors`` does.
+
+    The valves have one voltage limit, so a command below the largest of the run is not at it.
+    """
+    names = [name for name in _VALVES if getattr(run, name) is not None]
+    peaks = {name: np.abs(getattr(run, name)).max(initial=0.0) for name in names}
+    limit = max(peaks.values(), default=0.0)
+    names = [name for name in names if peaks[name] >= (1 - _SAME) * limit]
+    return _at_limits(run, run.valve_saturated, window, names)
+
+
+def _at_limits(run: Run, flags: np.ndarray | None, window: slice, names: Sequence[str]) -> str:
+    if flags is None:
         return ""
-    marked = np.flatnonzero(run.sensor_saturated[window]) + (window.start or 0)
+    marked = np.flatnonzero(flags[window]) + (window.start or 0)
     if not len(marked):
         return ""
-    unmarked = np.flatnonzero(~run.sensor_saturated)
+    unmarked = np.flatnonzero(~flags)
     shares, throughout = {}, []
-    for name in _SENSORS:
+    for name in names:
         symbol, values = CHANNELS[name].symbol, getattr(run, name)
         if values is None:
             continue
@@ -48,4 +67,6 @@ def saturated_sensors(run: Run, window: slice) -> str:
 def _value(name: str, value: float) -> str:
     if name.endswith("_pa"):
         return f"{value / 1e5:.1f} bar"
+    if name.endswith("_v"):
+        return f"{value:.1f} V"
     return f"{1e3 * value:.1f} mm" if name == "x_m" else f"{value:.0f} N"

@@ -14,7 +14,7 @@ from hbench.analysis.screening.friction_channels import (
     required,
     test_force,
 )
-from hbench.analysis.screening.saturation import saturated_sensors
+from hbench.analysis.screening.saturation import saturated_sensors, saturated_valves
 from hbench.analysis.screening.steadiness import drift, load_step, speed_ripple
 from hbench.analysis.screening.steady_window import (
     at_reference,
@@ -163,7 +163,9 @@ def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterat
             f"end_stop: the piston is at rest for the last {standing:.1f} s while the reference "
             f"continues; limit {_STANDSTILL_S:g} s"
         )
-    yield from _saturated("valve_saturated", run.valve_saturated, window)
+    for reason in _saturated("valve_saturated", run.valve_saturated, window):
+        valves = saturated_valves(run, window)
+        yield f"{reason}; {valves}" if valves else reason
 
 
 def _steadiness(

@@ -1,5 +1,6 @@
 """Small traces of rejected runs, a figure a reason: the channel that shows why."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,13 @@ from hbench.report.render.numbers import short
 MOST_RUNS = 4  # of a reason; the table has them all
 MOST_REASONS = 8
 _MOST_SAMPLES = 600  # of a trace; a longer log is thinned
+_FLAGS = ("sensor_saturated", "valve_saturated")  # reasons with marked records
+# Of a sensor at its limit, by its SI unit: label of the axis, and its unit per SI unit.
+_SENSOR_AXES = {
+    "m": ("Position (mm)", 1e3),
+    "Pa": ("Pressure (bar)", 1e-5),
+    "N": ("Force (N)", 1.0),
+}
 _LINES = (style.COLOURS[0], style.COLOURS[2], style.COLOURS[3], style.COLOURS[4])
 
 
@@ -49,8 +57,10 @@ def _figure(results: Results, code: str, runs: list[ScreenedRun]) -> Figure:
     all_axes = figure.subplots(len(shown), squeeze=False)[:, 0]
     name, lines_of = _CHANNELS.get(code, _POSITION)
     for axes, run in zip(all_axes, shown, strict=True):
-        _trace(axes, run, lines_of(run.run), code, first=axes is all_axes[0])
-        axes.set_ylabel(name, fontsize=9)
+        limited = _limited(run, code)
+        own_name, lines = _lines_of_limited(run.run, limited) or (name, lines_of(run.run))
+        _trace(axes, run, lines, code, limited, first=axes is all_axes[0])
+        axes.set_ylabel(own_name, fontsize=9)
     all_axes[-1].set_xlabel("Time (s)")
     style.head(all_axes[0], f"Rejected: {code.replace('_', ' ')}", results)
     more = f"{len(runs)} runs; the first {len(shown)}" if len(runs) > len(shown) else "All runs"
@@ -59,7 +69,34 @@ def _figure(results: Results, code: str, runs: list[ScreenedRun]) -> Figure:
     return figure
 
 
-def _trace(axes: Axes, screened: ScreenedRun, lines: list[_Line], code: str, first: bool) -> None:
+def _limited(screened: ScreenedRun, code: str) -> list[str]:
+    """Return the channels that the reason reports at a limit, such as "P_S is at its maximum"."""
+    reasons = " ".join(reason for reason in screened.reasons if code_of(reason) == code)
+    symbols = re.findall(r"(\w+) is (?:at its|constant at)", reasons) if code in _FLAGS else []
+    return [name for name, channel in CHANNELS.items() if channel.symbol in symbols]
+
+
+def _lines_of_limited(run: Run, limited: list[str]) -> tuple[str, list[_Line]] | None:
+    """Return the axis label and the sensors at a limit; None where a valve is, or none is known.
+
+    Sensors of another unit than the first are left out.
+    """
+    units = [CHANNELS[name].unit for name in limited]
+    if not units or units[0] not in _SENSOR_AXES:
+        return None
+    label, scale = _SENSOR_AXES[units[0]]
+    names = [name for name, unit in zip(limited, units, strict=True) if unit == units[0]]
+    return label, [_Line(CHANNELS[name].symbol, scale * run.channel(name)) for name in names]
+
+
+def _trace(
+    axes: Axes,
+    screened: ScreenedRun,
+    lines: list[_Line],
+    code: str,
+    limited: list[str],
+    first: bool,
+) -> None:
     run, plan = screened.run, screened.run.plan
     step = -(-len(run.t_s) // _MOST_SAMPLES)
     mark = "" if first else "_"  # one legend for all
@@ -70,13 +107,17 @@ def _trace(axes: Axes, screened: ScreenedRun, lines: list[_Line], code: str, fir
         look = {"color": _LINES[number % len(_LINES)], "linewidth": 1.0, **look}
         label = f"{mark}{line.label}, run {style.safe(plan.run)}" if mark else line.label
         axes.plot(*_broken(run.t_s[::step], line.values[::step]), label=label, **look)
-    flags = {"sensor_saturated": run.sensor_saturated, "valve_saturated": run.valve_saturated}
-    flagged = flags.get(code)
+    flagged = getattr(run, code) if code in _FLAGS else None
     if flagged is not None and flagged.any() and lines:
         at = np.flatnonzero(flagged)
         at = at[:: -(-len(at) // 60)]
-        largest = np.max([np.abs(line.values) for line in lines], axis=0)
-        axes.plot(run.t_s[at], largest[at], "x", color=style.COLOURS[1], markersize=4, zorder=4)
+        symbols = {CHANNELS[name].symbol for name in limited}
+        crossed = [line for line in lines if line.label in symbols] or lines
+        if code == "valve_saturated" and not symbols:  # the one nearest to the voltage limit
+            crossed = [max(lines, key=lambda line: np.abs(line.values[flagged]).mean())]
+        for line in crossed:
+            values = line.values[at]
+            axes.plot(run.t_s[at], values, "x", color=style.COLOURS[1], markersize=4, zorder=4)
     axes.tick_params(labelsize=8)
     load = "" if plan.f_load_n is None else f", {short(plan.f_load_n)} N"
     caption = f"run {style.safe(plan.run, 20)}: {short(1e3 * plan.v_ref_m_s)} mm/s{load}"
@@ -123,14 +164,16 @@ def _positions(run: Run) -> list[_Line]:
 
 
 def _sensors(run: Run) -> list[_Line]:
-    names = ("p_tp_pa", "p_tr_pa", "p_s_pa")
-    channels = {CHANNELS[name].symbol: getattr(run, name) for name in names}
-    return [_Line(label, values / 1e5) for label, values in channels.items() if values is not None]
+    return _measured(run, ("p_tp_pa", "p_tr_pa", "p_s_pa"), 1e-5)
 
 
 def _valves(run: Run) -> list[_Line]:
-    channels = {"test valve": run.u_t_v, "load valve 1": run.u_l1_v, "load valve 2": run.u_l2_v}
-    return [_Line(label, values) for label, values in channels.items() if values is not None]
+    return _measured(run, ("u_t_v", "u_l1_v", "u_l2_v"), 1.0)
+
+
+def _measured(run: Run, names: tuple[str, ...], scale: float) -> list[_Line]:
+    known = [name for name in names if getattr(run, name) is not None]
+    return [_Line(CHANNELS[name].symbol, scale * run.channel(name)) for name in known]
 
 
 _SPEED = ("Velocity (mm/s)", _speeds)
