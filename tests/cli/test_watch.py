@@ -417,8 +417,12 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert "beyond 3 σ" in chart["signals"][-1] and not any(chart["signals"][:-1])
     decided(tmp_path / "few" / "C", 3e5)
     (tmp_path / "few" / "C" / "campaign.yaml").write_text(header)
+    failed = tmp_path / "few" / "C" / "results" / "acceptance.json"
+    failed.write_text(failed.read_text().replace("PASS", "FAIL"))
     with watched(tmp_path / "few", workflow.Station) as page:
         (chart,) = page.state()["charts"]
+        (cylinder,) = page.state()["cylinders"]
+    assert cylinder["decision"] == "FAIL" and "do not deliver" in cylinder["next"][0]
     assert chart["control"] is None and chart["values"] == pytest.approx([3.0])
 
 

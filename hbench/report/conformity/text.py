@@ -1,6 +1,6 @@
 """Acceptance of a cylinder for the terminal, and as JUnit XML for production servers."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from xml.etree import ElementTree
 
 from hbench.records import WordTable
@@ -65,15 +65,15 @@ def acceptance_text(acceptance: Acceptance) -> str:
         "U: expanded uncertainty for a coverage probability of 95 %",
         "conforms: probability that the true value is within its limit",
         *(f"note: {note}" for note in acceptance.notes),
-        *(f"next: {step}" for step in next_steps(acceptance)),
+        *(f"next: {step}" for step in next_steps(acceptance.checks)),
     ]
     return "\n".join(lines).replace("−", "-").replace("–", "-").replace("±", "+-")
 
 
-def next_steps(acceptance: Acceptance) -> Iterator[str]:
-    """Yield what to do about each kind of decision but PASS."""
+def next_steps(checks: Sequence[ConformityCheck]) -> Iterator[str]:
+    """Yield what to do about each kind of decision but PASS, the worst first."""
     for decision, step in _STEPS.items():
-        if any(check.decision == decision for check in acceptance.checks):
+        if any(check.decision == decision for check in checks):
             yield step
 
 

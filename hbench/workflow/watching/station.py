@@ -2,10 +2,12 @@
 
 import os
 import time
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from hbench.errors import HbenchError
+from hbench.report.conformity.text import next_steps
 from hbench.store.campaign.folder import JOURNAL, load_header
 from hbench.store.campaign.live_file import LIVE
 from hbench.store.campaign.stored_acceptance import FILE_NAME, stored_checks, stored_decision
@@ -102,16 +104,18 @@ def _moments(folder: Path) -> tuple[float, float, float]:
 
 def _described(folder: Path) -> dict[str, Any]:
     row: dict[str, Any] = {"folder": folder.name, "serial": "", "started": "", "source": ""}
-    row["failed"] = []
+    row |= {"failed": [], "next": []}
     try:
         provenance = load_header(folder).provenance()
     except HbenchError:
         return row | {"decision": "not readable"}
     specimen = provenance.settings.get("specimen") or {}
+    checks = stored_checks(folder)
     return row | {
         "serial": str(specimen.get("serial", "")),
         "started": provenance.started[:19].replace("T", " "),
         "source": provenance.source,
         "decision": stored_decision(folder),
-        "failed": not_passed(stored_checks(folder)),
+        "failed": not_passed(checks),
+        "next": [f"Next, after {step}." for step in islice(next_steps(checks), 1)],
     }
