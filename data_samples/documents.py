@@ -29,7 +29,7 @@ CONFIGS = HERE.parent / "configs"
 DOCUMENTS = HERE / "documents"
 CYLINDERS = 14
 WIDTH, HEIGHT = 1160, 1560  # of a page's picture, pixels
-COLOURS = 112
+COLOURS = 96
 START = datetime(2026, 1, 5, 8, 0, tzinfo=UTC)
 LIMITS = {
     "product": "sample cylinder",
