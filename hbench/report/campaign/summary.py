@@ -238,11 +238,15 @@ def _band_tiles(results: Results) -> Iterable[Tile]:
 def _tile(
     numbers: Iterable[HeadlineNumber | None], scale: float, unit: str, caption: str, anchor: str
 ) -> Iterable[Tile]:
-    known = [each for each in numbers if each is not None]
+    every = list(numbers)
+    known = [each for each in every if each is not None]
     if not known:
         return
+    where = "all loads and directions"
+    if len(known) < len(every):
+        where = f"{len(known)} of {len(every)} loads and directions"
     halves = [each.u95 for each in known if each.u95 is not None]
-    caption = ", ".join([caption, *_flag_words(known)])
+    caption = ", ".join([caption, *_flag_words(known), *([where] if len(every) > 1 else [])])
     anchor = f"method-{anchor}"
     if len(known) == 1:
         half = scale * halves[0] if halves else None
@@ -250,9 +254,9 @@ def _tile(
         return
     values = [scale * each.value for each in known]
     points = "percentage points" if unit == "%" else unit  # not per cent of the value
-    widest = significant(scale * max(halves), 2) if halves else ""
+    widest = half_width(scale * max(halves)) if halves else ""
     most = f"; U up to {widest} {points}" if halves else ""
-    yield Tile(alike(values), unit, f"{caption}, all loads and directions{most}", anchor)
+    yield Tile(alike(values), unit, f"{caption}{most}", anchor)
 
 
 def _table(series: Iterable[HeadlineSeries]) -> Table:
