@@ -12,7 +12,8 @@ from hbench.analysis.comparison.fleet_summary import summarize
 from hbench.records.conformity.acceptance import Requirement
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
-from hbench.report.fleet.text import finding_sentences, fleet_json, fleet_text, fleet_verdict
+from hbench.report.fleet.text import fleet_json, fleet_text
+from hbench.report.fleet.verdict import finding_sentences, fleet_verdict
 from hbench.store.campaign.stored_acceptance import stored_decision
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of

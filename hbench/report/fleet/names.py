@@ -7,6 +7,7 @@ from hbench.records import (
     Capability,
     ControlChart,
     Deviation,
+    Fleet,
     Precision,
     Quantity,
     Side,
@@ -38,6 +39,12 @@ def without_condition(quantity: Quantity) -> str:
     return words
 
 
+def in_sentence(quantity: Quantity) -> str:
+    """Return the quantity's words as ``without_condition``, within a sentence."""
+    title = without_condition(quantity)
+    return f"{title[:1].lower()}{title[1:]}"
+
+
 def range_words(campaigns: int) -> str:
     """Return what the low and the high end of a spread of so many campaigns are."""
     if campaigns < FEWEST_CAMPAIGNS:
@@ -58,3 +65,9 @@ def of_change(unit: str) -> str:
 def signed(text: str) -> str:
     """Return a number with its sign, and none before a zero."""
     return text if text.startswith(("−", "0", NONE)) and not text.startswith("0.") else f"+{text}"
+
+
+def main_spreads(fleet: Fleet) -> list[Spread]:
+    """Return the numbers to show first: those of friction bands, or else of each direction."""
+    listed = [spread for spread in fleet.spreads if spread.quantity.listed]
+    return [spread for spread in listed if spread.direction is None] or listed

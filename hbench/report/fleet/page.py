@@ -8,7 +8,13 @@ from collections.abc import Iterable, Iterator
 
 from hbench.records import FEWEST_CAMPAIGNS, Fleet, WordTable
 from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
-from hbench.report.fleet.names import folder_name, of_side, range_words, without_condition
+from hbench.report.fleet.names import (
+    folder_name,
+    main_spreads,
+    of_side,
+    range_words,
+    without_condition,
+)
 from hbench.report.fleet.precision import (
     METHOD,
     capability_notes,
@@ -28,13 +34,11 @@ from hbench.report.fleet.text import (
     WORST_HEAD,
     campaign_table,
     cells,
-    finding_sentences,
-    fleet_verdict,
-    main_spreads,
     others,
     spread_table,
     trend_table,
 )
+from hbench.report.fleet.verdict import finding_sentences, fleet_verdict
 from hbench.report.render.document import BANNERS, Document, Section, Tile, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike

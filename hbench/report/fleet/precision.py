@@ -14,7 +14,14 @@ from hbench.records import (
     WearTrend,
     WordTable,
 )
-from hbench.report.fleet.names import name_of, of_change, of_side, signed, without_condition
+from hbench.report.fleet.names import (
+    in_sentence,
+    name_of,
+    of_change,
+    of_side,
+    signed,
+    without_condition,
+)
 from hbench.report.render.numbers import NONE, number, significant, with_ends, with_interval
 
 METHOD = (
@@ -104,8 +111,7 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             before, after = (
                 significant(scale * mean, 4) for mean in (chart.step.before, chart.step.after)
             )
-            title = without_condition(chart.quantity)
-            name = f"{title[:1].lower()}{title[1:]}{of_side(chart.direction)}"
+            name = f"{in_sentence(chart.quantity)}{of_side(chart.direction)}"
             at = chart.step.name
             size = step_size(chart.step, scale)
             words = f"{name}, by {size} {of_change(unit)} ({before} to {after} {unit})"

@@ -17,43 +17,40 @@ from hbench.records import (
 )
 from hbench.report.fleet.names import (
     folder_name,
+    main_spreads,
     name_of,
-    of_change,
-    of_side,
-    range_words,
     signed,
-    without_condition,
 )
 from hbench.report.fleet.precision import (
     capability_notes,
     capability_table,
-    change_sentences,
     chart_table,
     components_table,
     limit_sentences,
     limits_table,
     signal_table,
-    step_size,
     step_table,
     wear_table,
 )
 from hbench.report.fleet.row import kind_difference
+from hbench.report.fleet.verdict import (
+    change_words,
+    decision_words,
+    finding_sentences,
+    fleet_verdict,
+)
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import (
     NONE,
-    alike,
-    half_width,
     number,
     short,
     significant,
     with_ends,
 )
-from hbench.report.render.symbols import capital
 from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.fleet/1"
 _FEW = 5
-_NAMED = 3  # outliers in the verdict
 _MOST_ROWS = 50  # campaigns that are listed on a terminal
 
 
@@ -94,11 +91,6 @@ def fleet_text(fleet: Fleet) -> str:
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
 
 
-def decision_words(fleet: Fleet) -> str:
-    """Write how many campaigns have each decision of acceptance."""
-    return ", ".join(f"{count} {name}" for name, count in fleet.decisions)
-
-
 def fleet_json(fleet: Fleet) -> str:
     """Return the text of ``fleet.json``."""
     document = {"schema": SCHEMA, **asdict(fleet)}
@@ -120,132 +112,7 @@ def fleet_json(fleet: Fleet) -> str:
     return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
 
-def fleet_verdict(fleet: Fleet) -> str:
-    """Return decisions, failures, friction and what is conspicuous, in a few short sentences."""
-    sentences = [f"Decisions: {decision_words(fleet)}."] if fleet.decisions else []
-    if fleet.decisions == (("PASS", fleet.campaigns),):
-        sentences = [f"All {fleet.campaigns} campaigns have the decision PASS."]
-    if fleet.failed:
-        sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
-    analyzed = fleet.campaigns - fleet.failed
-    poor = dict(fleet.qualities).get("poor", 0)
-    if fleet.incomplete:
-        verb = "is" if fleet.incomplete == 1 else "are"
-        sentences.append(f"{fleet.incomplete} of {analyzed} analyzed campaigns {verb} incomplete.")
-    if poor:
-        verb = "has" if poor == 1 else "have"
-        sentences.append(f"{poor} of {analyzed} analyzed campaigns {verb} poor data.")
-    if not fleet.spreads:
-        sentences.append("No campaign has a number to compare.")
-        return " ".join(sentences)
-    return " ".join([*sentences, *_friction_words(fleet), *_conspicuous_words(fleet)])
-
-
-def _friction_words(fleet: Fleet) -> Iterator[str]:
-    """Yield the range of the first of the main numbers, such as friction, of each direction."""
-    shown = main_spreads(fleet)
-    same = [spread for spread in shown if spread.quantity == shown[0].quantity]
-    parts = []
-    for spread in same:
-        ends = alike([spread.quantity.scale * end for end in (spread.low, spread.high)])
-        side = of_side(spread.direction).removeprefix(",")
-        parts.append(f"{ends} {spread.quantity.unit}{side}")
-    if parts:
-        name = without_condition(shown[0].quantity)
-        of = f"{range_words(same[0].n)}{_largest_interval(fleet, same)}"
-        yield f"{name} is {' and '.join(parts)} ({of})."
-
-
-def _largest_interval(fleet: Fleet, spreads: list[Spread]) -> str:
-    """Write the largest half-width of the campaigns' own intervals; empty if one is unknown."""
-    columns = [spread.quantity.column(spread.direction) for spread in spreads]
-    numbers = [
-        row.numbers[c] for row in fleet.rows if row.compared for c in columns if c in row.numbers
-    ]
-    halves = [(n.high - n.low) / 2 for n in numbers if n.low is not None and n.high is not None]
-    if not halves or len(halves) < len(numbers):
-        return ""
-    quantity = spreads[0].quantity
-    return f"; 95 % intervals up to ±{half_width(quantity.scale * max(halves))} {quantity.unit}"
-
-
-def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
-    """Yield what is to be looked into: steps with their first size, outliers and drifts."""
-    steps: dict[str, dict[str, str]] = {}
-    stepped = set()  # a step appears as a drift too
-    for chart in fleet.charts:
-        if chart.step is not None and chart.step.real:
-            stepped.add((chart.quantity, chart.direction))
-            title = without_condition(chart.quantity)
-            title = f"{title[:1].lower()}{title[1:]}"
-            size = f"{step_size(chart.step, chart.quantity.scale)} {of_change(chart.quantity.unit)}"
-            sizes = steps.setdefault(chart.step.name, {})
-            sizes.setdefault(title, f"{title}{of_side(chart.direction)}, by {size}")
-    for at, sizes in list(steps.items())[:_NAMED]:
-        first = next(iter(sizes.values()))
-        yield capital(f"{' and '.join(sizes)} changed from {at} on ({first}).")
-    if fleet.outliers:
-        verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
-        yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
-    elif any(suspect.deviations for suspect in fleet.worst):
-        yield "No campaign is an outlier."
-    known = [spread for spread in fleet.spreads if spread.trend is not None]
-    known = [spread for spread in known if (spread.quantity, spread.direction) not in stepped]
-    drifts = sum(spread.trend is not None and spread.trend.real for spread in known)
-    if drifts:
-        others = "other " if stepped else ""
-        verb = "drifts" if drifts == 1 else "drift"
-        yield f"{drifts} of {len(known)} {others}numbers {verb} significantly."
-
-
-def finding_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield steps, wear, outliers and drifts with their numbers."""
-    if not fleet.spreads:
-        return
-    yield from change_sentences(fleet)
-    if any(suspect.deviations for suspect in fleet.worst):
-        verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
-        names = [_outlier_words(suspect) for suspect in fleet.worst[: fleet.outliers]]
-        more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-        some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}: "
-        some += f"{'; '.join(names[:_NAMED])}{more}."
-        yield some if fleet.outliers else "No campaign is an outlier."
-    else:
-        yield "Outliers are not identified: that takes at least 10 campaigns of the same kind."
-    drifts = [
-        _drift(spread, spread.trend)
-        for spread in fleet.spreads
-        if spread.trend is not None and spread.trend.real
-    ]
-    if drifts:
-        more = f"; and {len(drifts) - _NAMED} more" if len(drifts) > _NAMED else ""
-        yield f"Significant drift: {'; '.join(drifts[:_NAMED])}{more}.{_step_instead(fleet)}"
-    elif any(spread.trend is not None for spread in fleet.spreads):
-        yield "No drift is significant."
-
-
-def _step_instead(fleet: Fleet) -> str:
-    """Remark that the drifting numbers also have a step, if all of them do."""
-    steps = {(c.quantity, c.direction) for c in fleet.charts if c.step is not None and c.step.real}
-    drifts = {(s.quantity, s.direction) for s in fleet.spreads if s.trend and s.trend.real}
-    return " A step, as above, appears as a drift too." if drifts <= steps else ""
-
-
-def _outlier_words(suspect: Suspect) -> str:
-    """Return a campaign with the number that deviates most, such as friction, extending +4.2 σ."""
-    deviation = suspect.deviations[0]
-    title = without_condition(deviation.quantity)
-    number = f"{title[:1].lower()}{title[1:]}{of_side(deviation.direction)}"
-    return f"{folder_name(suspect.path)} ({number} {signed(significant(deviation.z, 2))} σ)"
-
-
 ROW_WORDS = ("Campaign", "Cylinder", "Date", "Label", "Decision")
-
-
-def main_spreads(fleet: Fleet) -> list[Spread]:
-    """Return the numbers to show first: those of friction bands, or else of each direction."""
-    listed = [spread for spread in fleet.spreads if spread.quantity.listed]
-    return [spread for spread in listed if spread.direction is None] or listed
 
 
 def campaign_table(fleet: Fleet) -> WordTable:
@@ -313,8 +180,10 @@ def spread_table(fleet: Fleet) -> WordTable:
                 NONE if spread.se_trials is None else significant(scale * spread.se_trials, 2),
             )
         )
-    few = all(spread.n < FEWEST_CAMPAIGNS for spread in fleet.spreads)
-    ends = "Smallest to largest" if few else "5 to 95 %"
+    few = [spread.n < FEWEST_CAMPAIGNS for spread in fleet.spreads]
+    ends = "Smallest to largest" if all(few) else "5 to 95 %"
+    if any(few) and not all(few):
+        ends += f" (of fewer than {FEWEST_CAMPAIGNS}: all)"
     head = ("Number", "Campaigns", "Median", ends, "σ between campaigns", "σ of own trials")
     return WordTable("Distributions", head, tuple(rows))
 
@@ -339,7 +208,7 @@ def trend_table(fleet: Fleet) -> WordTable:
             rows.append(
                 (
                     name_of(spread),
-                    _change(spread, spread.trend),
+                    change_words(spread, spread.trend),
                     _slope(spread, spread.trend, span),
                     "< 0.0001" if p < 1e-4 else significant(p, 2),
                     "drifts" if spread.trend.real else "not significant",
@@ -380,17 +249,6 @@ def others(shown: Suspect) -> Iterator[str]:
             yield f"{name_of(deviation)} {signed(significant(deviation.z, 2))} σ"
 
 
-def _change(spread: Spread, trend: Trend) -> str:
-    scale = spread.quantity.scale
-    return signed(with_ends(scale * trend.change, scale * trend.low, scale * trend.high))
-
-
 def _slope(spread: Spread, trend: Trend, span: float) -> str:
     scale = spread.quantity.scale / span
     return signed(with_ends(scale * trend.change, scale * trend.low, scale * trend.high))
-
-
-def _drift(spread: Spread, trend: Trend) -> str:
-    title = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
-    change = f"{_change(spread, trend)} {of_change(spread.quantity.unit)}"
-    return f"{title}{of_side(spread.direction)}, by {change} over the span"
