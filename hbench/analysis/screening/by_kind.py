@@ -27,7 +27,7 @@ from hbench.analysis.screening.friction_channels import (
 )
 from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
-from hbench.analysis.screening.saturation import saturated_valves
+from hbench.analysis.screening.saturation import with_valves
 from hbench.analysis.screening.steadiness import speeds_over_tenths
 from hbench.analysis.screening.zero_check import CHAMBERS, closed_part
 from hbench.config.schedule import Screening
@@ -99,8 +99,7 @@ def _valve_limits(run: Run, rules: Screening) -> Iterator[str]:
     count = 0 if run.valve_saturated is None else int(run.valve_saturated.sum())
     if count:
         reason = f"valve_saturated: in {count} of the {len(run.t_s)} records of the run; limit 0"
-        valves = saturated_valves(run, slice(0, None))
-        yield f"{reason}; {valves}" if valves else reason
+        yield with_valves(reason, run, slice(0, None))
 
 
 def _complete_ramp(run: Run, rules: Screening) -> Iterator[str]:
@@ -145,8 +144,7 @@ def _settled_levels(run: Run, rules: Screening) -> Iterator[str]:
             )
         if run.valve_saturated is not None and run.valve_saturated[settled].any():
             reason = f"valve_saturated: in the settled half of level {number}; limit 0 records"
-            valves = saturated_valves(run, settled)
-            yield f"{reason}; {valves}" if valves else reason
+            yield with_valves(reason, run, settled)
 
 
 def _rest(run: Run, rules: Screening) -> Iterator[str]:

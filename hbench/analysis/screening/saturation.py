@@ -38,6 +38,11 @@ def saturated_valves(run: Run, window: slice) -> str:
     return _at_limits(run, run.valve_saturated, window, names)
 
 
+def with_valves(reason: str, run: Run, window: slice) -> str:
+    """Return a reason with the valve commands at their limit, if the log shows which they are."""
+    return "; ".join(filter(None, (reason, saturated_valves(run, window))))
+
+
 def _at_limits(run: Run, flags: np.ndarray | None, window: slice, names: Sequence[str]) -> str:
     if flags is None:
         return ""

@@ -14,7 +14,7 @@ from hbench.analysis.screening.friction_channels import (
     required,
     test_force,
 )
-from hbench.analysis.screening.saturation import saturated_sensors, saturated_valves
+from hbench.analysis.screening.saturation import saturated_sensors, with_valves
 from hbench.analysis.screening.steadiness import drift, load_step, speed_ripple
 from hbench.analysis.screening.steady_window import (
     at_reference,
@@ -125,8 +125,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     if run.aborted:
         yield f"aborted: {run.aborted}"
     if run.truncated:
-        causes = (cause.removeprefix("truncated: ") for cause in run.truncated.split("; "))
-        yield f"truncated: {'; '.join(causes)}"
+        yield f"truncated: {run.truncated.replace('truncated: ', '')}"
     missing = missing_friction_channels(run)
     if KINDS[run.plan.kind].is_at_rest:
         missing = [name for name in missing if name != "f_applied_n"]
@@ -164,8 +163,7 @@ def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterat
             f"continues; limit {_STANDSTILL_S:g} s"
         )
     for reason in _saturated("valve_saturated", run.valve_saturated, window):
-        valves = saturated_valves(run, window)
-        yield f"{reason}; {valves}" if valves else reason
+        yield with_valves(reason, run, window)
 
 
 def _steadiness(
