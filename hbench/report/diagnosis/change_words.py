@@ -6,6 +6,7 @@ from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, Wo
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     CHAMBERS,
+    PRESSURE_SYMBOLS,
     in_sentence,
     in_words,
     parameter_text,
@@ -89,7 +90,8 @@ def phrase(change: Change, direction: str, readings: int = 0) -> str:
     more, size, name = change.at_point > 0, _size(change), change.quantity
     way = "higher" if more else "lower"
     if name in _READINGS:
-        sensor = "the load cell" if name == "f_applied" else f"the transducer of {_symbol(name)}"
+        symbol = PRESSURE_SYMBOLS.get(name)
+        sensor = f"the transducer of {symbol}" if symbol else "the load cell"
         words = f"{sensor} shows {size} too {'much' if more else 'little'}"
         return f"{words}, the largest error of {readings} readings" if readings > 1 else words
     if readings and (name in _FLOWS or name in _CYLINDERS):
@@ -167,8 +169,3 @@ def listed(parts: Sequence[str]) -> str:
     if len(parts) < 2:
         return "".join(parts)
     return f"{', '.join(parts[:-1])} and {parts[-1]}"
-
-
-def _symbol(channel: str) -> str:
-    head, index = channel.split("_")
-    return f"{head.upper()}_{index.capitalize()}"

@@ -4,6 +4,7 @@ import re
 from math import isfinite
 from typing import Any, NamedTuple
 
+from hbench.channels import CHANNELS
 from hbench.records import Diagnosis, FitParameter, Gap
 from hbench.report.render.numbers import NONE, number, significant, with_ends
 from hbench.units import from_si
@@ -26,13 +27,13 @@ BALANCE_NAMES = {
     "kinematics": DisplayName("position against velocity", "mm/s"),
     "supply": DisplayName("supply pressure", "bar"),
 }
+PRESSURE_SYMBOLS = {
+    name: CHANNELS[f"{name}_pa"].symbol for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
+}
 SIGNAL_NAMES = {
     "x": DisplayName("position", "mm"),
     "v": DisplayName("velocity", "mm/s"),
-    "p_tp": DisplayName("P_Tp", "bar"),
-    "p_tr": DisplayName("P_Tr", "bar"),
-    "p_lp": DisplayName("P_Lp", "bar"),
-    "p_lr": DisplayName("P_Lr", "bar"),
+    **{name: DisplayName(symbol, "bar") for name, symbol in PRESSURE_SYMBOLS.items()},
     "p_s": DisplayName("supply pressure", "bar"),
     "f_applied": DisplayName("load cell's force", "N"),
     "u_t": DisplayName("command of valve T", "V"),

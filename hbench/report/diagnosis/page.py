@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hbench.records import Diagnosis, Gap, WordTable
+from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import (
     changes_tables,
@@ -29,7 +30,6 @@ from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number
 
-_SIGNIFICANCE = 0.05
 _MOST_RUNS = 40  # rows of the page
 _KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")  # name of an effect
 _SENSOR = (
@@ -221,7 +221,7 @@ def _largest(gaps: Sequence[Gap]) -> str:
     why = f"is not significant ({p_equation(largest.p_value)})"
     if largest.deviation <= largest.material:
         why = "does not matter"
-    elif largest.p_value < _SIGNIFICANCE:
+    elif largest.p_value < SIGNIFICANCE:
         why = f"is {number(largest.gap, 1)} trial scatters, too few for a missing effect"
     deviation, limit = deviation_and_limit(largest)
     return (

@@ -10,6 +10,7 @@ from scipy.stats import binned_statistic_2d
 
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
+from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.names import AXES, balance, in_unit, shown
 from hbench.report.diagnosis.sentences import largest_deviation
 from hbench.report.render import style
@@ -97,9 +98,8 @@ def worst(diagnosis: Diagnosis) -> list[str]:
     one with the largest gap.
     """
     known = [gap for gap in diagnosis.where if gap.name in diagnosis.residuals_before.names]
-    significant = [
-        gap.name for gap in known if gap.p_value < 0.05 and not gap.deviation <= gap.material
-    ]
+    real = [gap for gap in known if gap.p_value < SIGNIFICANCE]
+    significant = [gap.name for gap in real if not gap.deviation <= gap.material]
     others = (largest_deviation(known), *known[:1])
     return significant or list(dict.fromkeys(gap.name for gap in others if gap is not None))
 

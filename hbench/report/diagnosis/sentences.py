@@ -16,6 +16,7 @@ from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.change_words import listed, main_changes, phrase, wrong_readings
 from hbench.report.diagnosis.names import (
     AXES,
+    EDGES,
     balance,
     compared_model,
     deviation_and_limit,
@@ -258,6 +259,14 @@ def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
                 f"{significant(shown(value, display), 2)} {display.unit} ({display.title})"
             )
     return f"{where_words(point)} the {model} is off by {listed(parts)}." if parts else ""
+
+
+def edge_gaps(diagnosis: Diagnosis, name: str) -> dict[str, float]:
+    """Return the gap of a chamber's flow by the metering edge of its valve, as far as known."""
+    ways = {region.label: region for region in diagnosis.regions if region.axis == "direction"}
+    edges = zip(EDGES.get(name, ()), ("extend", "retract"), strict=False)
+    known = [(edge, ways[way].gaps) for edge, way in edges if way in ways]
+    return {edge: gaps[name] for edge, gaps in known if name in gaps}
 
 
 def worst_region(diagnosis: Diagnosis, name: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from hbench.records import AddedEffect, Diagnosis, EffectInPractice, Lookalike
 from hbench.report.diagnosis.change_words import along_words, listed, main_changes
 from hbench.report.diagnosis.law_words import law_summary
-from hbench.report.diagnosis.names import EDGES, PARTS, in_sentence, in_words
+from hbench.report.diagnosis.names import PARTS, in_sentence, in_words
 from hbench.report.diagnosis.sentences import (
     CLEARLY_LARGER,
     advice,
@@ -20,6 +20,7 @@ from hbench.report.diagnosis.sentences import (
     closeness,
     detectable,
     deviations,
+    edge_gaps,
     largest_deviation,
     odds_words,
     residual_words,
@@ -238,12 +239,7 @@ def _where_to_look(diagnosis: Diagnosis) -> str:
 
 def _edge(diagnosis: Diagnosis, name: str) -> str:
     """Return which metering edge of a chamber's valve is suspect; empty where neither is."""
-    gaps = {
-        edge: region.gaps[name]
-        for way, edge in zip(("extend", "retract"), EDGES.get(name, ()), strict=False)
-        for region in diagnosis.regions
-        if region.axis == "direction" and region.label == way and name in region.gaps
-    }
+    gaps = edge_gaps(diagnosis, name)
     if len(gaps) < 2 or not max(gaps.values()) > CLEARLY_LARGER * min(gaps.values()):
         return ""
     worst, other = sorted(gaps, key=lambda edge: -gaps[edge])

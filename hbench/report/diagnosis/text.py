@@ -30,7 +30,7 @@ from hbench.report.diagnosis.names import (
     steps_of,
 )
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import deviations
+from hbench.report.diagnosis.sentences import deviations, edge_gaps
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short
 from hbench.report.render.terminal_table import table_lines
@@ -202,14 +202,10 @@ def _gaps_table(title: str, gaps: Sequence[Gap]) -> WordTable:
 
 def edges_table(diagnosis: Diagnosis) -> WordTable:
     """Return the gap of each chamber's flow by the edge of its valve that meters it."""
-    ways = {region.label: region for region in diagnosis.regions if region.axis == "direction"}
     rows = []
-    for name, edges in EDGES.items():
-        by_edge = dict(zip(edges, ("extend", "retract"), strict=True))
-        cells = []
-        for edge in ("supply", "tank"):
-            gaps = ways[by_edge[edge]].gaps if by_edge[edge] in ways else {}
-            cells.append(number(gaps.get(name), 2))
+    for name in EDGES:
+        gaps = edge_gaps(diagnosis, name)
+        cells = (number(gaps.get(edge), 2) for edge in ("supply", "tank"))
         rows.append((balance(name).title, *cells))
     known = any(cell != NONE for _, *cells in rows for cell in cells)
     head = ("chamber", "open to supply", "open to tank")
