@@ -10,6 +10,7 @@ from hbench.report.comparison.tables import who
 from hbench.report.render.numbers import alike, half_width, number, significant, with_interval
 
 _FEW = 2  # curves that the verdict lists
+_DRIFT = "A drift is part of no interval: measure A again after B to confirm a difference."
 
 
 def alarm(differences: CampaignDifferences) -> str:
@@ -33,12 +34,11 @@ def headline(differences: CampaignDifferences) -> str:
         if quality.grade == "with care"
     ]
     care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
-    if any(map(_may_drift, differences.qualities)):
-        care += " A drift is part of no interval: measure A again after B to confirm a difference."
+    drift = _DRIFT if any(map(_may_drift, differences.qualities)) else ""
     found = [band_verdict(differences)]
     if not found[0]:
         found = [_verdict(differences), _efficiency_verdict(differences)]
-    return " ".join(filter(None, (*found, _warmer(differences), care)))
+    return " ".join(filter(None, (*found, _warmer(differences), care, drift)))
 
 
 def _may_drift(quality: Quality) -> bool:
