@@ -202,9 +202,10 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
 def test_a_tile_of_some_series_counts_them(small):
     first, *others = small.headline.series
     headline = replace(small.headline, series=(replace(first, friction_n=None), *others))
-    summary = report_document(replace(small, headline=headline), ()).sections[0]
-    captions = " ".join(map(str, summary.tiles))
-    assert f"{len(others)} of {len(others) + 1} loads and directions" in captions
+    document = report_document(replace(small, headline=headline), ())
+    some = f"{len(others)} of {len(others) + 1} loads and directions"
+    assert some in " ".join(map(str, document.sections[0].tiles))
+    assert f", over {some}." in document.verdict
 
 
 def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small):

@@ -1,7 +1,7 @@
 """The first section of the page: friction at the working speed, breakaway, efficiency."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from statistics import median_low
 
@@ -101,15 +101,22 @@ def headline_words(results: Results) -> str:
         ("efficiency", [each.efficiency for each in series], 100.0, "%"),
     )
     parts = [
-        (name, words)
+        (name, words, numbers)
         for name, numbers, scale, unit in quantities
         if (words := _span_words([each for each in numbers if each is not None], scale, unit))
     ]
-    where = ", over all loads and directions" if len(series) > 1 else ""
     if not parts:
         return ""
-    name, words = parts[0]
+    name, words, numbers = parts[0]
+    where = f", over {_of_series(numbers)}" if len(series) > 1 else ""
     return f"{name[:1].upper()}{name[1:]} is {words}{where}."
+
+
+def _of_series(numbers: Sequence[HeadlineNumber | None]) -> str:
+    """Count the loads and directions that have a number."""
+    known = sum(each is not None for each in numbers)
+    count = "all" if known == len(numbers) else f"{known} of {len(numbers)}"
+    return f"{count} loads and directions"
 
 
 def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
@@ -242,11 +249,9 @@ def _tile(
     known = [each for each in every if each is not None]
     if not known:
         return
-    where = "all loads and directions"
-    if len(known) < len(every):
-        where = f"{len(known)} of {len(every)} loads and directions"
     halves = [each.u95 for each in known if each.u95 is not None]
-    caption = ", ".join([caption, *_flag_words(known), *([where] if len(every) > 1 else [])])
+    where = [_of_series(every)] if len(every) > 1 else []
+    caption = ", ".join([caption, *_flag_words(known), *where])
     anchor = f"method-{anchor}"
     if len(known) == 1:
         half = scale * halves[0] if halves else None
