@@ -28,7 +28,7 @@ from hbench.store.campaign.folder import load_campaign, load_header
 from hbench.store.campaign.live_file import LIVE, SCHEMA
 from hbench.store.campaign.stored_acceptance import stored_checks
 from hbench.workflow.watching import live, watch
-from hbench.workflow.watching.charts import not_passed, station_charts
+from hbench.workflow.watching.charts import limits_checked, station_charts
 from tests.support.report.spaces import ordinary_spaces
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
@@ -436,13 +436,29 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     untested = check | {"decision": "NOT TESTED", "measurement": None, "reason": "no runs"}
     path.write_text(json.dumps(content | {"checks": [check, marginal, untested, failed]}))
     checks = stored_checks(tmp_path)
-    first, second, third = map(ordinary_spaces, not_passed(checks))
+    kept, first, second, third = map(ordinary_spaces, limits_checked(checks))
+    assert kept == "Limits that were kept: 1 of 4."
     assert first == "FAIL: 5.3: breakaway, extend: 3.00 ± 0.10 bar (95 %), limit at most 2 bar"
     assert second.startswith("MARGINAL: breakaway, extend: ")
     assert third == "NOT TESTED: breakaway: no runs; limit at most 4 bar"
     titles = [chart["title"] for chart in station_charts(["C"], [checks])]
     assert titles == ["5.3: breakaway, extend", "breakaway, extend", "breakaway, extend"]
-    assert len(not_passed(checks * 5)) == 5 and not_passed(checks * 5)[-1].startswith("11 more")
+    several = limits_checked(checks * 5)
+    assert len(several) == 6 and several[-1].startswith("11 more") and limits_checked([]) == []
+
+
+def test_a_station_shows_an_interrupted_campaign_and_its_rejected_runs(
+    sample, tmp_path, require_tool
+):
+    path = tmp_path / "station" / "C" / "campaign.yaml"
+    shutil.copytree(sample, path.parent)
+    path.write_text(path.read_text().partition("- run: '0008'")[0])
+    with watched(tmp_path / "station", workflow.Station) as page:
+        dom = shown_by(require_tool("chromium"), page, tmp_path)
+    assert re.search(r'class="big decision bad" id="decision">interrupted<', dom)
+    assert "6 of 7 runs were rejected" in dom
+    checked = re.search(r'<ul id="checked">(.*?)</ul>', dom)
+    assert checked and not checked[1] and "Continue with hbench run --resume" in dom
 
 
 @pytest.mark.parametrize(

@@ -38,15 +38,16 @@ def station_charts(
     return [_chart(series, names, by_series) for series in shown]
 
 
-def not_passed(checks: Sequence[ConformityCheck]) -> list[str]:
-    """Write the first limits that were not kept or not tested; count the others."""
+def limits_checked(checks: Sequence[ConformityCheck]) -> list[str]:
+    """Count the limits that were kept; write the first of the others, and count the rest."""
     words = [
         unit_kept(f"{check.decision}: {check_words(check)}: {_measured(check)}")
         for check in sorted(checks, key=lambda check: _ORDER.index(check.decision))
         if check.decision != "PASS"
     ]
+    kept = f"Limits that were kept: {len(checks) - len(words)} of {len(checks)}."
     more = [f"{len(words) - _MOST} more; see hbench accept"] if len(words) > _MOST else []
-    return words[:_MOST] + more
+    return [*([kept] if checks else []), *words[:_MOST], *more]
 
 
 def _measured(check: ConformityCheck) -> str:

@@ -11,7 +11,7 @@ from hbench.report.conformity.text import next_steps
 from hbench.store.campaign.folder import JOURNAL, load_header
 from hbench.store.campaign.live_file import LIVE
 from hbench.store.campaign.stored_acceptance import FILE_NAME, stored_checks, stored_decision
-from hbench.workflow.watching.charts import not_passed, station_charts
+from hbench.workflow.watching.charts import limits_checked, station_charts
 from hbench.workflow.watching.watch import Watch
 
 _LAST = 20  # campaigns
@@ -84,7 +84,7 @@ class Station:
         return [folder for folder in entries if (folder / JOURNAL).is_file()]
 
     def _row(self, folder: Path) -> dict[str, Any]:
-        """Return name, serial number, time and decision of a campaign, and what did not pass."""
+        """Return name, serial number, time and decision of a campaign, and its limits in words."""
         version = _moments(folder)
         if folder not in self._known or self._known[folder][0] != version:
             self._known[folder] = version, _described(folder)
@@ -104,7 +104,7 @@ def _moments(folder: Path) -> tuple[float, float, float]:
 
 def _described(folder: Path) -> dict[str, Any]:
     row: dict[str, Any] = {"folder": folder.name, "serial": "", "started": "", "source": ""}
-    row |= {"failed": [], "next": []}
+    row |= {"checked": [], "next": []}
     try:
         provenance = load_header(folder).provenance()
     except HbenchError:
@@ -116,6 +116,6 @@ def _described(folder: Path) -> dict[str, Any]:
         "started": provenance.started[:19].replace("T", " "),
         "source": provenance.source,
         "decision": stored_decision(folder),
-        "failed": not_passed(checks),
+        "checked": limits_checked(checks),
         "next": [f"Next, after {step}." for step in islice(next_steps(checks), 1)],
     }
