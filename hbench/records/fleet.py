@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Literal
 
+from hbench.records.conformity.acceptance import Measurement, Requirement
 from hbench.records.flow import DIRECTIONS, Direction
 
 Side = Direction | None  # of a number; None: of both directions together
@@ -316,14 +317,11 @@ class ControlChart:
 
 @dataclass(frozen=True)
 class Capability:
-    """Capability of a number against its limits, over the compared campaigns, in SI."""
+    """Capability of a limited quantity over the compared campaigns, in SI."""
 
-    quantity: Quantity
-    direction: Side
+    requirement: Requirement
+    series: Measurement  # its value is the mean of the campaigns
     n: int  # campaigns
-    low: float | None  # limits; None: there is no such limit
-    high: float | None
-    mean: float
     sigma: float  # standard deviation of the campaigns, that of the measurement included
     cpk: Estimate
     outside: int  # campaigns beyond the limits

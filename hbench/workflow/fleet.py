@@ -18,7 +18,7 @@ from hbench.records import Fleet, FleetRow
 from hbench.report.fleet.row import fleet_row
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
 from hbench.store.campaign.folder import load_campaign
-from hbench.store.campaign.stored_acceptance import stored_decision
+from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision
 from hbench.store.fleet.rows import FleetRows
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from hbench.store.formats.parquet import require_pyarrow
@@ -65,8 +65,8 @@ def analyze_fleet(
     analyzed is a row with the reason. ``scheduler`` is the address of a Dask scheduler; by default
     this machine's cores do the work. ``tolerance`` is that of friction or efficiency, to compare
     the measurement's precision with; ``limits`` is a file of limits, for the capability. ``report``
-    gets the numbers of campaigns analyzed by this
-    call, to analyze, and failed. Raises ``ConfigError``, ``DataError``, ``DeviceError``.
+    gets the numbers of campaigns analyzed by this call, to analyze, and failed. Raises
+    ``ConfigError``, ``DataError``, ``DeviceError``.
     """
     from hbench.analysis.comparison.fleet_summary import summarize  # needed at the end only
 
@@ -91,6 +91,7 @@ def analyze_fleet(
         tolerance,
         () if product is None else [limit.requirement for limit in product.limits],
         lambda path: stored_decision(Path(path)),
+        lambda path: stored_checks(Path(path)),
     )
 
 

@@ -4,16 +4,19 @@
     its 95 % interval: Cpk -+ 1.96 sqrt(1 / (9 n) + Cpk^2 / (2 (n - 1)))    (Bissell 1990)
 
 s is the standard deviation of the campaigns' numbers, so that the scatter of the measurement counts
-as well.
+as well. A limit of all loads at the working speed applies to the numbers of the fleet's table. The
+values of every other limit are those that ``hbench accept`` measured in each campaign.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from hbench.analysis.conformity.series import Series, checks_by_series
 from hbench.records import FEWEST_CAMPAIGNS, QUANTITIES, Estimate, Quantity, Side
-from hbench.records.conformity.acceptance import Requirement
+from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.fleet import Capability
 from hbench.records.numbers import NORMAL_95
 
@@ -21,39 +24,64 @@ _QUANTITIES = {"friction": "friction_n", "breakaway": "breakaway_n", "efficiency
 _NEAR = 0.2  # relative distance from the working speed
 
 Values = Callable[[Quantity, Side], np.ndarray]  # (n,) over the compared campaigns
+Decided = Sequence[Sequence[ConformityCheck]]  # of the compared campaigns
 
 
 def capabilities(
-    values: Values, requirements: Iterable[Requirement], v_m_s: float | None
+    values: Values, decided: Decided, requirements: Iterable[Requirement], v_m_s: float | None
 ) -> Iterator[Capability]:
-    """Yield the capability of each required number that the fleet's table has.
+    """Yield the capability of each requirement, in each of its series.
 
-    These are means over the loads at the working speed ``v_m_s``: requirements of one load, label
-    or other speed, and those in bar, have none. At least ``FEWEST_CAMPAIGNS`` campaigns are needed.
+    ``values`` are those of the fleet's table, means over the loads at the working speed ``v_m_s``;
+    ``decided`` are the checks of the campaigns' acceptances. At least ``FEWEST_CAMPAIGNS``
+    campaigns are needed.
     """
     by_name = {quantity.name: quantity for quantity in QUANTITIES}
     for requirement in requirements:
         if _reason(requirement, v_m_s):
+            yield from _of_decisions(decided, requirement)
             continue
         quantity = by_name[_QUANTITIES[requirement.quantity]]
         for side in quantity.sides:
-            if requirement.direction not in (None, side):
-                continue
-            x = values(quantity, side)
-            if len(x) >= FEWEST_CAMPAIGNS and np.ptp(x) > 0:
-                yield _capability(quantity, side, x, requirement)
+            if requirement.direction in (None, side):
+                series = Measurement(math.nan, None, direction=side, v_m_s=v_m_s)
+                yield from _capability(requirement, series, values(quantity, side))
 
 
 def without_capability(
-    requirements: Iterable[Requirement], v_m_s: float | None, campaigns: int
+    decided: Decided, requirements: Iterable[Requirement], v_m_s: float | None, campaigns: int
 ) -> Iterator[tuple[str, str]]:
     """Yield name and reason of each requirement that has no capability; see ``capabilities``."""
-    few = ""
-    if campaigns < FEWEST_CAMPAIGNS:
-        few = f"at least {FEWEST_CAMPAIGNS} campaigns of a kind are needed"
     for requirement in requirements:
-        if reason := _reason(requirement, v_m_s) or few:
+        reason = _reason(requirement, v_m_s)
+        if campaigns < FEWEST_CAMPAIGNS:
+            reason = f"at least {FEWEST_CAMPAIGNS} campaigns of a kind are needed"
+        elif reason:
+            n = max(map(len, _by_series(decided, requirement).values()), default=0)
+            reason += (
+                f"; hbench accept measures what it limits, and Cpk needs {FEWEST_CAMPAIGNS} "
+                f"campaigns decided by it ({n} so far)"
+            )
+            reason = "" if n >= FEWEST_CAMPAIGNS else reason
+        if reason:
             yield requirement.name or requirement.quantity, reason
+
+
+def _of_decisions(decided: Decided, requirement: Requirement) -> Iterator[Capability]:
+    for checks in _by_series(decided, requirement).values():
+        x = np.array([check.value for check in checks])
+        yield from _capability(requirement, replace(checks[-1], u95=None, dof=None), x)
+
+
+def _by_series(decided: Decided, requirement: Requirement) -> dict[Series, list[Measurement]]:
+    """Return what was measured for a requirement, by series, over the campaigns."""
+    found: dict[Series, list[Measurement]] = {}
+    for checks in decided:
+        same = [check for check in checks if check.requirement == requirement]
+        for series, check in checks_by_series(same).items():
+            if check.measurement is not None:
+                found.setdefault(series, []).append(check.measurement)
+    return found
 
 
 def _reason(requirement: Requirement, v_m_s: float | None) -> str:
@@ -73,8 +101,11 @@ def _reason(requirement: Requirement, v_m_s: float | None) -> str:
 
 
 def _capability(
-    quantity: Quantity, side: Side, x: np.ndarray, requirement: Requirement
-) -> Capability:
+    requirement: Requirement, series: Measurement, x: np.ndarray
+) -> Iterator[Capability]:
+    """Yield the capability of values (n,), if they suffice."""
+    if len(x) < FEWEST_CAMPAIGNS or np.ptp(x) == 0:
+        return
     mean, s, n = float(x.mean()), float(x.std(ddof=1)), len(x)
     low, high = requirement.low, requirement.high
     margins = [mean - low] if low is not None else []
@@ -82,13 +113,10 @@ def _capability(
     cpk = min(margins) / (3 * s)
     half = NORMAL_95 * math.sqrt(1 / (9 * n) + cpk**2 / (2 * (n - 1)))
     outside = (x < (-np.inf if low is None else low)) | (x > (np.inf if high is None else high))
-    return Capability(
-        quantity=quantity,
-        direction=side,
+    yield Capability(
+        requirement=requirement,
+        series=replace(series, value=mean),
         n=n,
-        low=low,
-        high=high,
-        mean=mean,
         sigma=s,
         cpk=Estimate(cpk, cpk - half, cpk + half),
         outside=int(outside.sum()),

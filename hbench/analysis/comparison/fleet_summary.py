@@ -37,7 +37,7 @@ from hbench.records import (
     Suspect,
     Trend,
 )
-from hbench.records.conformity.acceptance import Requirement
+from hbench.records.conformity.acceptance import ConformityCheck, Requirement
 from hbench.records.numbers import NORMAL_95
 from hbench.store.fleet.table import SUFFIXES, FleetTable, moment_of
 
@@ -67,18 +67,23 @@ def _no_decision(path: str) -> str:
     return ""
 
 
+def _no_checks(path: str) -> Sequence[ConformityCheck]:
+    return ()
+
+
 def summarize(
     table: FleetTable,
     report_link: Callable[[str], str],
     tolerance: Tolerance | None = None,
     requirements: Sequence[Requirement] = (),
     decision: Callable[[str], str] = _no_decision,
+    checks: Callable[[str], Sequence[ConformityCheck]] = _no_checks,
 ) -> Fleet:
     """Return the summary of a fleet's table.
 
     ``tolerance`` is that of friction or efficiency, ``requirements`` are limits. ``report_link``
-    returns the link to the report of the campaign at a path, ``decision`` that of its last
-    acceptance; both may be empty.
+    returns the link to the report of the campaign at a path, ``decision`` and ``checks`` those of
+    its last acceptance; all may be empty.
     """
     good = table.equals("failed", "")
     protocols = [pair for pair in table.counts("protocol") if pair[0]]
@@ -118,6 +123,8 @@ def summarize(
         x = table.numbers(quantity.column(side))[compared]
         return x[np.isfinite(x)]
 
+    paths = table.values("path", np.flatnonzero(compared)) if requirements else ()
+    decided = [checks(path) for path in paths]
     decisions = Counter(map(decision, table.values("path", np.flatnonzero(good))))
     system = measurement_system(table, good, compared, days, tolerance)
     return Fleet(
@@ -143,8 +150,10 @@ def summarize(
         plan_notes=system.notes,
         charts=system.charts,
         wear=system.wear,
-        capabilities=tuple(capabilities(compared_values, requirements, speed)),
-        without_capability=tuple(without_capability(requirements, speed, int(compared.sum()))),
+        capabilities=tuple(capabilities(compared_values, decided, requirements, speed)),
+        without_capability=tuple(
+            without_capability(decided, requirements, speed, int(compared.sum()))
+        ),
         decisions=tuple(sorted((name, n) for name, n in decisions.items() if name)),
         rows=tuple(
             _campaigns(table, np.flatnonzero(good), compared, spreads, report_link, decision)

@@ -4,7 +4,6 @@ from pathlib import PurePath
 
 from hbench.records import (
     FEWEST_CAMPAIGNS,
-    Capability,
     ControlChart,
     Deviation,
     Fleet,
@@ -17,7 +16,7 @@ from hbench.records import (
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE
 
-Shown = Spread | Deviation | Precision | Capability | ControlChart | WearTrend
+Shown = Spread | Deviation | Precision | ControlChart | WearTrend
 
 
 def folder_name(path: str) -> str:

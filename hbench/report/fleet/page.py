@@ -38,7 +38,12 @@ from hbench.report.fleet.text import (
     spread_table,
     trend_table,
 )
-from hbench.report.fleet.verdict import finding_sentences, fleet_verdict
+from hbench.report.fleet.verdict import (
+    finding_sentences,
+    fleet_verdict,
+    steady_trends,
+    stepped_numbers,
+)
 from hbench.report.render.document import BANNERS, Document, Section, Tile, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike
@@ -219,10 +224,13 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
         yield Tile(str(count), "", f"decision {name} (hbench accept)")
     if any(suspect.deviations for suspect in fleet.worst):
         yield Tile(str(fleet.outliers), "", _OUTLIERS[fleet.outliers != 1], "method-outliers")
-    trends = [spread.trend for spread in fleet.spreads if spread.trend is not None]
-    if trends:
+    if stepped := stepped_numbers(fleet):
+        changed = f"of {len(fleet.charts)} numbers changed at a campaign"
+        yield Tile(str(len(stepped)), "", changed, "method-change-points")
+    if trends := steady_trends(fleet):
+        others = "other " if stepped else ""
         drifts = sum(trend.real for trend in trends)
-        yield Tile(str(drifts), "", f"of {len(trends)} numbers drift", "method-trends")
+        yield Tile(str(drifts), "", f"of {len(trends)} {others}numbers drift", "method-trends")
     for spread in main_spreads(fleet):
         if spread.quantity.name in _TILES:
             scale = spread.quantity.scale

@@ -14,6 +14,8 @@ from hbench.records import (
     WearTrend,
     WordTable,
 )
+from hbench.records.conformity.acceptance import ConformityCheck
+from hbench.report.conformity.text import check_words, limit_words
 from hbench.report.fleet.names import (
     in_sentence,
     name_of,
@@ -23,6 +25,8 @@ from hbench.report.fleet.names import (
     without_condition,
 )
 from hbench.report.render.numbers import NONE, number, significant, with_ends, with_interval
+from hbench.report.render.symbols import capital
+from hbench.units import from_si
 
 METHOD = (
     (
@@ -50,7 +54,9 @@ METHOD = (
         "Capability",
         "Cpk = min(upper limit − mean, mean − lower limit) / (3 s); s is the standard deviation of "
         "the campaigns, the measurement's scatter included. The 95 % interval is Bissell's, for "
-        "normal values. At least 10 campaigns are needed, and a limit without load or label.",
+        "normal values. At least 10 campaigns are needed, of the same kind. Values are those "
+        "of hbench accept, which measures what a limit applies to; for a limit of all loads at the "
+        "working speed, those of the table of campaigns.",
     ),
     (
         "Control charts",
@@ -124,15 +130,28 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''}. "
             "Check what changed there: the cylinders, the bench or its instruments."
         )
-    beyond = dict.fromkeys(name for chart in fleet.charts for name in chart.outside)
+    beyond: dict[str, list[str]] = {}
+    for chart in fleet.charts:
+        for name in chart.outside:
+            beyond.setdefault(name, []).append(_side_of_limits(chart, name))
     if beyond:
-        yield f"Campaigns beyond the control limits: {_named(tuple(beyond)[:_NAMED], len(beyond))}."
+        names = [f"{name} ({'; '.join(sides)})" for name, sides in beyond.items()]
+        yield f"Campaigns beyond the control limits: {_named(tuple(names)[:_NAMED], len(beyond))}."
     for trend in fleet.wear:
         if trend.real:
             yield (
                 f"{trend.specimen}: {name_of(trend)} changes with {_AMOUNTS[trend.over][0]} by "
                 f"{_slope(trend)} {slope_unit(trend)}."
             )
+
+
+def _side_of_limits(chart: ControlChart, name: str) -> str:
+    """Write of which number a campaign is beyond the limits, and on which side if it is drawn."""
+    number = f"{in_sentence(chart.quantity)}{of_side(chart.direction)}"
+    value = dict(zip(chart.names, chart.values, strict=True)).get(name)
+    if value is None:
+        return number
+    return f"{number}: {'above' if value > chart.centre else 'below'}"
 
 
 def main_studies(fleet: Fleet) -> list[Precision]:
@@ -264,33 +283,31 @@ def step_size(step: ChartStep, scale: float) -> str:
 
 
 def capability_table(fleet: Fleet) -> WordTable:
-    """Return Cpk of each limited number, with its interval."""
+    """Return Cpk of each limited quantity, with its interval."""
     rows = []
     for each in fleet.capabilities:
-        scale, unit = each.quantity.scale, each.quantity.unit
-        low, high = (
-            "" if limit is None else significant(scale * limit, 4)
-            for limit in (each.low, each.high)
-        )
-        both = f"{low} to {high} {unit}"
-        one = f"at least {low} {unit}" if low else f"at most {high} {unit}"
+        unit = each.requirement.unit
+        measured = ConformityCheck(each.requirement, each.series, None, "NOT TESTED")
         rows.append(
             (
-                name_of(each),
+                capital(check_words(measured)),
                 str(each.n),
-                both if low and high else one,
-                f"{significant(scale * each.mean, 4)} {unit}",
-                significant(scale * each.sigma, 2),
+                limit_words(each.requirement),
+                f"{significant(from_si(each.series.value, unit), 4)} {unit}",
+                significant(from_si(each.sigma, unit), 2),
                 with_ends(each.cpk.value, each.cpk.low, each.cpk.high or each.cpk.value),
                 str(each.outside),
             )
         )
-    head = ("Number", "Campaigns", "Limits", "Mean", "s", "Cpk", "Beyond the limits")
+    head = ("Quantity", "Campaigns", "Limit", "Mean", "s", "Cpk", "Beyond the limit")
     return WordTable("Capability", head, tuple(rows))
 
 
 def capability_notes(fleet: Fleet) -> Iterator[str]:
-    """Yield the limits that have no Cpk, with the reason."""
+    """Yield a reservation on Cpk, and the limits that have none, with the reason."""
+    stepped = any(chart.step is not None and chart.step.real for chart in fleet.charts)
+    if fleet.capabilities and stepped:
+        yield "s contains the steps of the mean: Cpk is that of all campaigns, not of the last."
     for name, reason in fleet.without_capability:
         yield f"No Cpk for the limit of {name}: {reason}."
 

@@ -86,15 +86,10 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
         yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
     elif any(suspect.deviations for suspect in fleet.worst):
         yield "No campaign is an outlier."
-    stepped = _stepped(fleet)  # a step appears as a drift too
-    known = [
-        spread.trend
-        for spread in fleet.spreads
-        if spread.trend is not None and (spread.quantity, spread.direction) not in stepped
-    ]
+    known = steady_trends(fleet)
     drifts = sum(trend.real for trend in known)
     if drifts:
-        others = "other " if stepped else ""
+        others = "other " if stepped_numbers(fleet) else ""
         verb = "drifts" if drifts == 1 else "drift"
         yield f"{drifts} of {len(known)} {others}numbers {verb} significantly."
 
@@ -128,12 +123,22 @@ def finding_sentences(fleet: Fleet) -> Iterator[str]:
 def _step_instead(fleet: Fleet) -> str:
     """Remark that the drifting numbers also have a step, if all of them do."""
     drifts = {(s.quantity, s.direction) for s in fleet.spreads if s.trend and s.trend.real}
-    return " A step, as above, appears as a drift too." if drifts <= _stepped(fleet) else ""
+    return " A step, as above, appears as a drift too." if drifts <= stepped_numbers(fleet) else ""
 
 
-def _stepped(fleet: Fleet) -> set[tuple[Quantity, Side]]:
+def stepped_numbers(fleet: Fleet) -> set[tuple[Quantity, Side]]:
     """Return the numbers whose control chart has a significant step."""
     return {(c.quantity, c.direction) for c in fleet.charts if c.step is not None and c.step.real}
+
+
+def steady_trends(fleet: Fleet) -> list[Trend]:
+    """Return the trends of the numbers that have no significant step, which appears as a drift."""
+    stepped = stepped_numbers(fleet)
+    return [
+        spread.trend
+        for spread in fleet.spreads
+        if spread.trend is not None and (spread.quantity, spread.direction) not in stepped
+    ]
 
 
 def _outlier_words(suspect: Suspect) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 
 from hbench.analysis.comparison.control_chart import centre_and_sigma
 from hbench.analysis.comparison.run_rules import run_rules
+from hbench.analysis.conformity.series import Series, checks_by_series
 from hbench.records import FEWEST_CAMPAIGNS
 from hbench.records.conformity.acceptance import ConformityCheck
 from hbench.report.conformity.text import (
@@ -19,7 +20,6 @@ from hbench.units import from_si
 
 _MOST = 4  # charts, and values that did not pass
 _ORDER = ("FAIL", "MARGINAL", "NOT TESTED", "PASS")
-Series = tuple[tuple, tuple, int]  # requirement, label and load, number of its kind
 
 
 def station_charts(
@@ -32,7 +32,7 @@ def station_charts(
     their expanded uncertainties, the last one in words, and from ten cylinders on the control
     limits, mean ± 3 sigma of the moving ranges, with the rules that signal at each value.
     """
-    by_series = [_by_series(each) for each in checks]
+    by_series = [checks_by_series(each) for each in checks]
     newest = next(filter(None, reversed(by_series)), dict[Series, ConformityCheck]())
     shown = sorted(newest, key=lambda series: _ORDER.index(newest[series].decision))[:_MOST]
     return [_chart(series, names, by_series) for series in shown]
@@ -55,24 +55,6 @@ def _measured(check: ConformityCheck) -> str:
     if check.measurement is None:
         return f"{check.reason}; {limit}" if check.reason else limit
     return f"{measured_words(check)} (95 %), {limit}"
-
-
-def _by_series(checks: Sequence[ConformityCheck]) -> dict[Series, ConformityCheck]:
-    """Return the measured checks of a cylinder by what they are of.
-
-    Measured speeds, which differ a little from cylinder to cylinder, are no part of that: several
-    speeds of a series are counted.
-    """
-    found: dict[Series, ConformityCheck] = {}
-    for check in checks:
-        what, series = check.requirement, check.measurement
-        if series is None:
-            continue
-        load = (series.label, series.direction, series.f_load_n, series.p_lr_ref_pa)
-        named = (what.quantity, what.unit, what.name, what.v_m_s, what.dwell_s, what.leak)
-        count = sum(key[:2] == (named, load) for key in found)
-        found[named, load, count] = check
-    return found
 
 
 def _chart(
