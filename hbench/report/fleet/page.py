@@ -7,7 +7,16 @@ import re
 from collections.abc import Iterable, Iterator
 
 from hbench.records import FEWEST_CAMPAIGNS, Fleet, WordTable
+from hbench.report.fleet.charts import (
+    capability_notes,
+    capability_table,
+    chart_table,
+    signal_table,
+    step_table,
+    wear_table,
+)
 from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
+from hbench.report.fleet.method import fleet_method
 from hbench.report.fleet.names import (
     folder_name,
     main_spreads,
@@ -15,18 +24,7 @@ from hbench.report.fleet.names import (
     range_words,
     without_condition,
 )
-from hbench.report.fleet.precision import (
-    METHOD,
-    capability_notes,
-    capability_table,
-    chart_table,
-    components_table,
-    limit_sentences,
-    limits_table,
-    signal_table,
-    step_table,
-    wear_table,
-)
+from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
 from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
 from hbench.report.fleet.row import kind_difference
 from hbench.report.fleet.text import (
@@ -61,52 +59,6 @@ _INTERVALS = (
     "So a value has at least three digits."
 )
 _AT_MEDIAN = "Half band, middle and energy are those at the median pressure of a campaign."
-_METHOD = (
-    (
-        "Numbers",
-        "Each number is that of the campaign's report. Where a direction has several loads, it is "
-        "the mean over them, provided that all of them have the number; its interval is as wide "
-        "as the mean of theirs, as if their errors were the same. Half band, middle and energy of "
-        "a cycle are those at the median of the campaign's pressures.",
-    ),
-    (
-        "Compared",
-        "Only campaigns of the same kind: bench and origin of the data, areas of piston and rod "
-        "side, loads and working speed. "
-        "Where no speed was set, as in strokes cut from a cycle, a campaign counts if its speed is "
-        "within 20 % of their median. A single label names the cylinder and may differ. "
-        "The page evaluates those of the most frequent kind; analyze the others in a separate "
-        "call.",
-    ),
-    (
-        "Spread",
-        "A campaign's number is taken as m + b + e: b with σ between campaigns, e with σ of the "
-        "campaign's own trials: the root mean square of their standard errors, and its own for a "
-        "campaign whose trials scatter more than three times as much as is usual. m is the "
-        "median. σ between campaigns is such that the median of |x − m| / √(σ_between² + "
-        "σ_own²) is 0.6745: up to half of the campaigns may deviate by any amount. Errors of the "
-        "instruments are common to a bench's campaigns and are not included.",
-    ),
-    (
-        "Outliers",
-        "The deviation is (x − m) / √(σ_between² + σ_own²); where a number drifts, m is its "
-        "trend line. p is that of Student's distribution with 0.37 (n − 1) degrees of freedom, "
-        "times the number of campaigns and numbers (Bonferroni): among good cylinders alone, one "
-        "fleet in twenty has an outlier. An outlier has p below 0.05; at least 10 campaigns are "
-        "needed.",
-    ),
-    (
-        "Trends",
-        "Theil and Sen's line, its interval and p by Kendall's rank correlation, corrected after "
-        "Holm for the number of trends. A trend is called a drift where p is below 0.05. "
-        "It does not distinguish a change of the cylinders from a change of the bench.",
-    ),
-    (
-        "All rows",
-        "fleet.parquet beside this page has a row for each campaign, with the interval of each "
-        "number.",
-    ),
-)
 
 
 def fleet_page(fleet: Fleet, drawings: Iterable[Drawing]) -> str:
@@ -178,22 +130,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield Section(_PRECISION, tuple(fleet.plan_notes))
     if fleet.failed:
         yield _failures(fleet)
-    yield Section("How it was computed", facts=tuple(_method(fleet)), anchor="method")
-
-
-def _method(fleet: Fleet) -> Iterator[tuple[str, str]]:
-    """Yield the methods of the results that the page has."""
-    absent = {
-        "Repeatability and reproducibility": not fleet.precision,
-        "Share of tolerance": all(s.share_of_tolerance is None for s in fleet.precision),
-        "Capability": not fleet.capabilities,
-        "Control charts": not fleet.charts,
-        "Change points": not fleet.charts,
-        "Wear": not fleet.wear,
-    }
-    for name, words in (*_METHOD[:-1], *METHOD, _METHOD[-1]):
-        if not absent.get(name):
-            yield name, words
+    yield Section("How it was computed", facts=tuple(fleet_method(fleet)), anchor="method")
 
 
 def _precision(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:

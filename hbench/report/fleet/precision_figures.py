@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 
 from hbench.records import DIRECTIONS, ControlChart, Fleet, Precision, Quantity, Side, WearTrend
 from hbench.report.campaign.series_words import TITLES
+from hbench.report.fleet.charts import chart_words
 from hbench.report.fleet.names import without_condition
-from hbench.report.fleet.precision import chart_words, source_words
+from hbench.report.fleet.precision import source_words
 from hbench.report.render import style
 from hbench.report.render.figures import Sketch
 from hbench.report.render.series import behind

@@ -15,23 +15,21 @@ from hbench.records import (
     Trend,
     WordTable,
 )
+from hbench.report.fleet.charts import (
+    capability_notes,
+    capability_table,
+    chart_table,
+    signal_table,
+    step_table,
+    wear_table,
+)
 from hbench.report.fleet.names import (
     folder_name,
     main_spreads,
     name_of,
     signed,
 )
-from hbench.report.fleet.precision import (
-    capability_notes,
-    capability_table,
-    chart_table,
-    components_table,
-    limit_sentences,
-    limits_table,
-    signal_table,
-    step_table,
-    wear_table,
-)
+from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
 from hbench.report.fleet.row import kind_difference
 from hbench.report.fleet.verdict import (
     change_words,

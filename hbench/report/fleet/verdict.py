@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from hbench.records import Fleet, Quantity, Side, Spread, Suspect, Trend
+from hbench.report.fleet.charts import change_sentences, step_size
 from hbench.report.fleet.names import (
     folder_name,
     in_sentence,
@@ -13,7 +14,6 @@ from hbench.report.fleet.names import (
     signed,
     without_condition,
 )
-from hbench.report.fleet.precision import change_sentences, step_size
 from hbench.report.render.numbers import alike, half_width, significant, with_ends
 from hbench.report.render.symbols import capital
 

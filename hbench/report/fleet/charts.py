@@ -1,0 +1,202 @@
+"""Control charts, capability and wear of a fleet, in words and tables."""
+
+from collections.abc import Iterator
+
+from hbench.records import (
+    ChartStep,
+    ControlChart,
+    Fleet,
+    WearTrend,
+    WordTable,
+)
+from hbench.records.conformity.acceptance import ConformityCheck
+from hbench.report.conformity.text import check_words, limit_words
+from hbench.report.fleet.names import (
+    in_sentence,
+    name_of,
+    of_change,
+    of_side,
+    signed,
+)
+from hbench.report.render.numbers import significant, with_ends, with_interval
+from hbench.report.render.symbols import capital
+from hbench.units import from_si
+
+_NAMED = 5  # campaigns in a sentence
+_AMOUNTS = {
+    "distance_m": ("distance", "km", 1e-3),
+    "friction_work_j": ("friction work", "MJ", 1e-6),
+}
+
+
+def change_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield steps, campaigns beyond the control limits, and significant wear."""
+    steps: dict[str, list[str]] = {}
+    largest: dict[str, float] = {}
+    for chart in fleet.charts:
+        if chart.step is not None and chart.step.real:
+            scale, unit = chart.quantity.scale, chart.quantity.unit
+            before, after = (
+                significant(scale * mean, 4) for mean in (chart.step.before, chart.step.after)
+            )
+            name = f"{in_sentence(chart.quantity)}{of_side(chart.direction)}"
+            at = chart.step.name
+            size = step_size(chart.step, scale)
+            words = f"{name}, by {size} {of_change(unit)} ({before} to {after} {unit})"
+            steps.setdefault(at, []).append(words)
+            largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
+    for at, changes in steps.items():
+        yield (
+            f"From {at} on the mean has changed (p at most {significant(largest[at], 2)}): "
+            f"{'; '.join(changes[:_NAMED])}"
+            f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''}. "
+            "Check what changed there: the cylinders, the bench or its instruments."
+        )
+    beyond: dict[str, list[str]] = {}
+    for chart in fleet.charts:
+        for name in chart.outside:
+            beyond.setdefault(name, []).append(_side_of_limits(chart, name))
+    if beyond:
+        names = [f"{name} ({'; '.join(sides)})" for name, sides in beyond.items()]
+        yield f"Campaigns beyond the control limits: {_named(tuple(names)[:_NAMED], len(beyond))}."
+    for trend in fleet.wear:
+        if trend.real:
+            yield (
+                f"{trend.specimen}: {name_of(trend)} changes with {_AMOUNTS[trend.over][0]} by "
+                f"{_slope(trend)} {slope_unit(trend)}."
+            )
+
+
+def chart_table(fleet: Fleet) -> WordTable:
+    """Return the control limits of each number, and the campaigns beyond them."""
+    rows = []
+    for chart in fleet.charts:
+        scale = chart.quantity.scale
+        low, high = (significant(scale * limit, 4) for limit in chart.limits)
+        rows.append(
+            (
+                name_of(chart),
+                str(chart.n),
+                significant(scale * chart.centre, 4),
+                f"{low} to {high}",
+                _named(chart.outside, chart.beyond),
+                str(chart.moved),
+            )
+        )
+    head = ("Number", "Campaigns", "Mean", "Limits", "Beyond them", "Moving ranges beyond")
+    return WordTable("Control charts", head, tuple(rows))
+
+
+def signal_table(fleet: Fleet) -> WordTable:
+    """Return each rule that signals on a control chart, with the first campaigns."""
+    rows = tuple(
+        (name_of(chart), signal.rule, str(signal.count), _named(signal.names, signal.count))
+        for chart in fleet.charts
+        for signal in chart.signals
+    )
+    return WordTable("Signals of the control charts", ("Number", "Rule", "Points", "At"), rows)
+
+
+def step_table(fleet: Fleet) -> WordTable:
+    """Return the most likely step of the mean of each number."""
+    rows = []
+    for chart in fleet.charts:
+        if (step := chart.step) is None:
+            continue
+        scale = chart.quantity.scale
+        before, after = (significant(scale * mean, 4) for mean in (step.before, step.after))
+        rows.append(
+            (
+                name_of(chart),
+                step.name,
+                before,
+                after,
+                step_size(step, scale),
+                significant(step.p_holm, 2),
+                "step" if step.real else "not significant",
+            )
+        )
+    head = ("Number", "From campaign", "Mean before", "After", "Step (95 %)", "p (Holm)", "Verdict")
+    return WordTable("Change points", head, tuple(rows))
+
+
+def step_size(step: ChartStep, scale: float) -> str:
+    """Write the size of a step with its 95 % interval."""
+    return signed(with_interval(scale * (step.after - step.before), scale * step.ci95))
+
+
+def capability_table(fleet: Fleet) -> WordTable:
+    """Return Cpk of each limited quantity, with its interval."""
+    rows = []
+    for each in fleet.capabilities:
+        unit = each.requirement.unit
+        measured = ConformityCheck(each.requirement, each.series, None, "NOT TESTED")
+        rows.append(
+            (
+                capital(check_words(measured)),
+                str(each.n),
+                limit_words(each.requirement),
+                f"{significant(from_si(each.series.value, unit), 4)} {unit}",
+                significant(from_si(each.sigma, unit), 2),
+                with_ends(each.cpk.value, each.cpk.low, each.cpk.high or each.cpk.value),
+                str(each.outside),
+            )
+        )
+    head = ("Quantity", "Campaigns", "Limit", "Mean", "s", "Cpk", "Beyond the limit")
+    return WordTable("Capability", head, tuple(rows))
+
+
+def capability_notes(fleet: Fleet) -> Iterator[str]:
+    """Yield a reservation on Cpk, and the limits that have none, with the reason."""
+    stepped = any(chart.step is not None and chart.step.real for chart in fleet.charts)
+    if fleet.capabilities and stepped:
+        yield "s contains the steps of the mean: Cpk is that of all campaigns, not of the last."
+    for name, reason in fleet.without_capability:
+        yield f"No Cpk for the limit of {name}: {reason}."
+
+
+def wear_table(fleet: Fleet) -> WordTable:
+    """Return the slope of each cylinder's friction over distance and work."""
+    rows = [
+        (
+            trend.specimen,
+            name_of(trend),
+            _AMOUNTS[trend.over][0],
+            str(len(trend.x)),
+            f"{_slope(trend)} {slope_unit(trend)}",
+            "< 0.0001" if trend.p_holm < 1e-4 else significant(trend.p_holm, 2),
+            "significant" if trend.real else "not significant",
+        )
+        for trend in fleet.wear
+    ]
+    head = ("Cylinder", "Number", "Over", "Campaigns", "Slope", "p (Holm)", "Verdict")
+    return WordTable("Wear", head, tuple(rows))
+
+
+def slope_unit(trend: WearTrend) -> str:
+    """Return the unit of a trend's slope."""
+    return f"{trend.quantity.unit}/{_AMOUNTS[trend.over][1]}"
+
+
+def chart_words(chart: ControlChart) -> str:
+    """Return what the chart's values are."""
+    return "deviation from its cylinder's mean, plus the mean" if chart.of_cylinders else "value"
+
+
+def _side_of_limits(chart: ControlChart, name: str) -> str:
+    """Write of which number a campaign is beyond the limits, and on which side if it is drawn."""
+    number = f"{in_sentence(chart.quantity)}{of_side(chart.direction)}"
+    value = dict(zip(chart.names, chart.values, strict=True)).get(name)
+    if value is None:
+        return number
+    return f"{number}: {'above' if value > chart.centre else 'below'}"
+
+
+def _named(names: tuple[str, ...], count: int) -> str:
+    more = f" and {count - len(names)} more" if count > len(names) else ""
+    return (", ".join(names) or "none") + more
+
+
+def _slope(trend: WearTrend) -> str:
+    factor = trend.quantity.scale / _AMOUNTS[trend.over][2]
+    return signed(with_ends(factor * trend.slope, factor * trend.low, factor * trend.high))
