@@ -226,7 +226,7 @@ def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small)
 def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_once():
     point = PointTrials("steady", "", "extend", 500.0, None, None, 0.1, 0, 3)
     checks = (
-        QualityCheck("complete", "with care", 8, "trials", 8, None, 8, 8),
+        QualityCheck("complete", "with care", 100.0, "%", 100.0, 80.0, 8, 8),
         QualityCheck("trials_per_point", "poor", 0, "trials", 3, 1, 1),
     )
     quality = Quality("poor", checks, Completeness(8, False, (), 2, (point,)), ())

@@ -34,6 +34,9 @@ from hbench.report.render.numbers import (
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
+_ONE_TRIAL = (
+    " A number of one trial has no U: a single trial does not show the scatter of repetitions."
+)
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -149,12 +152,13 @@ def _laws(results: Results) -> str:
 def _uncertainty(series: Collection[HeadlineSeries], budget: str) -> str:
     """State what U is, and which table has its parts; empty if no number of the summary has one."""
     numbers = [n for each in series for n in (each.friction_n, each.breakaway_n, each.efficiency)]
+    single = any(each is not None and each.basis == "one_trial" for each in numbers)
     if all(each is None or each.u95 is None for each in numbers):
-        return ""
+        return _ONE_TRIAL.lstrip() if single else ""
     parts = f" {budget} contains its factor k and its parts." if budget else ""
     return (
         "U is the expanded uncertainty of trials and instruments together, for a coverage "
-        f"probability of 95 %.{parts}"
+        f"probability of 95 %.{parts}{_ONE_TRIAL if single else ''}"
     )
 
 
