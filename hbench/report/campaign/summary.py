@@ -37,6 +37,7 @@ from hbench.units import from_si
 _ONE_TRIAL = (
     " A number of one trial has no U: a single trial does not show the scatter of repetitions."
 )
+_MIXED = "not separated from speed"  # so no test of it alone
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -174,6 +175,8 @@ def _drift(drift: Drift | None) -> Iterable[Section]:
         said = f"Steady friction changed by {drift_words(drift)}."
         paragraphs = tuple(filter(None, (said, drift_with_oil(drift), drift_advice(drift))))
         how = "significant" if drift.significant else "not significant"
+        if not drift.separated:
+            how = "significant, not separated from speed" if drift.significant else _MIXED
         yield Section(
             f"Drift over the campaign: {how}",
             paragraphs,
