@@ -314,6 +314,8 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     if has_rejected(results):
         table = page_tables.rejected_table(results)
         title = f"Rejected runs and why ({len(table.rows)})"
+        causes = _titled(page_tables.cause_table(results), "Reasons, and what to look for")
+        subsections.append(Section(tables=causes))
         subsections.append(Section(title, tables=(table,), folded=len(table.rows) > LONG_LIST))
     remarks = page_tables.remark_table(results)
     if remarks.rows:

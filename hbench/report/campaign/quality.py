@@ -41,7 +41,7 @@ _LIMITS = {
 }
 _STEPS = {
     "complete": "make the missing runs",
-    "runs_accepted": "correct the causes of the rejected runs, then measure again",
+    "runs_accepted": "correct the causes of the rejected runs, then measure again{causes}",
     "trials_per_point": "make at least three trials of each point",
     "repeatability": "make more trials of each point, or find what changes between them",
     "drift": "warm the bench up first, and measure in random order",
@@ -52,7 +52,7 @@ _STEPS = {
     "and state their tolerances in the bench file or map",
 }
 _CONTINUE = (
-    "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged."
+    "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged"
 )
 _HEAD = ("Check", "Verdict", "Found", "Limits")
 _NAMED = 3  # points in a sentence
@@ -65,10 +65,11 @@ def quality_count(quality: Quality) -> str:
     return f"{good} of {len(quality.checks)} checks {'is' if good == 1 else 'are'} good"
 
 
-def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
+def next_step(quality: Quality, parts: str, aborted: bool = False, causes: str = "") -> str:
     """Return what makes the checks good that are not; empty if all are.
 
-    ``parts`` names the largest parts of the uncertainty and their table, as far as known. An
+    ``parts`` names the largest parts of the uncertainty and their table, as far as known;
+    ``causes`` names what to look for in rejected runs. An
     ``aborted`` campaign is continued first, which makes its missing runs and trials; --resume
     refuses another bench file or schedule, so what changes them comes afterwards.
     """
@@ -76,14 +77,16 @@ def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
     if not quality.completeness.not_completed:
         missing = (*missing, "complete")  # no run is missing, but trials are
     steps = [
-        _STEPS[check.name].format(parts=f" ({parts})" if parts else "")
+        _STEPS[check.name].format(
+            parts=f" ({parts})" if parts else "", causes=f". Look for {causes}" if causes else ""
+        )
         for check in quality.checks
         if check.grade != "good" and check.name not in missing
     ]
-    words = f"{'; '.join(steps)}." if steps else ""
-    if not aborted:
-        return capital(words)
-    return " ".join(filter(None, (_CONTINUE, words and f"Before the next campaign: {words}")))
+    if aborted:
+        first = [f"before the next campaign, {step}" for step in steps[:1]]
+        steps = [_CONTINUE, *first, *steps[1:]]
+    return " ".join(f"{capital(step)}." for step in steps)
 
 
 def quality_table(quality: Quality) -> Table:

@@ -17,6 +17,7 @@ from hbench.report.campaign.quality import (
     quality_table,
     short_point_table,
 )
+from hbench.report.campaign.reasons import CAUSES, first_reason_counts
 from hbench.report.campaign.settings import aborted_words
 from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
 from hbench.report.oil_words import temperature_words
@@ -38,6 +39,7 @@ _ONE_TRIAL = (
     " A number of one trial has no U: a single trial does not show the scatter of repetitions."
 )
 _MIXED = "not separated from speed"  # so no test of it alone
+_CAUSES = 3  # in the next step; the table of reasons has them all
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -63,7 +65,12 @@ def summary_section(results: Results) -> Section:
         ("Measured", _measured(results)),
         (
             "Next step",
-            next_step(results.quality, _largest(results, parts), bool(aborted_words(results))),
+            next_step(
+                results.quality,
+                _largest(results, parts),
+                bool(aborted_words(results)),
+                _causes(results),
+            ),
         ),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Oil", temperature_words(results)),
@@ -168,6 +175,18 @@ def _largest(results: Results, table: str) -> str:
     parts = [point.parts_n for curve in results.curves for point in curve.points if point.parts_n]
     names = Counter(max(each, key=lambda name: abs(each[name])) for each in parts)
     return "; ".join(filter(None, (" and ".join(name for name, _ in names.most_common(2)), table)))
+
+
+def _causes(results: Results) -> str:
+    """Name what to look for, by the most frequent reasons for rejection."""
+    counts = first_reason_counts(results).most_common()
+    named = [
+        f"{CAUSES[code]} ({code.replace('_', ' ')}, {count} run{'' if count == 1 else 's'})"
+        for code, count in counts[:_CAUSES]
+        if code in CAUSES
+    ]
+    more = ["[[rejected]] contains the others"] if len(counts) > _CAUSES else []
+    return "; ".join([*named, *more])
 
 
 def _drift(drift: Drift | None) -> Iterable[Section]:
