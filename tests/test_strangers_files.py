@@ -69,7 +69,7 @@ def test_a_campaign_of_devices_is_not_waited_for(campaign, tmp_path, name, targe
                 workflow.analyze(campaign)
         else:
             first = workflow.analyze(campaign).runs[0]
-            assert re.match(r"truncated: .*runs/0001\.dat", first.reasons[0])
+            assert re.match(r"(missing|unreadable): .*runs/0001\.dat", first.reasons[0])
 
 
 @pytest.mark.parametrize(

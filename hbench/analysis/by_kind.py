@@ -117,12 +117,16 @@ def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting
 
 
 def _steady_curves(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
-    return AnalysisProducts(curves=tuple(fitted(curve, settings.fitting) for curve in curves(runs)))
+    reach = settings.setup.reach
+    return AnalysisProducts(
+        curves=tuple(fitted(curve, settings.fitting, reach) for curve in curves(runs))
+    )
 
 
 def _ramp_curves(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
     ramps, notes = ramp_curves(runs, settings.mass_kg)
-    ramps = tuple(replace(curve, fits=fits(sliding(curve), settings.fitting)) for curve in ramps)
+    how, reach = settings.fitting, settings.setup.reach
+    ramps = tuple(replace(curve, fits=fits(sliding(curve), how, reach)) for curve in ramps)
     if any(curve.fits for curve in ramps):
         notes += (_SHARED_STROKES,)
     return AnalysisProducts(curves=ramps, notes=notes)

@@ -202,6 +202,11 @@ class Limits(ConfigSection):
     # Longest time without a message of the host, which repeats a request for 2 s.
     heartbeat: Annotated[float, q.quantity("s", ge=1, le=60)]
 
+    @property
+    def highest_reference(self) -> float:
+        """Highest speed of a schedule [m/s], below the limit at which the board stops."""
+        return 0.9 * self.speed_max
+
 
 class Programmer(ConfigSection):
     """External program that flashes the board, e.g. over JTAG."""
@@ -245,7 +250,7 @@ class Bench(Plant, Identified):
                 f"{high} lies beyond the load cylinder's head at {1e3 * head:g} mm "
                 "(load_cylinder.stroke less load_cylinder.offset)"
             )
-        if self.controllers.return_speed > 0.9 * self.limits.speed_max:
+        if self.controllers.return_speed > self.limits.highest_reference:
             raise ValueError(
                 f"controllers.return_speed = {1e3 * self.controllers.return_speed:g} mm/s is above "
                 f"90 % of limits.speed_max = {1e3 * self.limits.speed_max:g} mm/s"

@@ -213,7 +213,7 @@ def _p_lr(experiment: ExperimentBase) -> float | None:
 
 def _check_motion(reference: Reference, bench: Bench, key: str) -> None:
     limits, top = bench.limits, abs(reference.v_ref_m_s)
-    if top > 0.9 * limits.speed_max:
+    if top > limits.highest_reference:
         raise ConfigError(
             f"{key}: {1e3 * top:.4g} mm/s is above 90 % of limits.speed_max "
             f"({1e3 * limits.speed_max:.4g} mm/s)"

@@ -205,7 +205,7 @@ def derive(
             *analysed.notes,
         ),
         motions=replace(analysed.motions, zero_checks=checks_of_zero),
-        joint_fits=joint_fits(steady, how),
+        joint_fits=joint_fits(steady, how, setup.reach),
         band_trends=band_trends(bands),
         motion_balances=motion_balances(steady),
         drift=drift,

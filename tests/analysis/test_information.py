@@ -14,6 +14,7 @@ from hbench.analysis.fitting.information import (
 )
 from hbench.analysis.fitting.tustin import TUSTIN_LAW, tustin_friction, tustin_jacobian
 from hbench.config.fitting import Fitting
+from hbench.config.setup import Reach
 from tests.support.analysis.fits import fit_tustin
 
 TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])
@@ -46,6 +47,16 @@ def test_high_speeds_alone_lack_those_below():
 
 def test_speeds_over_the_whole_curve_lack_nothing():
     assert messages_of(seen(np.linspace(0.005, 0.2, 15))) == []
+
+
+def test_a_point_beyond_the_reach_of_the_bench_is_not_recommended():
+    slow = seen(np.linspace(0.005, 0.05, 15), sigma=3.0)
+    free, limited = (messages_of(slow._replace(reach=Reach(at))) for at in (np.inf, 0.08))
+    speeds = [
+        [float(at) for at in re.findall(r"a point at (\S+) mm/s", " ".join(messages))]
+        for messages in (free, limited)
+    ]
+    assert max(speeds[0]) > 80 and max(speeds[1]) == 80
 
 
 def test_without_a_stribeck_part_no_velocity_tells_its_speed():

@@ -29,6 +29,7 @@ def test_an_interrupted_campaign_reports_the_runs_and_points_that_are_missing(
     cut = workflow.analyze(folder)
     assert cut.quality.completeness.not_completed == ("0003", "0004")  # 0003 was aborted
     assert (check(cut, "complete").count, check(cut, "complete").of) == (2, 4)
+    assert check(cut, "complete").grade == "poor"
     (point,) = cut.quality.completeness.short_points
     assert (point.v_ref_m_s, point.accepted, point.planned) == (0.12, 0, 2)
     assert check(cut, "trials_per_point").value == 0
@@ -36,6 +37,7 @@ def test_an_interrupted_campaign_reports_the_runs_and_points_that_are_missing(
         "incomplete: 2 of 4 planned runs were not completed; 1 of 2 points has no accepted trial"
     )
     assert words in summary_text(cut)
+    assert "50 % of the planned runs were completed (poor below 80 %)" in summary_text(cut)
 
     on_the_rig(schedule, folder, resume=True)
     whole = workflow.analyze(folder)

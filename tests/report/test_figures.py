@@ -11,7 +11,8 @@ from matplotlib.image import imread
 
 from hbench.report.campaign.figures import efficiency, friction, pressure, rejected
 from hbench.report.campaign.figures.all_figures import FIGURES, draw_all
-from hbench.report.render.style import COLOURS, series_style
+from hbench.report.render.style import COLOURS, QUIET, series_style
+from tests.support.report.spaces import ordinary_spaces
 
 UNIT = re.compile(r"\((mm/s|mm|k?N|%|bar|V|s|count)\)")
 
@@ -299,10 +300,42 @@ def test_every_series_of_a_large_campaign_looks_different():
     assert len(looks) == 49
 
 
+def _determined(fit):
+    known = {
+        name: replace(p, se=1.0, ci95=(p.value - 1.0, p.value + 1.0), at_bound=None, wide=False)
+        for name, p in fit.parameters.items()
+    }
+    return replace(fit, converged=True, parameters=known)
+
+
+def test_a_fit_that_is_not_determined_is_not_drawn_as_a_result(small):
+    """It is dashed and grey without extrapolation; with no interval at all it is not drawn."""
+    curve = small.curves[0]
+    whole = _determined(replace(curve.fits[0], beyond=(((0.2, 560.0), (0.24, 620.0)),)))
+    name = next(iter(whole.parameters))
+    none = {key: replace(p, se=None, ci95=None) for key, p in whole.parameters.items()}
+    partly = replace(whole, parameters={**whole.parameters, name: none[name]})
+    looks = []
+    for fit in (whole, partly, replace(whole, parameters=none)):
+        results = replace(small, curves=(replace(curve, fits=(fit,)),))
+        figure = friction.friction_magnitude(results)["extend"]
+        lines = [
+            line for line in figure.axes[0].lines if str(line.get_label()).startswith("_tustin")
+        ]
+        said = "does not determine" in ordinary_spaces(figure.get_supxlabel())
+        looks.append(([(line.get_linestyle(), line.get_color() == QUIET) for line in lines], said))
+    assert looks == [
+        ([("-", False), (":", False)], False),
+        ([("--", True)], True),
+        ([], False),
+    ]
+    assert len(figure.axes) == 1  # no residuals
+
+
 def test_what_is_extrapolated_is_dotted_and_said_below_the_axis(small):
     curve = small.curves[0]
     beyond = (((0.0, 480.0), (0.005, 470.0)), ((0.2, 560.0), (0.24, 620.0)))
-    fit = replace(curve.fits[0], beyond=beyond)
+    fit = _determined(replace(curve.fits[0], beyond=beyond))
     figure = friction.friction_magnitude(replace(small, curves=(replace(curve, fits=(fit,)),)))[
         "extend"
     ]

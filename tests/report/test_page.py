@@ -9,6 +9,7 @@ from urllib.parse import unquote_to_bytes
 
 import pytest
 
+from hbench.analysis.screening.screen import CODES
 from hbench.records import (
     Completeness,
     Fit,
@@ -23,7 +24,9 @@ from hbench.records import (
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.page import report_document
+from hbench.report.campaign.page_tables import cause_table
 from hbench.report.campaign.quality import next_step, quality_table, quality_verdict
+from hbench.report.campaign.reasons import CAUSES
 from hbench.report.render.document import anchor
 from hbench.report.render.document import page as page_of
 from hbench.report.render.numbers import (
@@ -226,7 +229,7 @@ def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small)
 def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_once():
     point = PointTrials("steady", "", "extend", 500.0, None, None, 0.1, 0, 3)
     checks = (
-        QualityCheck("complete", "with care", 8, "trials", 8, None, 8, 8),
+        QualityCheck("complete", "with care", 100.0, "%", 100.0, 80.0, 8, 8),
         QualityCheck("trials_per_point", "poor", 0, "trials", 3, 1, 1),
     )
     quality = Quality("poor", checks, Completeness(8, False, (), 2, (point,)), ())
@@ -358,3 +361,13 @@ def test_held_out_errors_and_laws_of_all_loads_have_their_tables(small):
     assert "difference significant with 13 speeds" in text
     assert "1.50 (1.30 to 1.80)" in text  # N/bar
     assert 'id="laws"' in html and 'id="laws"' not in page_html(small, ())
+
+
+def test_each_reason_for_rejection_has_a_cause_to_look_for(small):
+    assert set(CAUSES) == set(CODES)
+    reasons = ("changed: runs/0001.dat", "too_short: 0.1 s")
+    runs = (replace(small.runs[0], reasons=reasons), *small.runs[1:])
+    causes = cause_table(replace(small, runs=runs)).rows
+    found = {row[0].text: tuple(cell.text for cell in row[1:]) for row in causes}
+    assert found["Changed"] == ("1", "1", CAUSES["changed"])
+    assert found["Too short"] == ("1", "0", CAUSES["too_short"])

@@ -43,6 +43,7 @@ from hbench.analysis.statistics.profile import profile_interval
 from hbench.analysis.statistics.robust import minimise_robust
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.fitting import Fitting
+from hbench.config.setup import ANYWHERE, Reach
 from hbench.records import Curve, Fit, FitParameter
 from hbench.records.friction_laws import FRICTION_LAWS
 
@@ -66,12 +67,16 @@ _SEED = 1  # of the bootstrap: the same campaign gives the same intervals
 Ends = tuple[float, float] | None
 
 
-def fits(curve: Curve, how: Fitting | None = None) -> tuple[Fit, ...]:
+def fits(curve: Curve, how: Fitting | None = None, reach: Reach = ANYWHERE) -> tuple[Fit, ...]:
     """Fit the laws in ``how`` to a curve; none to a curve with fewer than four speeds."""
     how = how or Fitting()
     if _speeds(curve) < _LEAST_SPEEDS:
         return ()
-    return tuple(fit_law(CURVE_LAWS[name], [curve], how) for name in how.laws if name in CURVE_LAWS)
+    return tuple(
+        fit_law(CURVE_LAWS[name], [curve], how, reach=reach)
+        for name in how.laws
+        if name in CURVE_LAWS
+    )
 
 
 def unfitted_curves(curves: Sequence[Curve]) -> tuple[str, ...]:
@@ -99,8 +104,11 @@ def fit_law(
     curves: Sequence[Curve],
     how: Fitting,
     bounds: Mapping[str, tuple[float, float]] | None = None,
+    reach: Reach = ANYWHERE,
 ) -> Fit:
     """Fit a law to the points of one curve or more; ``bounds`` replace those of ``how``.
+
+    The message recommends further points within the ``reach`` of the bench.
 
     Points without a pressure that the law needs are left out. Standard errors come from the
     Jacobian of the parameters off their bounds, with s^2 = RSS / (n - p), p being the number of
@@ -131,7 +139,13 @@ def fit_law(
         messages.append("as many parameters as points: no standard errors")
     else:
         info = Information(
-            law, solution.x, linearisation.jacobian, linearisation.noise, problem.scale, data.inputs
+            law,
+            solution.x,
+            linearisation.jacobian,
+            linearisation.noise,
+            problem.scale,
+            data.inputs,
+            reach,
         )
         widths = [np.nan if ends is None else ends[1] - ends[0] for ends in intervals["profile"]]
         unknown = undetermined(info, linearisation.factor, np.array(widths) / 2)

@@ -6,7 +6,7 @@
 A parameter is not determined if its 95 % interval is wider than its value and than a tenth of its
 typical size. Candidates for the further point are speeds from a tenth of the lowest to three times
 the highest, at the mean pressures, and pressures from zero to three times the highest, at the mean
-speed. The best candidate is reported.
+speed, as far as the bench reaches. The best candidate is reported.
 """
 
 from typing import NamedTuple
@@ -16,10 +16,12 @@ import numpy as np
 from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import has_effect, too_wide
+from hbench.config.setup import ANYWHERE, Reach
 
 _PRIOR = 100.0  # typical sizes: standard deviation in undetermined directions
 _NO_GAIN = 0.05  # a point that narrows the interval by less is of no use
 _CANDIDATES = 60
+_FARTHEST = 3.0  # times the highest measured speed or pressure
 
 
 class Information(NamedTuple):
@@ -31,6 +33,7 @@ class Information(NamedTuple):
     variance: float  # s^2, or that of rounding where the fit is exact
     scale: np.ndarray
     inputs: np.ndarray
+    reach: Reach = ANYWHERE  # of the bench: no further point lies beyond
 
 
 def covariance_of_all(info: Information) -> np.ndarray:
@@ -65,16 +68,19 @@ def identification_messages(info: Information, unknown: np.ndarray) -> list[str]
     for number in np.flatnonzero(unknown).tolist():
         missing, at, left = _missing(info, spread, number)
         wanted.setdefault((missing, at), []).append((info.law.names[number], left))
-    return [_sentence(missing, at, found) for (missing, at), found in wanted.items()]
+    high = float(info.inputs[0].max())
+    limited = _FARTHEST * high > info.reach.speed_m_s  # more might be known beyond
+    end = f" up to {_mm_s(info.reach.speed_m_s)}, the highest of this bench" if limited else ""
+    return [_sentence(missing, at, end, found) for (missing, at), found in wanted.items()]
 
 
-def _sentence(missing: str, at: str, found: list[tuple[str, float]]) -> str:
+def _sentence(missing: str, at: str, end: str, found: list[tuple[str, float]]) -> str:
     names = _listed([name for name, _ in found])
     several = len(found) > 1
     if not missing:
         return (
-            f"this data does not determine {names}, nor would another velocity: friction hardly "
-            f"depends on {'them' if several else 'it'}"
+            f"this data does not determine {names}, nor would another velocity{end}: friction "
+            f"hardly depends on {'them' if several else 'it'}"
         )
     shares = _listed([f"{100 * left:.0f} %" for _, left in found])
     return (
@@ -94,11 +100,14 @@ def _missing(info: Information, spread: np.ndarray, number: int) -> tuple[str, s
     """
     speed = info.inputs[0]
     low, high = float(speed.min()), float(speed.max())
-    speeds = np.geomspace(0.1 * low, 3 * high, _CANDIDATES)
+    farthest = min(_FARTHEST * high, max(high, info.reach.speed_m_s))
+    speeds = np.geomspace(0.1 * low, farthest, _CANDIDATES)
     best, left = _best(info, spread, number, _at(info, speeds, 0))
     if info.law.pressures:
         for row, side in ((1, "piston-side"), (2, "rod-side")):
-            pressures = np.linspace(0.0, 3 * float(info.inputs[row].max()), _CANDIDATES)
+            highest = float(info.inputs[row].max())
+            top = min(_FARTHEST * highest, max(highest, info.reach.pressure_pa))
+            pressures = np.linspace(0.0, top, _CANDIDATES)
             candidate, left_at = _best(info, spread, number, _at(info, pressures, row))
             if left_at < left - _NO_GAIN:
                 return f"other {side} pressures", f"{pressures[candidate] / 1e5:.3g} bar", left_at

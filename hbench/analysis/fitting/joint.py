@@ -7,16 +7,19 @@ from dataclasses import replace
 from hbench.analysis.fitting.fit import JOINT_LAWS, fit_law, fits
 from hbench.analysis.fitting.selection import select, select_joint
 from hbench.config.fitting import Fitting
+from hbench.config.setup import ANYWHERE, Reach
 from hbench.records import Curve, JointFit
 
 
-def fitted(curve: Curve, how: Fitting) -> Curve:
+def fitted(curve: Curve, how: Fitting, reach: Reach = ANYWHERE) -> Curve:
     """Return the curve with its fits and the selection among them."""
-    with_fits = replace(curve, fits=fits(curve, how))
+    with_fits = replace(curve, fits=fits(curve, how, reach))
     return replace(with_fits, selection=select(with_fits, how) if with_fits.fits else None)
 
 
-def joint_fits(curves: Sequence[Curve], how: Fitting) -> tuple[JointFit, ...]:
+def joint_fits(
+    curves: Sequence[Curve], how: Fitting, reach: Reach = ANYWHERE
+) -> tuple[JointFit, ...]:
     """Fit the joint laws of all loads to the curves of each kind and label.
 
     Only curves with fits of their own are used, and at least two: one curve does not distinguish
@@ -27,11 +30,15 @@ def joint_fits(curves: Sequence[Curve], how: Fitting) -> tuple[JointFit, ...]:
     for curve in curves:
         if curve.fits and any(point.p_tr_pa is not None for point in curve.points):
             groups[curve.kind, curve.label, curve.specimen].append(curve)
-    return tuple(_joint(group, names, how) for group in groups.values() if names and len(group) > 1)
+    return tuple(
+        _joint(group, names, how, reach) for group in groups.values() if names and len(group) > 1
+    )
 
 
-def _joint(curves: Sequence[Curve], names: Sequence[str], how: Fitting) -> JointFit:
-    fits_of_laws = tuple(fit_law(JOINT_LAWS[name], curves, how) for name in names)
+def _joint(
+    curves: Sequence[Curve], names: Sequence[str], how: Fitting, reach: Reach = ANYWHERE
+) -> JointFit:
+    fits_of_laws = tuple(fit_law(JOINT_LAWS[name], curves, how, reach=reach) for name in names)
     points = [p for curve in curves for p in curve.points if p.p_tr_pa is not None]
     return JointFit(
         kind=curves[0].kind,

@@ -31,6 +31,9 @@ from hbench.records import KINDS, TEMPERATURES, Run, ScreenedRun, SteadyMeans
 # Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".
 CODES = (
     "aborted",
+    "changed",
+    "missing",
+    "unreadable",
     "truncated",
     "missing_channel",
     "gapped",
@@ -45,6 +48,7 @@ CODES = (
 
 SCREENING_RULES = ("steady_window", *RULES)  # of the column ``screening`` of KINDS
 
+_OF_LOG = ("changed", "missing", "unreadable")
 _STANDSTILL_S = 0.2
 _DRIFT_ERRORS = 3.0  # standard errors by which a drift must exceed its limit
 
@@ -125,7 +129,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     if run.aborted:
         yield f"aborted: {run.aborted}"
     if run.truncated:
-        yield f"truncated: {run.truncated.replace('truncated: ', '')}"
+        yield _of_log(run.truncated)
     missing = missing_friction_channels(run)
     if KINDS[run.plan.kind].is_at_rest:
         missing = [name for name in missing if name != "f_applied_n"]
@@ -146,6 +150,16 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     for reason in _saturated("sensor_saturated", run.sensor_saturated, window):
         sensors = saturated_sensors(run, window)
         yield f"{reason}; {sensors}" if sensors else reason
+
+
+def _of_log(faults: str) -> str:
+    """Return the most fundamental fault of a log, with the others behind it."""
+    parts = faults.split("; ")
+    codes = [part.partition(": ")[0] for part in parts]
+    code = next((code for code in _OF_LOG if code in codes), "truncated")
+    first = parts.pop(codes.index(code)) if code in codes else f"{code}: {parts.pop(0)}"
+    others = (part.removeprefix("truncated: ") for part in parts)
+    return "; ".join((first, *others))
 
 
 def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterator[str]:

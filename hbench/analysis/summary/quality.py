@@ -29,6 +29,7 @@ from hbench.records import (
 
 GRADES: tuple[Grade, ...] = ("good", "with care", "poor")
 
+_COMPLETE_GOOD, _COMPLETE_POOR = 100.0, 80.0  # % of the planned runs
 _ACCEPTED_GOOD, _ACCEPTED_POOR = 95.0, 80.0  # % of the runs
 _TRIALS_GOOD, _TRIALS_POOR = 3, 1  # of the point with the fewest
 _SCATTER_GOOD, _SCATTER_POOR = 5.0, 15.0  # half of the 95 % interval, % of friction, median
@@ -87,8 +88,12 @@ def _complete(complete: Completeness, planned: int) -> QualityCheck:
     made = planned - len(complete.not_completed)
     share = 100 * made / planned if planned else 100.0
     empty = any(point.accepted == 0 for point in complete.short_points)
-    grade: Grade = "good" if made == planned and not empty else "with care"
-    return QualityCheck("complete", grade, share, "%", 100.0, None, made, planned)
+    grade = _grade(-share, -_COMPLETE_GOOD, -_COMPLETE_POOR)
+    if empty and grade == "good":
+        grade = "with care"
+    return QualityCheck(
+        "complete", grade, share, "%", _COMPLETE_GOOD, _COMPLETE_POOR, made, planned
+    )
 
 
 def _runs_accepted(runs: Sequence[ScreenedRun]) -> QualityCheck:

@@ -59,7 +59,7 @@ def _reduction(
     if not effects:
         return None, _TOO_FEW
     drift = friction_drift(reduced, screened, clock) if reduced else None
-    fits = tuple(fitted(curve, how) for curve in reduced)
+    fits = tuple(fitted(curve, how, setup.reach) for curve in reduced)
     reduced = with_drift(fits, drift, clock, how.weights)
     ranges = [curve.temp_range_k for curve in reduced if curve.temp_range_k is not None]
     lows, highs = [low for low, _ in ranges], [high for _, high in ranges]

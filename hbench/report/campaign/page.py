@@ -1,6 +1,6 @@
 """Content of the report of a campaign, for the page, Markdown and PDF."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 
 from hbench.records import KINDS, Results
@@ -164,17 +164,18 @@ def _fits(results: Results) -> tuple[Section, ...]:
             subsections.append(part)
     if subsections:
         text = (
-            "Value and its 95 % interval. A parameter is not determined if the half-width of its "
-            "interval exceeds the value, or if it has none. At a bound the interval has one side, "
-            "and the other parameters depend on the bound."
+            "Value and its 95 % interval, that of the profile likelihood. Not determined: the "
+            "half-width of this interval or of the linearised one, whichever is wider, exceeds the "
+            "value and a tenth of its typical size; or there is no interval. At a bound the "
+            "interval has one side, and the other parameters depend on the bound."
         )
         if any(determines_none(fit) for curve in steady for fit in curve.fits):
             text += (
                 " A row of dashes: the fit determines no parameter, for the reason in its remark."
             )
-        text += _bias_words(results) + _reach_words(results)
+        paragraphs = tuple(filter(None, (text, _bias_words(results))))
         sections.append(
-            Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
+            Section("Fitted parameters", paragraphs, parts=tuple(subsections), anchor="fits")
         )
     selection = selection_table(results)
     if selection.rows:
@@ -202,22 +203,9 @@ def _bias_words(results: Results) -> str:
     if not shares:
         return ""
     return (
-        " With so few points the curvature of a law shifts the estimates: in the mean by up to "
+        "With so few points the curvature of a law shifts the estimates: in the mean by up to "
         f"{number(max(shares), 2)} of a standard error here (Box 1971). They are not corrected; "
         "fits.csv contains each bias."
-    )
-
-
-def _reach_words(results: Results) -> str:
-    """Return the bench's highest speed, which the remarks on the fits do not consider."""
-    limits = results.provenance.settings.get("limits", {})
-    highest = limits.get("speed_max") if isinstance(limits, Mapping) else None
-    fits = [fit for curve in results.curves for fit in curve.fits]
-    if not highest or not any("velocities above" in fit.message for fit in fits):
-        return ""
-    return (
-        f" The bench's highest speed is {highest}; where a remark recommends a point beyond it, "
-        "measure at this speed."
     )
 
 
@@ -326,6 +314,8 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     if has_rejected(results):
         table = page_tables.rejected_table(results)
         title = f"Rejected runs and why ({len(table.rows)})"
+        causes = _titled(page_tables.cause_table(results), "Reasons, and what to look for")
+        subsections.append(Section(tables=causes))
         subsections.append(Section(title, tables=(table,), folded=len(table.rows) > LONG_LIST))
     remarks = page_tables.remark_table(results)
     if remarks.rows:

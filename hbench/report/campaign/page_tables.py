@@ -12,7 +12,7 @@ from hbench.records import (
     ScreenedRun,
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.reasons import code_of
+from hbench.report.campaign.reasons import CAUSES, code_of, first_reason_counts, reason_counts
 from hbench.report.campaign.series_words import TITLES, AnySeries, kind_words, load_words
 from hbench.report.render.numbers import force, number, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
@@ -214,6 +214,17 @@ def rejected_table(results: Results) -> Table:
         if not run.accepted
     ]
     return table((*_RUN, "Reason"), rows)
+
+
+def cause_table(results: Results) -> Table:
+    """Return the reasons for rejection with their runs, and the cause to look for."""
+    first = first_reason_counts(results)
+    rows = [
+        (code.replace("_", " ").capitalize(), str(count), str(first[code]), CAUSES.get(code, ""))
+        for code, count in reason_counts(results).most_common()
+    ]
+    head = ("Reason", "Runs", "As the main reason", "Look for")
+    return table(head, rows, words=("Look for",))
 
 
 def remark_table(results: Results) -> Table:

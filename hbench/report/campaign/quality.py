@@ -26,7 +26,8 @@ _NAMES = {
     "instruments": "Instruments",
 }
 _LIMITS = {
-    "complete": "good if all planned runs were completed, and each point has a trial",
+    "complete": "good if all planned runs were completed and each point has a trial; poor below "
+    "{poor:g} %",
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
     "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
@@ -40,7 +41,7 @@ _LIMITS = {
 }
 _STEPS = {
     "complete": "make the missing runs",
-    "runs_accepted": "correct the causes of the rejected runs, then measure again",
+    "runs_accepted": "correct the causes of the rejected runs, then measure again{causes}",
     "trials_per_point": "make at least three trials of each point",
     "repeatability": "make more trials of each point, or find what changes between them",
     "drift": "warm the bench up first, and measure in random order",
@@ -50,6 +51,9 @@ _STEPS = {
     "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
     "and state their tolerances in the bench file or map",
 }
+_CONTINUE = (
+    "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged"
+)
 _HEAD = ("Check", "Verdict", "Found", "Limits")
 _NAMED = 3  # points in a sentence
 _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
@@ -61,22 +65,28 @@ def quality_count(quality: Quality) -> str:
     return f"{good} of {len(quality.checks)} checks {'is' if good == 1 else 'are'} good"
 
 
-def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
+def next_step(quality: Quality, parts: str, aborted: bool = False, causes: str = "") -> str:
     """Return what makes the checks good that are not; empty if all are.
 
-    ``parts`` names the largest parts of the uncertainty and their table, as far as known. An
-    ``aborted`` campaign is continued first, which makes its missing runs and trials.
+    ``parts`` names the largest parts of the uncertainty and their table, as far as known;
+    ``causes`` names what to look for in rejected runs. An
+    ``aborted`` campaign is continued first, which makes its missing runs and trials; --resume
+    refuses another bench file or schedule, so what changes them comes afterwards.
     """
     missing = ("complete", "trials_per_point") if aborted else ()
     if not quality.completeness.not_completed:
         missing = (*missing, "complete")  # no run is missing, but trials are
-    steps = ["continue the campaign with --resume"] if aborted else []
-    steps += [
-        _STEPS[check.name].format(parts=f" ({parts})" if parts else "")
+    steps = [
+        _STEPS[check.name].format(
+            parts=f" ({parts})" if parts else "", causes=f". Look for {causes}" if causes else ""
+        )
         for check in quality.checks
         if check.grade != "good" and check.name not in missing
     ]
-    return capital(f"{'; '.join(steps)}.") if steps else ""
+    if aborted:
+        first = [f"before the next campaign, {step}" for step in steps[:1]]
+        steps = [_CONTINUE, *first, *steps[1:]]
+    return " ".join(f"{capital(step)}." for step in steps)
 
 
 def quality_table(quality: Quality) -> Table:
@@ -123,15 +133,16 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     """
     worst = [check for check in quality.checks if check.grade == quality.grade]
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
+    other = "completed runs" if quality.completeness.not_completed else "other points"
     named = [c for c in worst if not (incomplete and _is_without_trial(c))]  # not twice
     reasons = ". ".join(capital(_reason(check)) for check in named)
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
     elif quality.grade == "with care":
         verdict = f"Use the data with care. {reasons}."
-    elif all(map(_is_without_trial, worst)):
+    elif all(check.name == "complete" or _is_without_trial(check) for check in worst):
         why = f"{reasons}. " if reasons else ""
-        verdict = f"The data is poor. {why}The numbers below are those of the other points."
+        verdict = f"The data is poor. {why}The numbers below are those of the {other}."
     else:
         verdict = f"The data is poor; do not rely on the numbers below. {reasons}."
     return " ".join(filter(None, (incomplete, verdict, _contradictions(quality.implausible))))
@@ -185,6 +196,9 @@ def _reason(check: QualityCheck) -> str:
     """Write what a check found, for a sentence."""
     if check.name == "instruments" and check.value is not None:
         return f"the tolerances of the instruments{_value(check).removeprefix('their tolerances')}"
+    if check.name == "complete" and check.value is not None and check.count != check.of:
+        limit = f" (poor below {check.poor:g} %)" if check.grade == "poor" else ""
+        return f"{number(check.value, 0)} % of the planned runs were completed{limit}"
     if _is_without_trial(check):
         return f"{check.count} {_points(check.count)} {_have(check.count or 0)} no accepted trial"
     if check.drift is not None:
@@ -202,7 +216,8 @@ def _found(check: QualityCheck, quality: Quality) -> str:
 
 def _value(check: QualityCheck) -> str:
     if check.name == "complete":
-        return f"{check.count} of {check.of} planned runs were completed"
+        share = "" if check.count == check.of else f", {number(check.value)} %"
+        return f"{check.count} of {check.of} planned runs were completed{share}"
     if check.name == "runs_accepted":
         return f"{check.count} of {check.of}, {number(check.value)} %"
     if check.name == "trials_per_point":

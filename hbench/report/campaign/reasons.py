@@ -1,14 +1,37 @@
-"""Codes of the reasons for rejection, and how often each occurs."""
+"""Codes of the reasons for rejection: how often each occurs, and the cause to look for."""
 
 from collections import Counter
 
 from hbench.records import Results
+
+# What to look for, by the code of the reason.
+CAUSES = {
+    "aborted": "the fault or the stop that its reason states",
+    "changed": "a log edited or damaged after its run, to be restored",
+    "missing": "a log deleted or not copied, to be restored",
+    "unreadable": "a damaged log or an incomplete copy, to be restored",
+    "truncated": "an incomplete copy of the log, or a lost connection to the board",
+    "missing_channel": "a sensor that is not logged, or not named in the map",
+    "gapped": "a connection too slow for the log (--baud), or a logger that loses samples",
+    "sensor_saturated": "a sensor whose range is too small, a broken wire, or a wrong zero",
+    "too_short": "too little travel or acceleration for this speed",
+    "incomplete": "too little travel, or too small a force, for the motion to end as planned",
+    "end_stop": "a travel too near an end of the stroke, or a wrong zero of the position sensor",
+    "valve_saturated": "too low a supply pressure, or too small a valve, for this speed and load",
+    "off_reference": "gains of the velocity controller (hbench design), or a low supply pressure",
+    "not_steady": "air in the oil, stick-slip, or gains of the controllers that are too high",
+}
 
 
 def reason_counts(results: Results) -> Counter[str]:
     """Count the runs of each reason's code; a run with two reasons counts under both."""
     codes = (dict.fromkeys(map(code_of, run.reasons)) for run in results.runs)
     return Counter(code for run_codes in codes for code in run_codes)
+
+
+def first_reason_counts(results: Results) -> Counter[str]:
+    """Count the rejected runs by the code of their most fundamental reason."""
+    return Counter(code_of(run.reasons[0]) for run in results.runs if run.reasons)
 
 
 def code_of(reason: str) -> str:

@@ -17,6 +17,7 @@ from hbench.report.campaign.quality import (
     quality_table,
     short_point_table,
 )
+from hbench.report.campaign.reasons import CAUSES, first_reason_counts
 from hbench.report.campaign.settings import aborted_words
 from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
 from hbench.report.oil_words import temperature_words
@@ -34,6 +35,11 @@ from hbench.report.render.numbers import (
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
+_ONE_TRIAL = (
+    " A number of one trial has no U: a single trial does not show the scatter of repetitions."
+)
+_MIXED = "not separated from speed"  # so no test of it alone
+_CAUSES = 3  # in the next step; the table of reasons has them all
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -59,7 +65,12 @@ def summary_section(results: Results) -> Section:
         ("Measured", _measured(results)),
         (
             "Next step",
-            next_step(results.quality, _largest(results, parts), bool(aborted_words(results))),
+            next_step(
+                results.quality,
+                _largest(results, parts),
+                bool(aborted_words(results)),
+                _causes(results),
+            ),
         ),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Oil", temperature_words(results)),
@@ -149,12 +160,13 @@ def _laws(results: Results) -> str:
 def _uncertainty(series: Collection[HeadlineSeries], budget: str) -> str:
     """State what U is, and which table has its parts; empty if no number of the summary has one."""
     numbers = [n for each in series for n in (each.friction_n, each.breakaway_n, each.efficiency)]
+    single = any(each is not None and each.basis == "one_trial" for each in numbers)
     if all(each is None or each.u95 is None for each in numbers):
-        return ""
+        return _ONE_TRIAL.lstrip() if single else ""
     parts = f" {budget} contains its factor k and its parts." if budget else ""
     return (
         "U is the expanded uncertainty of trials and instruments together, for a coverage "
-        f"probability of 95 %.{parts}"
+        f"probability of 95 %.{parts}{_ONE_TRIAL if single else ''}"
     )
 
 
@@ -165,11 +177,25 @@ def _largest(results: Results, table: str) -> str:
     return "; ".join(filter(None, (" and ".join(name for name, _ in names.most_common(2)), table)))
 
 
+def _causes(results: Results) -> str:
+    """Name what to look for, by the most frequent reasons for rejection."""
+    counts = first_reason_counts(results).most_common()
+    named = [
+        f"{CAUSES[code]} ({code.replace('_', ' ')}, {count} run{'' if count == 1 else 's'})"
+        for code, count in counts[:_CAUSES]
+        if code in CAUSES
+    ]
+    more = ["[[rejected]] contains the others"] if len(counts) > _CAUSES else []
+    return "; ".join([*named, *more])
+
+
 def _drift(drift: Drift | None) -> Iterable[Section]:
     if drift is not None:
         said = f"Steady friction changed by {drift_words(drift)}."
         paragraphs = tuple(filter(None, (said, drift_with_oil(drift), drift_advice(drift))))
         how = "significant" if drift.significant else "not significant"
+        if not drift.separated:
+            how = "significant, not separated from speed" if drift.significant else _MIXED
         yield Section(
             f"Drift over the campaign: {how}",
             paragraphs,

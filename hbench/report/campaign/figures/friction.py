@@ -18,7 +18,7 @@ from hbench.records import (
     Results,
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.fit_tables import law_words
+from hbench.report.campaign.fit_tables import determines_none, law_words
 from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import number
@@ -30,6 +30,10 @@ LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where curves
 _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
 _BARS = "Points: means of the trials; bars: their 95 % Student intervals."
 _NO_BARS = "Points: means of the trials."
+_SINGLE = "Points: one trial each, so no interval."
+_SOME_SINGLE = " A point without a bar is a single trial."
+_UNDETERMINED = "Grey, dashed: a fit that does not determine all its parameters."
+_NO_LINE = "No line: too few points for the fit to determine any parameter."
 BANDS = "Bands: U (95 %) of trials and instruments."
 _ASIDE = 0.006  # distance of residuals at one speed, relative to the highest speed
 
@@ -149,7 +153,7 @@ def _one_direction(
     curves: list[Curve],
     ranks: dict[LoadKey, int],
 ) -> Figure:
-    fitted = any(fit.line for curve in curves for fit in curve.fits)
+    fitted = any(is_drawn(fit) for curve in curves for fit in curve.fits[:1])
     figure = style.new_figure(height_in=5.4 if fitted else 3.8)
     if fitted:
         axes, below = figure.subplots(2, sharex=True, height_ratios=(5, 2))
@@ -165,7 +169,7 @@ def _one_direction(
         _expanded(axes, curve, speed, sign * friction, look["color"])
         bars = axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
-        if below is not None and curve.fits and curve.fits[0].line:
+        if below is not None and curve.fits and is_drawn(curve.fits[0]):
             residual = sign * (friction - _at(curve.fits[0], v))
             aside = (rank - (len(curves) - 1) / 2) * _ASIDE * speed.max()
             bars = below.errorbar(
@@ -193,14 +197,27 @@ def _one_direction(
 
 def _read(curves: Sequence[Curve]) -> str:
     """Return how to read the points, the lines with their law, and the bands."""
-    laws = dict.fromkeys(law_words(fit.law) for c in curves for fit in c.fits[:1] if fit.line)
+    fits = [fit for c in curves for fit in c.fits[:1] if is_drawn(fit)]
+    laws = dict.fromkeys(law_words(fit.law) for fit in fits)
     lines = f"Lines: fitted law ({', '.join(laws)})." if laws else ""
-    if any(fit.line and not fit.converged for c in curves for fit in c.fits[:1]):
-        lines += " Dashed: not converged."
     bands = BANDS if any(map(_has_band, curves)) else ""
-    points = points_words(any(p.ci95_n is not None for c in curves for p in c.points))
+    of_fits = " ".join(filter(None, (lines, bands)))
+    dashed = _UNDETERMINED if any(fit.verdict != "determined" for fit in fits) else ""
+    without = any(determines_none(fit) for c in curves for fit in c.fits[:1])
+    none = _NO_LINE if without else ""
+    all_points = [point for curve in curves for point in curve.points]
+    points = points_words(any(point.ci95_n is not None for point in all_points))
+    if all(point.n == 1 for point in all_points):
+        points = _SINGLE
+    elif any(point.n == 1 for point in all_points):
+        points += _SOME_SINGLE
     hollow = "Hollow points: the load helps the motion." if any(map(load_helps, curves)) else ""
-    return "\n".join(filter(None, (points, " ".join(filter(None, (lines, bands))), hollow)))
+    return "\n".join(filter(None, (points, of_fits, dashed, none, hollow)))
+
+
+def is_drawn(fit: Fit) -> bool:
+    """Return whether a fit is drawn; one through as many points as parameters shows nothing."""
+    return bool(fit.line) and not determines_none(fit)
 
 
 def points_words(bars: bool) -> str:
@@ -223,26 +240,33 @@ def _expanded(
 
 
 def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) -> None:
-    """Draw the first law: a line inside the measured speeds, dots where it is extrapolated."""
-    for fit in curve.fits[:1]:
+    """Draw the first law: a line inside the measured speeds, dots where it is extrapolated.
+
+    A fit that is not determined is dashed and grey, and not extrapolated.
+    """
+    for fit in filter(is_drawn, curve.fits[:1]):
+        determined = fit.verdict == "determined"
+        drawn_in = colour if determined else style.QUIET
         who = f"_{fit.law}, {load_words(curve.f_load_n, curve.p_lr_ref_pa)}".removesuffix(", ")
         inside: dict[str, Any] = {
-            "linestyle": "-" if fit.converged else "--",
+            "linestyle": "-" if determined else "--",
             "zorder": 2,
             "label": who,
         }
         outside = {**_EXTRAPOLATED, "label": f"{who}, extrapolated"}
-        pieces = [(fit.line, inside), *((piece, outside) for piece in fit.beyond)]
+        beyond = fit.beyond if determined else ()
+        pieces = [(fit.line, inside), *((piece, outside) for piece in beyond)]
         for line, look in pieces:
             if line:
                 v, friction = np.array(line, dtype=float).T
                 speed = np.abs(v) if absolute else v
-                axes.plot(1e3 * speed, sign * friction, color=colour, **look)
+                axes.plot(1e3 * speed, sign * friction, color=drawn_in, **look)
 
 
 def _speed_label(label: str, curves: Iterable[Curve]) -> str:
     """Return the words under the speeds, with a warning where lines are extrapolated."""
-    beyond = any(fit.beyond for curve in curves for fit in curve.fits[:1])
+    fits = [fit for curve in curves for fit in curve.fits[:1]]
+    beyond = any(fit.beyond and fit.verdict == "determined" for fit in fits)
     return label + ("\ndotted: extrapolated beyond the measurement" if beyond else "")
 
 
