@@ -302,5 +302,6 @@ class Diagnosis:
     separability: Separability | None = None  # None where strokes are compared
     working_point: WorkingPoint | None = None
     practice: tuple[EffectInPractice, ...] = ()  # of the effects and the ambiguous set
+    regions_after: tuple[Region, ...] = ()  # of the final model, in the same scatters
     # Why the refit without effects was refused: "refitted" then is the model as given. Empty: not.
     refit_refused: str = ""

@@ -77,6 +77,8 @@ _RUNS = (
     "beside this page contains every run and signal."
 )
 _WHERE = (
+    ("All runs", "The gaps and deviations of this section are of all runs, those of the section on "
+     "the gap of the held-out runs alone."),
     ("Structured", "Part of the gap beyond the repeatability of the trials: √(gap² − 1)."),
     ("p (Holm)", "Probability of such a gap for a correct model, corrected after Holm for the "
      "number of balances."),

@@ -272,7 +272,7 @@ def edge_gaps(diagnosis: Diagnosis, name: str) -> dict[str, float]:
 def worst_region(diagnosis: Diagnosis, name: str) -> str:
     """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
     places = worst_places(diagnosis, name)
-    return f"The gap of {in_sentence(name)} is largest {places}." if places else ""
+    return f"Over all runs, the gap of {in_sentence(name)} is largest {places}." if places else ""
 
 
 def worst_places(diagnosis: Diagnosis, name: str) -> str:

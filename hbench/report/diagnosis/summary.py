@@ -244,8 +244,8 @@ def _edge(diagnosis: Diagnosis, name: str) -> str:
         return ""
     worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
     return (
-        f"Begin with the valve's edge to {worst}: the gap is {number(gaps[worst], 1)} there and "
-        f"{number(gaps[other], 1)} at that to {other}."
+        f"Begin with the valve's edge to {worst}: over all runs the gap is "
+        f"{number(gaps[worst], 1)} there and {number(gaps[other], 1)} at that to {other}."
     )
 
 
