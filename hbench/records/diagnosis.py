@@ -92,8 +92,8 @@ class Candidate:
     """Effect that was tried in the first search."""
 
     name: str
-    score: FloatOrNan  # gain of log-likelihood at held-out operating points, nats
-    explained: FloatOrNan  # share of the excess gap removed at held-out operating points
+    score: FloatOrNan  # gain of log-likelihood by cross-validation, nats
+    explained: FloatOrNan  # share of the excess gap removed in it
     size: FloatOrNan  # largest coefficient over its typical size
     parameters: dict[str, FloatOrNan]
     tried: Literal["full", "linear"]  # at its fitted coefficients, or by its columns alone

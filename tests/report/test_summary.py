@@ -139,7 +139,17 @@ def test_odds_are_those_of_the_held_out_likelihood_and_not_overdone(named):
         text = summary(replace(named, effects=(added("internal_leakage", nats),)))
         assert f"by odds of {says}." in text
     alone = summary(replace(named, effects=(added("internal_leakage", None),)))
-    assert "No other effect of the catalogue explains the held-out runs." in alone
+    assert "No other effect of the catalogue explains these residuals." in alone
+
+
+def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_such(named):
+    (effect,) = named.effects
+    plain = "It does not reduce the gap of held-out runs in the balances that it touches: "
+    worse = replace(named, effects=(replace(effect, gap_before=1.02, gap_after=1.04),))
+    assert f"{plain}1.02 without it and 1.04 with it" in summary(worse)
+    page = ordinary_spaces(diagnosis_page(worse, ()))
+    assert f"Internal leakage: {plain}1.02" in page[: page.index("<nav")]  # in the verdict
+    assert "does not reduce" not in summary(named) + diagnosis_page(named, ())
 
 
 def test_an_error_of_a_sensor_is_told_as_one_with_what_it_shows_too_much(named):

@@ -67,7 +67,7 @@ _OVERLAY = (
     "simulated less measured."
 )
 _RANKING = (
-    "Score of each candidate at held-out operating points, and the share of the excess gap that it "
+    "Score of each candidate by cross-validation, and the share of the excess gap that it "
     "explains in the balances that it touches. No gain: it predicts these points no better. "
     "Vertical line: the score that is needed; for a candidate that could be named it is determined "
     "from residuals drawn at random. Filled: fitted in full; hollow: evaluated by its linear "

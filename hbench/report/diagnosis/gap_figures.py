@@ -196,7 +196,7 @@ def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
     axes.set_xlim(
         min(0.0, max(-0.1 * top, min(candidate.score for candidate in chosen))), 1.65 * top
     )
-    axes.set_xlabel("Gain of log-likelihood, held-out points (nats)")
+    axes.set_xlabel("Gain of log-likelihood, cross-validated (nats)")
     _rows(axes, [in_words(candidate.name) for candidate in chosen])
     style.head(axes, "Candidates", diagnosis)
     style.legend_above(figure, axes)
