@@ -117,7 +117,7 @@ _NUMBERS = (
     "diagnosis.json and gaps_by_run.csv contain all numbers, also those of folded tables, which "
     "are not printed. The folder figures has each figure as SVG, PNG and CSV."
 )
-_NEXT_FILE = "next.yaml is that experiment, for hbench run next.yaml --bench BENCH -o NEXT."
+_NEXT_FILE = "next.yaml is the schedule that is proposed above."
 
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
@@ -217,7 +217,9 @@ def _verdict(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "ambiguous":
         return f"One of these effects is missing in the model: {finding}{step}"
     if diagnosis.verdict == "none":
-        found = f"{finding}{_largest(diagnosis.where)} {undetectable(diagnosis)}".rstrip()
+        more = "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+        remarks = (undetectable(diagnosis), more)
+        found = " ".join((f"{finding}{_largest(diagnosis.where)}", *filter(None, remarks)))
         return f"No missing effect is found: {found}"
     if not diagnosis.where:
         missing = f" Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""

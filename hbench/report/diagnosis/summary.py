@@ -121,6 +121,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         else:
             yield agreement(diagnosis)
             yield best_candidate(diagnosis)
+            yield diagnosis.next_experiment or ""
 
 
 # ---- verdicts
@@ -291,6 +292,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield "What these runs can show", detectable(diagnosis)
+    yield "Runs that show more", diagnosis.next_experiment or ""
     largest = largest_deviation(diagnosis.where)
     first = [largest.name] if largest else []
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))
