@@ -34,7 +34,7 @@ from hbench.reconcile.nuisance import standard_deviation
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import revision
 from hbench.reconcile.search import CampaignSearch, SearchResult, silent
-from hbench.reconcile.separation.next_experiment import Undecided
+from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects
 from hbench.reconcile.separation.separability import Separation, with_remaining_noise
 from hbench.reconcile.verdict import (
@@ -69,9 +69,6 @@ _OSCILLATES = (
 )
 _STOPPED = "No gaps of signals: the simulation with the {} model ended early ({})."
 
-ProposeExperiment = Callable[[Undecided], tuple[str, dict[str, Any]] | None]
-"""Returns the experiment that separates the effects of a set, in words and as a schedule."""
-
 Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Run, ...] | str]]
 """Simulates one run of each operating point of some plans; text: why the simulation ended early."""
 
@@ -89,7 +86,7 @@ class ReconcileTask:
     instruments: Instruments | None
     material: float = MATERIAL
     simulate: Simulate | None = None  # None: the runs can't be simulated
-    propose: ProposeExperiment | None = None
+    library: ExperimentLibrary | None = None  # None: no experiment is proposed
     stage: Callable[[str], None] = silent  # receives a description of each stage
 
 
@@ -162,13 +159,16 @@ def _assembled(
         if each.candidate in last.ambiguous and each.model
     }
     proposal = None
-    if rivals and task.propose:
+    if rivals and task.library:
         task.stage("searching for the experiment that separates the effects best")
-        proposal = task.propose(_undecided(result, rivals, train))
+        proposal = task.library.propose(_undecided(result, rivals, train))
     verdict, why = decide_verdict(result, unexplained)
     best = next(iter(rivals.values()), final)
     expected = Separation(with_remaining_noise(refitted, best, train), train)
     tried = tuple(name for name in EFFECTS if name not in not_tried)
+    if verdict == "none" and task.library:
+        task.stage("searching for the experiments that show more effects")
+        proposal = task.library.reveal(expected, tried)
     fits = dict.fromkeys(result.names, estimates) | {
         each.candidate.name: fit_coefficients(
             task.plant, each.model, (*result.names, each.candidate.name), train
@@ -185,6 +185,7 @@ def _assembled(
         why=why,
         where=where,
         regions=regions(refitted.gap_map),
+        regions_after=regions(balances.maps[-1]),
         effects=_added_effects(result, estimates, held_out),
         alternatives=last.ambiguous,
         rest=unexplained,
@@ -196,8 +197,8 @@ def _assembled(
         ranking=tuple(each.candidate for each in result.steps[0].evaluated),
         threshold=result.steps[0].evaluated[0].candidate.threshold,
         refitted=factors,
-        residuals_before=residual_map(refitted, held_out_points),
-        residuals_after=residual_map(final, held_out_points),
+        residuals_before=residual_map(refitted.gap_map, held_out_points),
+        residuals_after=residual_map(balances.maps[-1], held_out_points),
         overlays=overlaid,
         heldout_runs=tuple(run.plan.run for run in runs if point_of(run.plan) in held_out_points),
         not_tried=dict(not_tried),

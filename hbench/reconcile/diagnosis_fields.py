@@ -10,7 +10,6 @@ from hbench.reconcile.candidates import TIE
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
-from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.records import (
     AddedEffect,
@@ -40,9 +39,8 @@ class ModelledData(Protocol):
         """Sections of the model's file."""
 
 
-def residual_map(model: LinearisedModel, held_out: frozenset[Hashable]) -> ResidualMap:
-    """Return the residuals of a model's balances; ``held_out`` are operating points."""
-    differences = model.gap_map
+def residual_map(differences: GapMap, held_out: frozenset[Hashable]) -> ResidualMap:
+    """Return the residuals of balances in scatters; ``held_out`` are operating points."""
     with np.errstate(divide="ignore", invalid="ignore"):
         value = differences.difference / differences.scatter
     is_held_out = np.array([point in held_out for point in differences.points])

@@ -45,7 +45,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
     last = result.steps[-1]
     where, unnamed = gap_list(unexplained), _unnamed(result)
     if result.names:
-        reason = f"{explains(result.names)} the residuals at held-out operating points."
+        reason = f"{explains(result.names)} the residuals in cross-validation."
         if last.ambiguous:
             others = " or ".join(candidate.name for candidate in last.ambiguous)
             reason += f" {others} would explain the remaining residuals equally well."
@@ -59,8 +59,8 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
         if last.evaluated:
             best = last.evaluated[0].candidate
             reason += (
-                f" The best candidate, {best.name}, explains {100 * best.explained:.0f} % at "
-                f"held-out operating points (score {best.score:.1f} nats, {best.threshold:.1f} "
+                f" The best candidate, {best.name}, explains {100 * best.explained:.0f} % in "
+                f"cross-validation (score {best.score:.1f} nats, {best.threshold:.1f} "
                 "needed)."
             )
             if best.score > best.threshold and best.size < CRITERIA.size:

@@ -92,8 +92,8 @@ class Candidate:
     """Effect that was tried in the first search."""
 
     name: str
-    score: FloatOrNan  # gain of log-likelihood at held-out operating points, nats
-    explained: FloatOrNan  # share of the excess gap removed at held-out operating points
+    score: FloatOrNan  # gain of log-likelihood by cross-validation, nats
+    explained: FloatOrNan  # share of the excess gap removed in it
     size: FloatOrNan  # largest coefficient over its typical size
     parameters: dict[str, FloatOrNan]
     tried: Literal["full", "linear"]  # at its fitted coefficients, or by its columns alone
@@ -302,5 +302,6 @@ class Diagnosis:
     separability: Separability | None = None  # None where strokes are compared
     working_point: WorkingPoint | None = None
     practice: tuple[EffectInPractice, ...] = ()  # of the effects and the ambiguous set
+    regions_after: tuple[Region, ...] = ()  # of the final model, in the same scatters
     # Why the refit without effects was refused: "refitted" then is the model as given. Empty: not.
     refit_refused: str = ""

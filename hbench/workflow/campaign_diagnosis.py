@@ -37,7 +37,10 @@ def diagnosed(
     simulate = simulator(bench, plant, report) if bench and not campaign.imported else None
     instruments = campaign.setup().instruments
     schedule = (campaign.header.get("schedule") or {}).get("content") or {}
-    library = ExperimentLibrary(bench, plant, instruments, schedule) if bench else None
+    bench_file = (campaign.header.get("bench") or {}).get("file") or "BENCH"
+    library = None
+    if bench:
+        library = ExperimentLibrary(bench, plant, instruments, schedule, bench_file)
     return diagnose(
         ReconcileTask(
             provenance=campaign.provenance(),
@@ -49,7 +52,7 @@ def diagnosed(
             instruments=instruments,
             material=material,
             simulate=simulate,
-            propose=library.propose if library else None,
+            library=library,
             stage=stage,
         )
     )

@@ -9,10 +9,12 @@ from hbench.reconcile.hypothesis import typical_size
 from hbench.reconcile.separation.next_experiment import (
     ExperimentLibrary,
     Undecided,
+    detectable,
     joined,
     separation,
 )
 from hbench.reconcile.separation.planned_runs import linearised_runs, simulated_runs
+from hbench.reconcile.separation.separability import Separation
 from tests.support.reconcile.rounds import plans_of
 
 STEADY = {
@@ -35,7 +37,7 @@ SCHEDULE = {
     "order": "passes",
     "experiments": [EXTENDING],
 }
-EFFECTS = ("added_mass", "friction_lag", "load_friction", "supply_droop")
+EFFECTS = ("added_mass", "friction_lag", "load_friction", "supply_droop", "direction_asymmetry")
 SHORT = """
 experiments:
   - kind: steady
@@ -140,3 +142,20 @@ def test_joined_products_are_those_of_both_in_the_scatters_of_the_first(bench, c
     for name in ("columns", "windows", "noise"):
         each = getattr(data, name)
         assert each[n:].sum(axis=0) == pytest.approx(each[:n].sum(axis=0)), name
+
+
+def test_experiments_are_proposed_that_show_effects_which_the_runs_do_not(bench, campaign):
+    """Runs that only extend do not show what differs between the directions; reversals do."""
+    compared = Separation(*campaign)
+    hidden = set(EFFECTS) - detectable(compared, EFFECTS)
+    words, schedule = library(bench).reveal(compared, EFFECTS)
+    added = schedule["experiments"][1:]
+    assert schedule["experiments"][0] == EXTENDING and added
+    runs = simulated_runs(bench, bench, plans_of(bench, schedule))
+    more = linearised_runs(bench, bench, runs, EFFECTS)
+    seen = detectable(Separation(more, np.arange(len(more.gap_map.points))), EFFECTS)
+    named, _, never = words.partition("No single experiment")
+    assert {name for name in EFFECTS if name in named} == {"direction_asymmetry"} <= seen & hidden
+    assert {name for name in EFFECTS if name in never} == hidden - {"direction_asymmetry"}
+    assert "hbench run next.yaml --bench" in words
+    assert library(bench).reveal(compared, sorted(set(EFFECTS) - hidden)) is None  # all are seen

@@ -238,9 +238,11 @@ def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
         assert drawn[words.STEPS[step]][0] == getattr(table.total, step)
     bars = ranking_figure(named).axes[0]
     assert [bar.get_width() for bar in bars.patches] == [one.score for one in named.ranking]
-    panels = region_figure(named).axes[:5]
-    cells = [text.get_text() for text in panels[0].texts]
-    assert cells[0] == f"{named.regions[0].gaps[named.where[0].name]:.1f}"
+    panels = region_figure(named).axes[:10]
+    sides = ((panels[0], named.regions), (panels[5], named.regions_after))
+    for axes, regions in sides:
+        assert axes.texts[0].get_text() == f"{regions[0].gaps[named.where[0].name]:.1f}"
+        assert axes.images[0].get_clim() == panels[0].images[0].get_clim()
     colours = {to_hex(text.get_color()) for axes in panels for text in axes.texts}
     assert not colours & style.DARK.keys()  # the cells below them stay light in the dark
 

@@ -139,7 +139,17 @@ def test_odds_are_those_of_the_held_out_likelihood_and_not_overdone(named):
         text = summary(replace(named, effects=(added("internal_leakage", nats),)))
         assert f"by odds of {says}." in text
     alone = summary(replace(named, effects=(added("internal_leakage", None),)))
-    assert "No other effect of the catalogue explains the held-out runs." in alone
+    assert "No other effect of the catalogue explains these residuals." in alone
+
+
+def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_such(named):
+    (effect,) = named.effects
+    plain = "It does not reduce the gap of held-out runs in the balances that it touches: "
+    worse = replace(named, effects=(replace(effect, gap_before=1.02, gap_after=1.04),))
+    assert f"{plain}1.02 without it and 1.04 with it" in summary(worse)
+    page = ordinary_spaces(diagnosis_page(worse, ()))
+    assert f"Internal leakage: {plain}1.02" in page[: page.index("<nav")]  # in the verdict
+    assert "does not reduce" not in summary(named) + diagnosis_page(named, ())
 
 
 def test_an_error_of_a_sensor_is_told_as_one_with_what_it_shows_too_much(named):
@@ -196,7 +206,9 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert verdict in ordinary_spaces(diagnosis_page(compared, ()))
     assert "with a correct model, after Holm: 0.010 (force of test cylinder)." in text
     assert "), the refitted model is off by 38 N (force of test cylinder)." in text
-    largest = "The gap of the force of the test cylinder is largest while retracting."
+    largest = (
+        "Over all runs, the gap of the force of the test cylinder is largest while retracting."
+    )
     assert largest in text  # all speeds are about alike
     assert "load friction, explains 80 % of the gap" in text and "27.3 nats (5.0 needed)" in text
     assert "is too small for it to be named" in text
@@ -233,8 +245,12 @@ def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first
         gap = replace(compared.where[0], name="flow_tr")
         return summary(replace(compared, where=(gap,), rest=(gap,), regions=regions))
 
-    begin = "Begin with the valve's edge to tank: the gap is 17.8 there and 8.6 at that to supply."
-    assert begin in of_flow(17.8, 8.6)  # while the piston extends, oil leaves the rod side
+    begin = (
+        "Begin with the valve's edge to tank: over all runs the gap is 17.8 there and 8.6 at that"
+    )
+    assert f"{begin} to supply." in of_flow(
+        17.8, 8.6
+    )  # while the piston extends, oil leaves the rod side
     assert "Begin with" not in of_flow(8.6, 8.0)
 
 

@@ -1,12 +1,16 @@
-"""Next experiment: the one with which the effects of an ambiguous set are separated best.
+"""Next experiment: the one that separates an ambiguous set best, or those that show more effects.
 
 Each experiment of ``discriminate.yaml`` is simulated once and linearised about the refitted model.
 Its operating points are added to those of the campaign. For each effect of the set, with its fitted
 coefficients as the cause, the expected lead in score over each of the others is computed (see
 ``separability.py``). The smallest of these leads is the separation.
+
+Where no effect is missing, each experiment is added in the same way, and those are proposed with
+which effects of a typical size become detectable that the campaign's runs do not show.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -33,6 +37,8 @@ from hbench.records.diagnosis import MATERIAL
 _LIBRARY = "discriminate.yaml"
 _TRIALS = 3
 
+Proposal = tuple[str, dict[str, Any]]  # in words, and as a schedule
+
 
 @dataclass(frozen=True)
 class Undecided:
@@ -52,8 +58,9 @@ class ExperimentLibrary:
     plant: Plant  # of the given model
     instruments: Instruments | None
     schedule: Mapping[str, Any]  # as in its file; empty: unknown
+    bench_file: str = "BENCH"
 
-    def propose(self, undecided: Undecided) -> tuple[str, dict[str, Any]] | None:
+    def propose(self, undecided: Undecided) -> Proposal | None:
         """Return the experiment that separates the effects best, in words and as a schedule.
 
         The schedule is the campaign's with this experiment. None where the effects are not
@@ -61,14 +68,51 @@ class ExperimentLibrary:
         """
         before = separation(undecided)
         best, chosen = before, None
-        for experiment in parse_yaml(example(_LIBRARY).decode())["experiments"]:
+        for experiment in _experiments():
             runs = self._runs(experiment, undecided.model.hypothesis)
             after = separation(self._with_runs(undecided, runs)) if runs else before
             if after.distinguishable and after.order > best.order:
                 best, chosen = after, experiment
         if chosen is None:
             return None
-        return self._words(chosen, undecided, before, best), self._schedule(chosen, undecided)
+        name = f"Distinguish {' and '.join(undecided.rivals)}"
+        return self._words(chosen, undecided, before, best), self._schedule(name, [chosen])
+
+    def reveal(self, compared: Separation, effects: Sequence[str]) -> Proposal | None:
+        """Return the experiments that show more of some effects, in words and as a schedule.
+
+        Each is the one that shows most of the effects that neither the campaign nor those before
+        it show at a typical size. None where no experiment shows another one.
+        """
+        model = compared.model
+        known = Undecided(model, compared.points, (), dict.fromkeys(effects, model.hypothesis))
+        hidden = set(effects) - detectable(compared, effects)
+        shown = []
+        for experiment in _experiments():
+            runs = self._runs(experiment, model.hypothesis)
+            if runs:
+                joint = self._with_runs(known, runs)
+                seen = detectable(Separation(joint.model, joint.points), sorted(hidden))
+                shown.append((experiment, seen))
+        chosen = []
+        while shown and hidden:
+            experiment, seen = max(shown, key=lambda each: len(each[1] & hidden))
+            if not seen & hidden:
+                break
+            chosen.append((experiment, [name for name in effects if name in seen & hidden]))
+            hidden -= seen
+        if not chosen:
+            return None
+        each = [f"the {described(one)} show {listed(names)}" for one, names in chosen]
+        never = [name for name in effects if name in hidden]
+        words = (
+            f"{self._added()} runs that by simulation would show more effects at a typical size: "
+            f"{'; '.join(each)}."
+        )
+        if never:
+            words += f" No single experiment of {_LIBRARY} shows {listed(never)}."
+        schedule = self._schedule("Show more effects", [one for one, _ in chosen])
+        return f"{words} {self._command()}", schedule
 
     def _runs(self, experiment: Mapping[str, Any], at: Hypothesis) -> tuple[Run, ...]:
         """Return one simulated trial of an experiment; no runs if the bench can't make them."""
@@ -97,29 +141,66 @@ class ExperimentLibrary:
             points=np.concatenate([undecided.points, first + np.arange(len(more.data.squares))]),
         )
 
-    def _schedule(self, chosen: Mapping[str, Any], undecided: Undecided) -> dict[str, Any]:
+    def _schedule(self, name: str, chosen: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         own = {key: value for key, value in self.schedule.items() if key != "bench"}
         own = own or {"order": "passes"}
-        added = {**chosen, "trials": _TRIALS}
-        if "order" in own:  # which applies to all experiments
-            added.pop("order", None)
-        return {
-            **own,
-            "name": f"Distinguish {' and '.join(undecided.rivals)}",
-            "experiments": [*own.get("experiments", ()), added],
-        }
+        # An order of the schedule applies to all experiments.
+        added = [
+            {key: value for key, value in one.items() if key != "order" or "order" not in own}
+            | {"trials": _TRIALS}
+            for one in chosen
+        ]
+        return {**own, "name": name, "experiments": [*own.get("experiments", ()), *added]}
+
+    def _command(self) -> str:
+        return (
+            f"The command is: hbench run next.yaml --bench {self.bench_file} -o next (on a board "
+            "with --port). Then reconcile next."
+        )
+
+    def _added(self) -> str:
+        return f"next.yaml {'repeats the schedule and adds' if self.schedule else 'contains'}"
 
     def _words(
         self, chosen: Mapping[str, Any], undecided: Undecided, before: Lead, after: Lead
     ) -> str:
-        label = f" {chosen['label']!r}" if "label" in chosen else ""
-        which = "repeats the schedule and adds" if self.schedule else "contains"
         return (
-            f"next.yaml {which} the {chosen['kind']} runs{label}. With these runs the score of the "
-            f"right effect among {' and '.join(undecided.rivals)} is expected to lead by "
+            f"{self._added()} the {described(chosen)}. With these runs the score "
+            f"of the right effect among {' and '.join(undecided.rivals)} is expected to lead by "
             f"{round(after.lead)} nats, without them by {round(before.lead)}; "
-            f"{round(after.margin)} are needed."
+            f"{round(after.margin)} are needed. {self._command()}"
         )
+
+
+def described(experiment: Mapping[str, Any]) -> str:
+    """Return an experiment's kind, label, direction, loads and speeds in words."""
+    label = f" {experiment['label']!r}" if "label" in experiment else ""
+    speeds = experiment.get("velocities") or experiment.get("levels") or [experiment.get("speed")]
+    parts = (
+        experiment.get("direction"),
+        f"loads {listed(experiment['loads'])}" if experiment.get("loads") else "",
+        f"p_lr {experiment['p_lr']}" if "p_lr" in experiment else "",
+        f"speeds {listed(list(dict.fromkeys(speeds)))}" if all(speeds) else "",
+    )
+    text = f"{experiment['kind']} runs{label} ({'; '.join(filter(None, parts))})"
+    return re.sub(r"(?<=[ (])-(?=\d)", "−", text)
+
+
+def detectable(compared: Separation, effects: Sequence[str]) -> set[str]:
+    """Return the effects of which some coefficient would be detectable at its typical value."""
+    keys = [key for name in effects for key in effect_coefficients(name)]
+    keys = [key for key in keys if key in compared.model.coefficients_of([key[0]])]
+    smallest = compared.smallest_sizes(keys) if keys else ()
+    return {name for (name, _), size in zip(keys, smallest, strict=True) if size <= 1.0}
+
+
+def listed(parts: Sequence[str]) -> str:
+    """Return parts of a sentence with commas and "and"."""
+    return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
+
+
+def _experiments() -> list[dict[str, Any]]:
+    return parse_yaml(example(_LIBRARY).decode())["experiments"]
 
 
 def separation(undecided: Undecided) -> Lead:

@@ -164,6 +164,8 @@ def _assembled(
         joined = (*names, candidate.name)
         fits[candidate.name] = search.estimates(search.refit(start, joined), joined)
     point, practice = strokes_in_practice(strokes, result.final.hypothesis, fits)
+    before = result.refitted.gap_map
+    after = result.final.gap_map.in_units_of(before)
     train = gap_table([gaps_at(search, start, names, indices)], gap_floor(strokes, estimates))
     return Diagnosis(
         provenance=task.provenance,
@@ -171,7 +173,8 @@ def _assembled(
         verdict=verdict,
         why=why,
         where=strokes.ranked_gaps(result.refitted.hypothesis),
-        regions=regions(result.refitted.gap_map),
+        regions=regions(before),
+        regions_after=regions(after),
         effects=_added_effects(result, estimates, indices),
         alternatives=alternatives,
         rest=unexplained,
@@ -183,8 +186,8 @@ def _assembled(
         ranking=result.steps[0].evaluated,
         threshold=result.steps[0].evaluated[0].threshold,
         refitted=factors,
-        residuals_before=residual_map(result.refitted, points),
-        residuals_after=residual_map(result.final, points),
+        residuals_before=residual_map(before, points),
+        residuals_after=residual_map(after, points),
         overlays=(),
         heldout_runs=tuple(run.run.plan.run for run in task.series[labels[0]] if run.accepted),
         not_tried=not_tried | ruled_out,

@@ -41,17 +41,18 @@ _GAPS = {
     ),
 }
 _REGIONS = (
-    "Gap of each balance by region of operation, {model}, all runs: root mean square of "
-    "measurement less model in scatters of repeated trials. Gaps below 1 have the colour of 1."
+    "Gap of each balance by region of operation, all runs: root mean square of measurement less "
+    "model in scatters of repeated trials. Gaps below 1 have the colour of 1. All tables share the "
+    "colour scale."
 )
 _MAPS = (
-    "Residuals of the worst balances over velocity and load, in units of the trials' scatter. "
-    "A dot is the mean of neighbouring windows; its size grows with their "
+    "Residuals of the worst balances over velocity and load, all runs, in units of the trials' "
+    "scatter. A dot is the mean of neighbouring windows; its size grows with their "
     "number. All panels share the colour scale."
 )
 _SHAPE = (
-    "Residuals of this balance in units of the trials' scatter (grey band: ±1). A point is a "
-    "window of 0.16 s. Triangles: medians of equal numbers of windows, extending (▶) and "
+    "Residuals of this balance, all runs, in units of the trials' scatter (grey band: ±1). A point "
+    "is a window of 0.16 s. Triangles: medians of equal numbers of windows, extending (▶) and "
     "retracting (◀). Points beyond the axis are drawn at its edge."
 )
 _LAW = (
@@ -66,7 +67,7 @@ _OVERLAY = (
     "simulated less measured."
 )
 _RANKING = (
-    "Score of each candidate at held-out operating points, and the share of the excess gap that it "
+    "Score of each candidate by cross-validation, and the share of the excess gap that it "
     "explains in the balances that it touches. No gain: it predicts these points no better. "
     "Vertical line: the score that is needed; for a candidate that could be named it is determined "
     "from residuals drawn at random. Filled: fitted in full; hollow: evaluated by its linear "
@@ -102,8 +103,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
             title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
     if diagnosis.where and diagnosis.regions:
-        regions = _REGIONS.format(model=compared_model(diagnosis))
-        yield "where", "regions", "Gap by region", regions, region_figure(diagnosis)
+        yield "where", "regions", "Gap by region, all runs", _REGIONS, region_figure(diagnosis)
     for title, figure in gap_figures(diagnosis).items():
         yield "gap", f"gap {title}", f"Gaps: {title.lower()}", _GAPS[title], figure
     for run, figure in overlay_figures(diagnosis).items():

@@ -1,12 +1,13 @@
 """Figures of gaps, their regions, candidates and refitted values."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 
 from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
 from hbench.report.diagnosis.names import (
@@ -26,6 +27,7 @@ from hbench.report.diagnosis.text import with_total
 from hbench.report.render import style
 from hbench.report.render.numbers import number, short
 from hbench.report.render.series import behind
+from hbench.report.render.symbols import capital
 
 BEFORE, AFTER, MEASURED = style.COLOURS[1], style.COLOURS[0], "#9ca3af"
 BALANCES, CLOSED_LOOP, OPEN_LOOP = "Balances", "Signals, closed loop", "Signals, open loop"
@@ -86,7 +88,7 @@ def _log_gaps(axes: Axes) -> None:
     low, high = axes.get_xlim()
     axes.set_xlim(max(min(low, 0.7), 0.9 * _LEAST), max(high, 3))
     style.plain_log(axes.xaxis)
-    axes.set_xlabel("Gap (trial scatters)")
+    axes.set_xlabel("Gap of held-out runs (trial scatters)")
 
 
 def _rows(axes: Axes, names: list[str]) -> None:
@@ -96,45 +98,60 @@ def _rows(axes: Axes, names: list[str]) -> None:
 
 
 def region_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw the gap of each balance in each region as a table of colours, before any effect."""
+    """Draw the gap of each balance in each region as tables of colours, in one scale.
+
+    Where something was added to the model, the gaps with it are drawn below those without it.
+    """
     names = [gap.name for gap in diagnosis.where]
+    after = steps_of(diagnosis).get("after")
+    sides = {compared_model(diagnosis): diagnosis.regions}
+    sides |= {after: diagnosis.regions_after} if after else {}
+    every = [gap for side in sides.values() for region in side for gap in region.gaps.values()]
+    norm = LogNorm(1, float(np.nanmax([_LEAST_SCALE, *every])))
     axes_names = list(dict.fromkeys(region.axis for region in diagnosis.regions))
-    groups = [[r for r in diagnosis.regions if r.axis == name] for name in axes_names]
-    figure = style.new_figure(height_in=1.5 + 0.34 * len(names), wide=True)
+    count = [sum(region.axis == name for region in diagnosis.regions) for name in axes_names]
+    figure = style.new_figure(height_in=(1.5 + 0.34 * len(names)) * len(sides), wide=True)
     panels = figure.subplots(
-        1, len(groups), sharey=True, width_ratios=[len(group) for group in groups], squeeze=False
-    )[0]
-    every = [value for region in diagnosis.regions for value in region.gaps.values()]
-    most = float(np.nanmax([_LEAST_SCALE, *every]))
-    for axes, group in zip(panels, groups, strict=True):
-        gaps = np.array([[region.gaps.get(name, np.nan) for region in group] for name in names])
-        look = {"norm": LogNorm(1, most), "cmap": "Blues", "label": "_gaps"}
-        image = axes.imshow(np.maximum(gaps, 1.0), aspect="auto", **look)
-        behind(image, {"Gap (trial scatters)": gaps.ravel()})
-        for (row, column), value in np.ndenumerate(gaps):
-            dark = np.log10(max(value, 1.0)) > 0.55 * np.log10(most)
-            axes.text(
-                column,
-                row,
-                number(value, 1 if value < 99.95 else 0),
-                ha="center",
-                va="center",
-                fontsize=9,
-                color=style.ON_MAPS if dark else _ON_LIGHT,
-            )
-        axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
-        axis = AXES[group[0].axis]
-        axes.set_xlabel(f"{axis.title} ({axis.unit})" if axis.unit else axis.title)
-        axes.grid(visible=False)
-        axes.tick_params(length=0)
-        axes.spines[:].set_visible(False)
-    _rows(panels[0], [balance(name).title for name in names])
-    panels[0].set_ylim(len(names) - 0.5, -0.5)
+        len(sides), len(axes_names), sharey=True, width_ratios=count, squeeze=False
+    )
+    for row, (title, side) in zip(panels, sides.items(), strict=True):
+        for axes, name in zip(row, axes_names, strict=True):
+            group = [region for region in side if region.axis == name]
+            image = _region_cells(axes, group, names, norm)
+        style.head(row[0], capital(title), diagnosis, row[-1])
+    _rows(panels[0, 0], [balance(name).title for name in names])
+    panels[0, 0].set_ylim(len(names) - 0.5, -0.5)
     figure.colorbar(
-        image, ax=panels, label="Gap (trial scatters)", pad=0.01
+        image, ax=panels, label="Gap of all runs (trial scatters)", pad=0.01
     ).ax.yaxis.set_major_formatter(lambda value, _: short(value))
-    style.head(panels[0], f"Gap by region, {compared_model(diagnosis)}", diagnosis, panels[-1])
     return figure
+
+
+def _region_cells(
+    axes: Axes, group: Sequence[Region], names: Sequence[str], norm: LogNorm
+) -> AxesImage:
+    """Draw the regions of one axis, a column each, with the gaps as numbers."""
+    gaps = np.array([[region.gaps.get(name, np.nan) for region in group] for name in names])
+    look = {"norm": norm, "cmap": "Blues", "label": "_gaps"}
+    image = axes.imshow(np.maximum(gaps, 1.0), aspect="auto", **look)
+    behind(image, {"Gap (trial scatters)": gaps.ravel()})
+    for (row, column), value in np.ndenumerate(gaps):
+        axes.text(
+            column,
+            row,
+            number(value, 1 if value < 99.95 else 0),
+            ha="center",
+            va="center",
+            fontsize=9,
+            color=style.ON_MAPS if norm(max(value, 1.0)) > 0.55 else _ON_LIGHT,
+        )
+    axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
+    axis = AXES[group[0].axis]
+    axes.set_xlabel(f"{axis.title} ({axis.unit})" if axis.unit else axis.title)
+    axes.grid(visible=False)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    return image
 
 
 def _bounds(region: Region) -> str:
@@ -179,7 +196,7 @@ def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
     axes.set_xlim(
         min(0.0, max(-0.1 * top, min(candidate.score for candidate in chosen))), 1.65 * top
     )
-    axes.set_xlabel("Gain of log-likelihood, held-out points (nats)")
+    axes.set_xlabel("Gain of log-likelihood, cross-validated (nats)")
     _rows(axes, [in_words(candidate.name) for candidate in chosen])
     style.head(axes, "Candidates", diagnosis)
     style.legend_above(figure, axes)

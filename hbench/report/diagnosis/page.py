@@ -23,7 +23,13 @@ from hbench.report.diagnosis.names import (
     value_words,
 )
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import deviations, largest_deviation, undetectable
+from hbench.report.diagnosis.sentences import (
+    deviations,
+    gap_change,
+    largest_deviation,
+    title,
+    undetectable,
+)
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
 from hbench.report.diagnosis.summary import answers, next_step
 from hbench.report.render.document import Section, document
@@ -77,6 +83,8 @@ _RUNS = (
     "beside this page contains every run and signal."
 )
 _WHERE = (
+    ("All runs", "The gaps and deviations of this section are of all runs, those of the section on "
+     "the gap of the held-out runs alone."),
     ("Structured", "Part of the gap beyond the repeatability of the trials: √(gap² − 1)."),
     ("p (Holm)", "Probability of such a gap for a correct model, corrected after Holm for the "
      "number of balances."),
@@ -89,9 +97,11 @@ _WHERE = (
      "tank. Where one gap is much larger, inspect that edge."),
 )  # fmt: skip
 _WHICH = (
-    ("Score", "Gain of log-likelihood at held-out operating points, in nats (natural logarithm)."),
-    ("Explains", "Share of the excess gap that the effect removes at these points, in the balances "
-     "that it touches alone. A candidate can have a large share and a score near 0: the score "
+    ("Score", "Gain of log-likelihood in nats (natural logarithm) by cross-validation: each fifth "
+     "of the operating points of the fit is predicted from the others. It also counts changes from "
+     "window to window, as at a step or after a reversal, which a gap hardly shows."),
+    ("Explains", "Share of the excess gap that the effect removes there, in the balances that it "
+     "touches alone. A candidate can have a large share and a score near 0: the score "
      "counts all balances and the uncertainty of the fit, and the refitted values of the model "
      "predict these points as well without the effect."),
     ("Size", "Its largest coefficient relative to a typical one."),
@@ -107,7 +117,7 @@ _NUMBERS = (
     "diagnosis.json and gaps_by_run.csv contain all numbers, also those of folded tables, which "
     "are not printed. The folder figures has each figure as SVG, PNG and CSV."
 )
-_NEXT_FILE = "next.yaml is that experiment, for hbench run next.yaml --bench BENCH -o NEXT."
+_NEXT_FILE = "next.yaml is the schedule that is proposed above."
 
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
@@ -197,11 +207,19 @@ def _verdict(diagnosis: Diagnosis) -> str:
     finding, step = _in_words(finding), f" {next_step(diagnosis)}".rstrip()
     if diagnosis.verdict == "named":
         effects = "effect is" if len(diagnosis.effects) == 1 else "effects are"
-        return f"The missing {effects} identified: {finding} All intervals: 95 %.{step}"
+        no_gain = [
+            f" {title(effect.name)}: {gap_change(effect)}"
+            for effect in diagnosis.effects
+            if effect.gap_after >= effect.gap_before
+        ]
+        found = f"{finding} All intervals: 95 %.{''.join(no_gain)}"
+        return f"The missing {effects} identified: {found}{step}"
     if diagnosis.verdict == "ambiguous":
         return f"One of these effects is missing in the model: {finding}{step}"
     if diagnosis.verdict == "none":
-        found = f"{finding}{_largest(diagnosis.where)} {undetectable(diagnosis)}".rstrip()
+        more = "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+        remarks = (undetectable(diagnosis), more)
+        found = " ".join((f"{finding}{_largest(diagnosis.where)}", *filter(None, remarks)))
         return f"No missing effect is found: {found}"
     if not diagnosis.where:
         missing = f" Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""

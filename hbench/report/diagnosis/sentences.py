@@ -79,13 +79,27 @@ def change_clauses(
     return [phrase(change, point.direction, readings) for change in changes]
 
 
+def gap_change(effect: AddedEffect) -> str:
+    """Return how an effect changes the gap of held-out runs, also where it does not reduce it."""
+    before, after, where = effect.gap_before, effect.gap_after, "in the balances that it touches"
+    if not after >= before:
+        return (
+            f"It reduces the gap of held-out runs {where} from {number(before, 1)} to "
+            f"{number(after, 1)}, where 1 is the repeatability of the bench."
+        )
+    return (
+        f"It does not reduce the gap of held-out runs {where}: {number(before, 2)} without it and "
+        f"{number(after, 2)} with it, where 1 is the repeatability of the bench."
+    )
+
+
 def odds_words(effect: AddedEffect) -> str:
-    """Return how clearly the held-out runs favour an effect over the next best one."""
+    """Return how clearly the cross-validation favours an effect over the next best one."""
     rival = effect.runner_up
     if rival is None or not isfinite(rival.margin):
-        return "No other effect of the catalogue explains the held-out runs."
+        return "No other effect of the catalogue explains these residuals."
     return (
-        "The held-out runs favour it over the next best explanation, "
+        "The cross-validation favours it over the next best explanation, "
         f"{in_words(rival.name)}, by {_ratio(rival.margin)}."
     )
 
@@ -272,7 +286,7 @@ def edge_gaps(diagnosis: Diagnosis, name: str) -> dict[str, float]:
 def worst_region(diagnosis: Diagnosis, name: str) -> str:
     """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
     places = worst_places(diagnosis, name)
-    return f"The gap of {in_sentence(name)} is largest {places}." if places else ""
+    return f"Over all runs, the gap of {in_sentence(name)} is largest {places}." if places else ""
 
 
 def worst_places(diagnosis: Diagnosis, name: str) -> str:

@@ -21,6 +21,7 @@ from hbench.report.diagnosis.sentences import (
     detectable,
     deviations,
     edge_gaps,
+    gap_change,
     largest_deviation,
     odds_words,
     residual_words,
@@ -47,6 +48,10 @@ _OWN_EFFECT = (
 _MEANWHILE = (
     "Until then, model.yaml reproduces a part of this deviation by its unnamed law, within the "
     "measured range."
+)
+_NO_GAIN = (
+    "The effect is named by its score in the cross-validation over the runs of the fit. Do not "
+    "expect model.yaml to predict these balances better than the model without the effect."
 )
 _WORSE, _CLOSEST = "What gets worse", "Closest known effect"
 
@@ -98,6 +103,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     for effect in diagnosis.effects:
         if effect.name in practice:
             yield at_point_words(diagnosis.working_point, practice[effect.name], brief=True)
+        yield gap_change(effect)
         yield odds_words(effect)
         if effect.name in practice:
             yield advice(practice[effect.name])
@@ -115,6 +121,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         else:
             yield agreement(diagnosis)
             yield best_candidate(diagnosis)
+            yield diagnosis.next_experiment or ""
 
 
 # ---- verdicts
@@ -133,10 +140,9 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
             yield _ALONG, f"Along all logs it changes {along}."
     yield (
         _EVIDENCE,
-        "It reduces the gap of held-out runs in the balances that it touches from "
-        f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)}, where 1 is the "
-        "repeatability of the bench.",
+        gap_change(effect),
     )
+    yield _EVIDENCE, _NO_GAIN if effect.gap_after >= effect.gap_before else ""
     yield _EVIDENCE, odds_words(effect)
     if practice:
         yield _ACTION, advice(practice)
@@ -244,8 +250,8 @@ def _edge(diagnosis: Diagnosis, name: str) -> str:
         return ""
     worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
     return (
-        f"Begin with the valve's edge to {worst}: the gap is {number(gaps[worst], 1)} there and "
-        f"{number(gaps[other], 1)} at that to {other}."
+        f"Begin with the valve's edge to {worst}: over all runs the gap is "
+        f"{number(gaps[worst], 1)} there and {number(gaps[other], 1)} at that to {other}."
     )
 
 
@@ -286,6 +292,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield "What these runs can show", detectable(diagnosis)
+    yield "Runs that show more", diagnosis.next_experiment or ""
     largest = largest_deviation(diagnosis.where)
     first = [largest.name] if largest else []
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))

@@ -172,13 +172,13 @@ def alternatives_table(diagnosis: Diagnosis) -> WordTable:
 
 def where_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances of the model before any effect, the worst first."""
-    return _gaps_table(f"Balances of the {compared_model(diagnosis)}", diagnosis.where)
+    return _gaps_table(f"Balances of the {compared_model(diagnosis)}, all runs", diagnosis.where)
 
 
 def rest_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances that the effects do not explain; no rows without effects."""
     gaps = diagnosis.rest if diagnosis.effects else ()
-    return _gaps_table("Balances that the effects do not explain", gaps)
+    return _gaps_table("Balances that the effects do not explain, all runs", gaps)
 
 
 def _gaps_table(title: str, gaps: Sequence[Gap]) -> WordTable:
@@ -209,7 +209,8 @@ def edges_table(diagnosis: Diagnosis) -> WordTable:
         rows.append((balance(name).title, *cells))
     known = any(cell != NONE for _, *cells in rows for cell in cells)
     head = ("chamber", "open to supply", "open to tank")
-    return WordTable("Gap by metering edge", head, tuple(rows) if known else ())
+    title = f"Gap by metering edge, {compared_model(diagnosis)}, all runs"
+    return WordTable(title, head, tuple(rows) if known else ())
 
 
 def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, ...]:

@@ -75,6 +75,7 @@ def diagnosis(hidden=LEAK, found=FOUND) -> Diagnosis:
         why=_WHY[verdict],
         where=where,
         regions=regions(lacked),
+        regions_after=regions(lacks),
         effects=tuple(_added(name, table) for name in found),
         alternatives=(),
         rest=unexplained_gaps(rest) if verdict == "unknown" else (),
