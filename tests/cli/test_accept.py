@@ -57,7 +57,8 @@ def test_the_files_hold_each_decision(accept, tmp_path):
     cases = suite.findall("testcase")
     assert len(cases) == len(document["checks"]) == int(suite.get("tests"))
     for case, check in zip(cases, document["checks"], strict=True):
-        assert [each.tag for each in case] == tags[check["decision"]]
+        figures = ["system-out"] if check["measurement"] is not None else []
+        assert [each.tag for each in case] == tags[check["decision"]] + figures
     assert int(suite.get("failures")) > 0 and suite.get("errors") == "1"
     assert cases[0].get("name").startswith("A.1: friction")
     assert suite.get("name").endswith("(simulated)")

@@ -159,7 +159,7 @@ def test_rejected_runs_are_exported_with_their_reasons(exported):
     index = pd.read_csv(folder / "runs.csv", dtype={"run": str})
     rejected = index[~index.accepted]
     assert len(rejected) > 3
-    assert rejected.reason.str.contains("end_stop|off_reference|changed").any()
+    assert rejected.reason.str.contains("end_stop|off_reference|truncated").any()
     assert all((folder / name).exists() for name in index.file)
 
 
@@ -169,8 +169,10 @@ def test_an_incomplete_log_is_still_rejected_when_it_comes_back(tmp_path, export
     shutil.copytree(SAMPLES / "bad-runs", copy)
     own = workflow.analyze(copy)
     found = brought_back(exported(kind, "bad-runs"), tmp_path / "again")
-    changed = [run.reason for run in own.runs if "changed" in run.reason]
-    assert changed and [run.reason for run in found.runs if "changed" in run.reason] == changed
+    truncated = [run.reason for run in own.runs if "truncated" in run.reason]
+    assert (
+        truncated and [run.reason for run in found.runs if "truncated" in run.reason] == truncated
+    )
     assert found.curves == own.curves
 
 

@@ -46,6 +46,8 @@ def decide(
         if largest_uncertainty is None or share > largest_uncertainty:
             most = 100 * (largest_uncertainty or 0)
             reason = f"U is {100 * share:.0f} % of the limit, more than {most:g} %"
+            if -inside > measured.u95:
+                reason += "; the value is beyond its limit by more than U"
             return Decision("NOT TESTED", probability, reason)
         return Decision("PASS" if inside >= 0 else "FAIL", probability)
     if inside < 0:

@@ -31,10 +31,10 @@ from hbench.records import KINDS, TEMPERATURES, Run, ScreenedRun, SteadyMeans
 # Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".
 CODES = (
     "aborted",
-    "changed",
     "missing",
     "unreadable",
     "truncated",
+    "changed",
     "missing_channel",
     "gapped",
     "sensor_saturated",
@@ -48,7 +48,7 @@ CODES = (
 
 SCREENING_RULES = ("steady_window", *RULES)  # of the column ``screening`` of KINDS
 
-_OF_LOG = ("changed", "missing", "unreadable")
+_OF_LOG = ("missing", "unreadable", "truncated", "changed")
 _STANDSTILL_S = 0.2
 _DRIFT_ERRORS = 3.0  # standard errors by which a drift must exceed its limit
 

@@ -7,10 +7,10 @@ from hbench.records import Results
 # What to look for, by the code of the reason.
 CAUSES = {
     "aborted": "the fault or the stop that its reason states",
-    "changed": "a log edited or damaged after its run, to be restored",
     "missing": "a log deleted or not copied, to be restored",
     "unreadable": "a damaged log or an incomplete copy, to be restored",
     "truncated": "an incomplete copy of the log, or a lost connection to the board",
+    "changed": "a log edited or damaged after its run, to be restored",
     "missing_channel": "a sensor that is not logged, or not named in the map",
     "gapped": "a connection too slow for the log (--baud), or a logger that loses samples",
     "sensor_saturated": "a sensor whose range is too small, a broken wire, or a wrong zero",

@@ -64,10 +64,17 @@ def acceptance_text(acceptance: Acceptance) -> str:
         f"rule: {rule_words(acceptance)}; limits of {acceptance.limits}",
         "U: expanded uncertainty for a coverage probability of 95 %",
         "conforms: probability that the true value is within its limit",
+        *_legend(acceptance.checks),
         *(f"note: {note}" for note in acceptance.notes),
         *(f"next: {step}" for step in next_steps(acceptance.checks)),
     ]
     return "\n".join(lines).replace("−", "-").replace("–", "-").replace("±", "+-")
+
+
+def _legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
+    """Explain the symbol of the rod-side pressure where a series has it."""
+    if any("P_Lr" in series_words(check) for check in checks):
+        yield "P_Lr: set pressure on the rod side of the load cylinder"
 
 
 def next_steps(checks: Sequence[ConformityCheck]) -> Iterator[str]:
@@ -100,9 +107,16 @@ def junit_xml(acceptance: Acceptance) -> str:
         )
         if check.decision != "PASS":
             tag = "error" if check.decision == "NOT TESTED" else "failure"
-            words = f"{measured_words(check)}; limit {limit_words(check.requirement)}"
-            message = check.reason or words
+            words = measured_words(check) if check.measurement is not None else ""
+            words += f"{'; ' * bool(words)}limit {limit_words(check.requirement)}"
+            message = "; ".join(filter(None, (check.reason, words)))
             ElementTree.SubElement(case, tag, type=check.decision, message=printable(message))
+        if check.measurement is not None:
+            figures = (
+                f"measured {measured_words(check)}; limit {limit_words(check.requirement)}; "
+                f"conforms {probability_words(check.probability)}"
+            )
+            ElementTree.SubElement(case, "system-out").text = printable(figures)
     ElementTree.indent(suite)
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
 
