@@ -35,6 +35,7 @@ from hbench.reconcile.linearised import (
 )
 from hbench.reconcile.window_sums import is_change
 from hbench.records import Candidate
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 
 TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogue's order
 NULLS = 200  # random null data sets
@@ -68,7 +69,7 @@ class AcceptanceCriteria:
 
 
 # 5 nats are odds of 150 to 1. A quarter is enough: the remainder may be other effects.
-CRITERIA = AcceptanceCriteria(score=5.0, explained=0.25, size=0.35)
+CRITERIA = AcceptanceCriteria(score=5.0, explained=LEAST_EXPLAINED, size=LEAST_SIZE)
 
 
 def ambiguity_margin(best: float) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from hbench.analysis.screening.calibrate import RUN_FIELDS
-from hbench.reconcile.candidates import CRITERIA
+from hbench.reconcile.candidates import CRITERIA, ambiguity_margin
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
 from hbench.reconcile.search import SearchResult
@@ -53,7 +53,11 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             reason += f" No effect explains the remaining gaps (in trial scatters): {where}."
         return "named", reason + unnamed
     if last.ambiguous:
-        return "ambiguous", f"Not distinguishable, scores in nats: {scores(last.ambiguous)}."
+        margin = ambiguity_margin(last.ambiguous[0].score)
+        return "ambiguous", (
+            f"Not distinguishable, scores in nats: {scores(last.ambiguous)}. A score decides where "
+            f"it is {margin:.1f} nats (a tenth of the best one, at least 3) above the next."
+        )
     if unexplained:
         reason = f"No effect of the catalogue explains the gaps (in trial scatters): {where}."
         if last.evaluated:

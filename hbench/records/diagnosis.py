@@ -87,6 +87,10 @@ class RunGap:
     gap: GapTable
 
 
+LEAST_EXPLAINED = 0.25  # share of the excess gap that an effect must explain to be named
+LEAST_SIZE = 0.35  # of its typical size that it must have
+
+
 @dataclass(frozen=True)
 class Candidate:
     """Effect that was tried in the first search."""

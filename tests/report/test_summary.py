@@ -192,6 +192,11 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
     assert "internal leakage 90 %, external leakage 90 %" in text
     assert "(internal leakage 30, external leakage 29 nats) are too close to decide" in text
     assert "kind hold separate internal leakage and external leakage (pressures meet" in text
+    cell = replace(CELL, name="external_leakage", lookalikes=())
+    errors = summary(replace(both, practice=(LEAK, cell)))
+    assert "external leakage it is computed 49.8 N too low. " in errors
+    assert "The friction of these runs differs by 50 N from case to case." in errors
+    assert "The measured friction holds in each case." in text
     assert "Not explained" not in summary(replace(both, rest=compared.rest))  # the set would do so
     assert "inspect the piston seal or the rod seal." in text
     alike = replace(both, practice=(replace(LEAK, lookalikes=()), other))

@@ -26,6 +26,7 @@ _GROUPS: tuple[tuple[str, ...], ...] = (
     ("kinematics",),
     ("force_band", "force_middle"),
 )
+_FRICTION = "force_test"  # balance of the friction of the test cylinder
 _LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
 _CYLINDERS = {"force_test": "test cylinder", "force_load": "load cylinder"}
 
@@ -49,6 +50,56 @@ def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
         )
         for effect in diagnosis.practice
     )
+
+
+def candidates_table(diagnosis: Diagnosis) -> WordTable:
+    """Return what each effect of the ambiguous set would change, and by how much they differ."""
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    by_name = [{change.quantity: change for change in effect.changes} for effect in chosen]
+    rows = []
+    for name in dict.fromkeys(name for changes in by_name for name in changes):
+        known = [changes.get(name) for changes in by_name]
+        unit = next(change.unit for change in known if change)
+        values = [change.at_point if change else 0.0 for change in known]
+        differs = f"{significant(max(values) - min(values), 2)} {unit}"
+        rows.append((quantity(name), *(_interval(c) if c else f"0 {unit}" for c in known), differs))
+    head = ("at the working point", *(in_words(effect.name) for effect in chosen), "they differ by")
+    title = "What each of these effects would change"
+    return WordTable(title, head, tuple(rows) if len(chosen) > 1 else ())
+
+
+def friction_words(diagnosis: Diagnosis) -> str:
+    """Return what each effect of the ambiguous set would mean for friction of the test cylinder.
+
+    An error of a sensor changes the friction that is computed, an effect of the bench the friction
+    itself: its measured value is right then.
+    """
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    if len(chosen) < 2:
+        return ""
+    parts, errors = [], []
+    for effect in chosen:
+        change = next((c for c in effect.changes if c.quantity == _FRICTION), None)
+        if change is None:
+            words = "is measured correctly, and none of it is due to this effect"
+        elif wrong_readings(effect):
+            words = f"is computed {_size(change)} too {'high' if change.at_point > 0 else 'low'}"
+        else:
+            words = (
+                f"is measured correctly, and the effect changes it by {_interval(change)} "
+                f"({significant(change.along, 2)} {change.unit} RMS over all motion)"
+            )
+        errors.append(change.at_point if change and wrong_readings(effect) else 0.0)
+        parts.append(f"with {in_words(effect.name)} it {words}")
+    differ = max(errors) - min(errors)
+    end = (
+        f"The friction of these runs differs by {significant(differ, 2)} N from case to case."
+        if differ
+        else "The measured friction holds in each case."
+    )
+    return f"Friction of the test cylinder at the working point: {'; '.join(parts)}. {end}"
 
 
 def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:

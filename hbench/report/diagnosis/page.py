@@ -5,9 +5,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hbench.records import Diagnosis, Gap, WordTable
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import (
+    candidates_table,
     changes_tables,
     listed,
     lookalikes_tables,
@@ -105,6 +107,9 @@ _WHICH = (
      "counts all balances and the uncertainty of the fit, and the refitted values of the model "
      "predict these points as well without the effect."),
     ("Size", "Its largest coefficient relative to a typical one."),
+    ("Named", "An effect whose score exceeds the limit beside it in the table, that explains more "
+     f"than {100 * LEAST_EXPLAINED:g} %, and whose size is at least {LEAST_SIZE:g} of a typical "
+     "one."),
 )  # fmt: skip
 _POORLY_KNOWN = (
     "Poorly known values of the model file are levels of friction, a valve's gain, dead volumes "
@@ -174,6 +179,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         tables=_with_rows(
             text.effects_table(diagnosis),
             text.alternatives_table(diagnosis),
+            candidates_table(diagnosis),
             *changes_tables(diagnosis),
             *lookalikes_tables(diagnosis),
         ),

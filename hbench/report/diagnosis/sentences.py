@@ -109,9 +109,10 @@ def closeness(candidates: Sequence[Candidate]) -> str:
     explained = [f"{in_words(each.name)} {share(each.explained)}" for each in candidates]
     scores = [f"{in_words(each.name)} {number(each.score, 0)}" for each in candidates]
     return (
-        f"Share of the excess gap of held-out runs that each explains: {', '.join(explained)}. "
-        f"Their scores on these runs ({', '.join(scores)} nats) are too close to decide: the "
-        "true law may differ from the catalogue's by as much."
+        f"Share of the excess gap that each explains in cross-validation: {', '.join(explained)}. "
+        f"Their scores ({', '.join(scores)} nats) are too close to decide. The laws "
+        "of the catalogue are approximations: the effect with the better score may be the wrong "
+        "one."
     )
 
 

@@ -7,7 +7,7 @@ how sure that is, and what to inspect or to repair. All numbers are those of the
 from collections.abc import Iterator, Sequence
 
 from hbench.records import AddedEffect, Diagnosis, EffectInPractice, Lookalike
-from hbench.report.diagnosis.change_words import along_words, listed, main_changes
+from hbench.report.diagnosis.change_words import along_words, friction_words, listed, main_changes
 from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.names import PARTS, in_sentence, in_words
 from hbench.report.diagnosis.sentences import (
@@ -39,7 +39,7 @@ from hbench.report.render.symbols import capital
 Answer = tuple[str, str]  # question in a few words, and sentences
 
 _FINDING, _SIZE, _ALONG = "Finding", "Size at the working point", "Size over all runs"
-_RESIDUALS = "Residuals"
+_RESIDUALS, _FRICTION = "Residuals", "What it means for friction"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
 _OWN_EFFECT = (
     "A cause that the catalogue does not contain can be added as an effect of your own "
@@ -109,6 +109,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield advice(practice[effect.name])
     if diagnosis.alternatives:
         yield _ambiguous_sizes(diagnosis, brief=True)
+        yield friction_words(diagnosis)
         yield from _separation(diagnosis)
     elif not diagnosis.effects:
         if diagnosis.verdict == "unknown" and not diagnosis.where:
@@ -154,6 +155,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
         words = f"The model also does not contain {names}; these runs cannot show which it is."
         yield "Further finding", words
     yield _SIZE, _ambiguous_sizes(diagnosis)
+    yield _FRICTION, friction_words(diagnosis)
     yield _EVIDENCE, closeness(diagnosis.alternatives)
     for sentence in _separation(diagnosis):
         yield _ACTION, sentence
@@ -220,7 +222,7 @@ def next_step(diagnosis: Diagnosis) -> str:
     inspect = _either(_inspections(diagnosis))
     if diagnosis.alternatives:
         if diagnosis.next_schedule:
-            return "Next step: measure next.yaml."
+            return "Next step: measure next.yaml; the command is below."
         kinds = dict.fromkeys(other.kind for _, other in _separable_pairs(diagnosis))
         runs = (
             f"measure runs of the kind {listed(list(kinds))}, which separate them" if kinds else ""

@@ -11,7 +11,7 @@ from hbench.records import (
     GapTable,
     WordTable,
 )
-from hbench.report.diagnosis.change_words import changes_tables, listed
+from hbench.report.diagnosis.change_words import candidates_table, changes_tables, listed
 from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -117,6 +117,7 @@ def effect_words(effect: AddedEffect) -> str:
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return the tables that have rows, the answers first and the evidence after them."""
     every = (
+        candidates_table(diagnosis),
         *changes_tables(diagnosis),
         effects_table(diagnosis),
         alternatives_table(diagnosis),
