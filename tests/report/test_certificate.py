@@ -320,3 +320,18 @@ def test_incomplete_and_poor_campaigns_are_not_certified(sample_results):
     assert "1 of 72 planned runs were not completed" in reasons and "'poor'" in reasons
     rejected = tuple(replace(run, reasons=("no",)) for run in sample_results.runs)
     assert "no run was accepted" in why_not_certified(replace(sample_results, runs=rejected))
+
+
+def test_a_reservation_of_the_data_stands_beside_the_decision(certificate):
+    made = certificate()
+    quality = made.results.quality
+    for grade in ("good", "with care"):
+        checks = tuple(replace(check, grade="good") for check in quality.checks[1:])
+        graded = replace(
+            quality, grade=grade, checks=(replace(quality.checks[0], grade=grade), *checks)
+        )
+        shown = replace(made, results=replace(made.results, quality=graded))
+        lead = flat(page_text(shown)).partition("Decision on the specimen: ")[2][:300]
+        assert ("“with care”" in lead) == (grade == "with care")
+        alone = flat(page_text(replace(shown, acceptance=None)))
+        assert ("“with care”" in alone) == (grade == "with care")

@@ -28,8 +28,18 @@ def conformity_part(certificate: Certificate) -> Part:
     decision = word("overall", decision=word(acceptance.decision), limits=_file(acceptance))
     if acceptance.product:
         decision += " " + word("of_product", product=acceptance.product)
+    decision = " ".join(filter(None, (decision, _reservation(certificate))))
     title = word("conformity")
     return Part("conformity", title, tables=(table,), paragraphs=paragraphs, lead=decision)
+
+
+def _reservation(certificate: Certificate) -> str:
+    """Return that the data are to be used with care, and why; empty if they are good."""
+    quality, word = certificate.results.quality, certificate.word
+    if quality.grade != "with care":
+        return ""
+    care = [check.name for check in quality.checks if check.grade != "good"]
+    return word("care", checks=", ".join(word(f"check_{name}") for name in care))
 
 
 def _file(acceptance: Acceptance) -> str:
@@ -110,10 +120,8 @@ def not_tested_part(certificate: Certificate) -> Part:
     if rejected:
         deviations.append(word("rejected", runs=rejected))
     paragraphs += deviations or [word("no_deviations")]
-    if results.quality.grade == "with care":
-        care = [c.name for c in results.quality.checks if c.grade != "good"]
-        graded = ", ".join(word(f"check_{name}") for name in care)
-        paragraphs.append(word("care", checks=graded))
+    if certificate.acceptance is None and (reservation := _reservation(certificate)):
+        paragraphs.append(reservation)
     if certificate.warnings:
         paragraphs.append(word("record_notes", notes="; ".join(certificate.warnings)))
     return Part("not_tested", word("not_tested"), paragraphs=tuple(paragraphs))
