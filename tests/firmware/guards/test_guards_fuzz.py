@@ -15,6 +15,7 @@ CLANG = (
     "-fno-sanitize-coverage=trace-cmp"  # it would take three quarters of the time
 )
 LIMITS = "-seed=1 -max_len=1000 -detect_leaks=0 -timeout=20 -entropic_scale_per_exec_time=1"
+_ROUNDS = 3
 # Files whose branches the scripts must cover.
 REACHED = ("commands.c", "core.c", "link.c", "safety.c", "schedule.c", "steps.c", "wire.c")
 
@@ -135,13 +136,21 @@ def test_no_input_violates_the_invariants(seeds, build, tmp_path, require_tool):
     ],
 )
 def test_many_scripts_cover_the_branches(scripts, least, seeds, build, run, tmp_path, require_tool):
-    output = fuzz(scripts, seeds, build, tmp_path, require_tool, "-O2")
-    print(output.splitlines()[-1])
+    """The choice of scripts depends on their duration, so chance decides which branches they miss.
+
+    If they miss too many, as many others follow, twice at most.
+    """
     program = build(tmp_path / "play", require_tool("gcc"), "--coverage")
-    for script in seeds.iterdir():
-        run(program, input=script.read_bytes())
-    text = run(require_tool("gcov"), "-b", *tmp_path.glob("*.gcda"), cwd=tmp_path).stdout.decode()
-    parts = re.findall(r"File '.*?(\w+\.c)'\n.*\n.*\nTaken at least once:([\d.]+)%", text)
-    taken = {name: float(dict(parts)[name]) for name in REACHED}
-    print("branches taken [%]:", taken)
+    for _ in range(_ROUNDS):
+        output = fuzz(scripts, seeds, build, tmp_path, require_tool, "-O2")
+        print(output.splitlines()[-1])
+        for script in seeds.iterdir():
+            run(program, input=script.read_bytes())
+        files = tmp_path.glob("*.gcda")
+        text = run(require_tool("gcov"), "-b", *files, cwd=tmp_path).stdout.decode()
+        parts = re.findall(r"File '.*?(\w+\.c)'\n.*\n.*\nTaken at least once:([\d.]+)%", text)
+        taken = {name: float(dict(parts)[name]) for name in REACHED}
+        print("branches taken [%]:", taken)
+        if min(taken.values()) >= least:
+            break
     assert min(taken.values()) >= least
