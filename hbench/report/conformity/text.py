@@ -4,7 +4,12 @@ from collections.abc import Iterator, Sequence
 from xml.etree import ElementTree
 
 from hbench.records import WordTable
-from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
+from hbench.records.conformity.acceptance import (
+    Acceptance,
+    ConformityCheck,
+    Measurement,
+    Requirement,
+)
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.render.numbers import NONE, short, significant, with_interval
 from hbench.report.render.terminal_table import table_lines
@@ -41,8 +46,8 @@ def acceptance_table(acceptance: Acceptance) -> WordTable:
     """Return a row for each decision."""
     rows = tuple(
         (
-            requirement_words(check),
-            series_words(check),
+            requirement_words(check.requirement, check.measurement),
+            series_words(check.requirement, check.measurement),
             measured_words(check),
             limit_words(check.requirement),
             probability_words(check.probability),
@@ -73,7 +78,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
 
 def _legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
     """Explain the symbol of the rod-side pressure where a series has it."""
-    if any("P_Lr" in series_words(check) for check in checks):
+    if any("P_Lr" in series_words(c.requirement, c.measurement) for c in checks):
         yield "P_Lr: set pressure on the rod side of the load cylinder"
 
 
@@ -103,7 +108,7 @@ def junit_xml(acceptance: Acceptance) -> str:
             suite,
             "testcase",
             classname=printable(acceptance.product or acceptance.limits),
-            name=printable(check_words(check)),
+            name=printable(check_words(check.requirement, check.measurement)),
         )
         if check.decision != "PASS":
             tag = "error" if check.decision == "NOT TESTED" else "failure"
@@ -121,9 +126,10 @@ def junit_xml(acceptance: Acceptance) -> str:
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def check_words(check: ConformityCheck) -> str:
+def check_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write the quantity and its series."""
-    return ", ".join(filter(None, (requirement_words(check), series_words(check))))
+    parts = (requirement_words(requirement, measured), series_words(requirement, measured))
+    return ", ".join(filter(None, parts))
 
 
 def rule_words(acceptance: Acceptance) -> str:
@@ -131,9 +137,8 @@ def rule_words(acceptance: Acceptance) -> str:
     return RULES[acceptance.rule].format(share=f"{100 * (acceptance.largest_uncertainty or 0):g} %")
 
 
-def requirement_words(check: ConformityCheck) -> str:
+def requirement_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write the quantity, after the name that the file gives it."""
-    requirement, measured = check.requirement, check.measurement
     words = QUANTITIES[requirement.quantity]
     if requirement.leak is not None and requirement.pressure_pa is not None:
         at = short(from_si(requirement.pressure_pa, "bar"))
@@ -147,9 +152,9 @@ def requirement_words(check: ConformityCheck) -> str:
     return f"{requirement.name}: {words}" if requirement.name else words
 
 
-def series_words(check: ConformityCheck) -> str:
+def series_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write label, direction and load of the series; those required where nothing was measured."""
-    series = check.measurement or check.requirement
+    series = measured or requirement
     words = [series.label, series.direction]
     if series.f_load_n is not None:
         words.append(f"load {short(series.f_load_n)} N")

@@ -40,10 +40,13 @@ def station_charts(
 
 def limits_checked(checks: Sequence[ConformityCheck]) -> list[str]:
     """Count the limits that were kept; write the first of the others, and count the rest."""
+    others = sorted(
+        (check for check in checks if check.decision != "PASS"),
+        key=lambda check: _ORDER.index(check.decision),
+    )
     words = [
-        unit_kept(f"{check.decision}: {check_words(check)}: {_measured(check)}")
-        for check in sorted(checks, key=lambda check: _ORDER.index(check.decision))
-        if check.decision != "PASS"
+        unit_kept(f"{c.decision}: {check_words(c.requirement, c.measurement)}: {_measured(c)}")
+        for c in others
     ]
     kept = f"Limits that were kept: {len(checks) - len(words)} of {len(checks)}."
     more = [f"{len(words) - _MOST} more; see hbench accept"] if len(words) > _MOST else []
@@ -69,7 +72,7 @@ def _chart(
     values = np.array([from_si(each.value, unit) for each in measured])
     halves = [None if each.u95 is None else from_si(each.u95, unit) for each in measured]
     chart: dict[str, Any] = {
-        "title": unit_kept(check_words(last)),
+        "title": unit_kept(check_words(last.requirement, last.measurement)),
         "unit": unit,
         "names": [name for name, _ in found],
         "values": values.tolist(),
