@@ -33,6 +33,7 @@ from hbench.reconcile.separation.separability import Lead, Separation
 from hbench.reconcile.window_sums import GROUPS
 from hbench.records import Run
 from hbench.records.diagnosis import MATERIAL
+from hbench.report.render.symbols import listed
 
 _LIBRARY = "discriminate.yaml"
 _TRIALS = 3
@@ -192,11 +193,6 @@ def detectable(compared: Separation, effects: Sequence[str]) -> set[str]:
     keys = [key for key in keys if key in compared.model.coefficients_of([key[0]])]
     smallest = compared.smallest_sizes(keys) if keys else ()
     return {name for (name, _), size in zip(keys, smallest, strict=True) if size <= 1.0}
-
-
-def listed(parts: Sequence[str]) -> str:
-    """Return parts of a sentence with commas and "and"."""
-    return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
 
 
 def _experiments() -> list[dict[str, Any]]:

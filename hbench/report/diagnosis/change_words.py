@@ -1,7 +1,5 @@
 """Changes that an effect makes, in words and as a table."""
 
-from collections.abc import Sequence
-
 from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, WordTable
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -13,6 +11,7 @@ from hbench.report.diagnosis.names import (
     quantity,
 )
 from hbench.report.render.numbers import significant
+from hbench.report.render.symbols import listed
 
 _FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
 _READINGS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
@@ -213,10 +212,3 @@ def along_words(effect: EffectInPractice) -> str:
 def _rounded(value: float) -> float:
     """Return a magnitude for comparison: what one chamber loses to another is equal in both."""
     return float(f"{abs(value):.2g}")
-
-
-def listed(parts: Sequence[str]) -> str:
-    """Return parts of a sentence with commas and "and"."""
-    if len(parts) < 2:
-        return "".join(parts)
-    return f"{', '.join(parts[:-1])} and {parts[-1]}"

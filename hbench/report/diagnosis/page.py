@@ -11,7 +11,6 @@ from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import (
     candidates_table,
     changes_tables,
-    listed,
     lookalikes_tables,
     wrong_readings,
 )
@@ -37,6 +36,7 @@ from hbench.report.diagnosis.summary import answers, next_step
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number
+from hbench.report.render.symbols import listed
 
 _MOST_RUNS = 40  # rows of the page
 _KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")  # name of an effect

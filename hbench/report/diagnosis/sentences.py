@@ -13,7 +13,7 @@ from hbench.records import (
     WorkingPoint,
 )
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.diagnosis.change_words import listed, main_changes, phrase, wrong_readings
+from hbench.report.diagnosis.change_words import main_changes, phrase, wrong_readings
 from hbench.report.diagnosis.names import (
     AXES,
     EDGES,
@@ -29,6 +29,7 @@ from hbench.report.diagnosis.names import (
     shown,
 )
 from hbench.report.render.numbers import number, short, significant
+from hbench.report.render.symbols import listed
 
 _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is not that exact
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis

@@ -7,7 +7,7 @@ how sure that is, and what to inspect or to repair. All numbers are those of the
 from collections.abc import Iterator, Sequence
 
 from hbench.records import AddedEffect, Diagnosis, EffectInPractice, Lookalike
-from hbench.report.diagnosis.change_words import along_words, friction_words, listed, main_changes
+from hbench.report.diagnosis.change_words import along_words, friction_words, main_changes
 from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.names import PARTS, in_sentence, in_words
 from hbench.report.diagnosis.sentences import (
@@ -34,7 +34,7 @@ from hbench.report.diagnosis.sentences import (
     worst_region,
 )
 from hbench.report.render.numbers import number
-from hbench.report.render.symbols import capital
+from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 

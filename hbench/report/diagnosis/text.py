@@ -11,7 +11,7 @@ from hbench.records import (
     GapTable,
     WordTable,
 )
-from hbench.report.diagnosis.change_words import candidates_table, changes_tables, listed
+from hbench.report.diagnosis.change_words import candidates_table, changes_tables
 from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -33,6 +33,7 @@ from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.sentences import deviations, edge_gaps
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short
+from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
 
 Rows = tuple[tuple[str, ...], ...]

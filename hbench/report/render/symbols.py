@@ -1,7 +1,7 @@
-"""Symbols with an index, such as F_C, in words: pages and sheets set the index below the line."""
+"""Words of pages: symbols with an index, such as F_C, which is set below the line, and lists."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 _SYMBOL = re.compile(
     r"\b(?:([AFPp])_(\w+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
@@ -24,3 +24,10 @@ def pieces(text: str) -> Iterator[tuple[str, bool]]:
 def capital(text: str) -> str:
     """Write the first letter of a sentence as a capital, unless it begins with a symbol or key."""
     return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
+
+
+def listed(parts: Sequence[str]) -> str:
+    """Return parts of a sentence with commas and "and"."""
+    if len(parts) < 2:
+        return "".join(parts)
+    return f"{', '.join(parts[:-1])} and {parts[-1]}"
