@@ -86,7 +86,7 @@ class ReconcileTask:
     instruments: Instruments | None
     material: float = MATERIAL
     simulate: Simulate | None = None  # None: the runs can't be simulated
-    library: ExperimentLibrary | None = None  # None: no experiment is proposed
+    experiments: ExperimentLibrary | None = None  # None: no experiment is proposed
     stage: Callable[[str], None] = silent  # receives a description of each stage
 
 
@@ -159,16 +159,16 @@ def _assembled(
         if each.candidate in last.ambiguous and each.model
     }
     proposal = None
-    if rivals and task.library:
+    if rivals and task.experiments:
         task.stage("searching for the experiment that separates the effects best")
-        proposal = task.library.propose(_undecided(result, rivals, train))
+        proposal = task.experiments.propose(_undecided(result, rivals, train))
     verdict, why = decide_verdict(result, unexplained)
     best = next(iter(rivals.values()), final)
     expected = Separation(with_remaining_noise(refitted, best, train), train)
     tried = tuple(name for name in EFFECTS if name not in not_tried)
-    if verdict == "none" and task.library:
+    if verdict == "none" and task.experiments:
         task.stage("searching for the experiments that show more effects")
-        proposal = task.library.reveal(expected, tried)
+        proposal = task.experiments.reveal(expected, tried)
     fits = dict.fromkeys(result.names, estimates) | {
         each.candidate.name: fit_coefficients(
             task.plant, each.model, (*result.names, each.candidate.name), train

@@ -38,9 +38,9 @@ def diagnosed(
     instruments = campaign.setup().instruments
     schedule = (campaign.header.get("schedule") or {}).get("content") or {}
     bench_file = (campaign.header.get("bench") or {}).get("file") or "BENCH"
-    library = None
+    experiments = None
     if bench:
-        library = ExperimentLibrary(bench, plant, instruments, schedule, bench_file)
+        experiments = ExperimentLibrary(bench, plant, instruments, schedule, bench_file)
     return diagnose(
         ReconcileTask(
             provenance=campaign.provenance(),
@@ -52,7 +52,7 @@ def diagnosed(
             instruments=instruments,
             material=material,
             simulate=simulate,
-            library=library,
+            experiments=experiments,
             stage=stage,
         )
     )

@@ -125,7 +125,7 @@ def diagnosed(bench, data, schedule, hidden):
             plant_data=plant_sections(data, model, "model"),
             runs=runs.runs,
             instruments=bench.instruments,
-            library=ExperimentLibrary(bench, plant, bench.instruments, schedule),
+            experiments=ExperimentLibrary(bench, plant, bench.instruments, schedule),
         )
     )
 
@@ -172,7 +172,7 @@ def of_campaign(folder, schedule):
     task = task_of(folder)
     library = ExperimentLibrary(task.bench, task.plant, task.instruments, schedule)
     data = plant_sections(read_yaml(BENCH), read_yaml(MODEL), "model")
-    return diagnose(replace(task, plant_data=data, library=library))
+    return diagnose(replace(task, plant_data=data, experiments=library))
 
 
 @pytest.mark.slow

@@ -69,9 +69,9 @@ def next_step(quality: Quality, parts: str, aborted: bool = False, causes: str =
     """Return what makes the checks good that are not; empty if all are.
 
     ``parts`` names the largest parts of the uncertainty and their table, as far as known;
-    ``causes`` names what to look for in rejected runs. An
-    ``aborted`` campaign is continued first, which makes its missing runs and trials; --resume
-    refuses another bench file or schedule, so what changes them comes afterwards.
+    ``causes`` names what to look for in rejected runs. An ``aborted`` campaign is continued first,
+    which makes its missing runs and trials; --resume refuses another bench file or schedule, so
+    what changes them comes afterwards.
     """
     missing = ("complete", "trials_per_point") if aborted else ()
     if not quality.completeness.not_completed:

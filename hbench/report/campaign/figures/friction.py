@@ -153,7 +153,7 @@ def _one_direction(
     curves: list[Curve],
     ranks: dict[LoadKey, int],
 ) -> Figure:
-    fitted = any(is_drawn(fit) for curve in curves for fit in curve.fits[:1])
+    fitted = any(_is_drawn(fit) for curve in curves for fit in curve.fits[:1])
     figure = style.new_figure(height_in=5.4 if fitted else 3.8)
     if fitted:
         axes, below = figure.subplots(2, sharex=True, height_ratios=(5, 2))
@@ -169,7 +169,7 @@ def _one_direction(
         _expanded(axes, curve, speed, sign * friction, look["color"])
         bars = axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
-        if below is not None and curve.fits and is_drawn(curve.fits[0]):
+        if below is not None and curve.fits and _is_drawn(curve.fits[0]):
             residual = sign * (friction - _at(curve.fits[0], v))
             aside = (rank - (len(curves) - 1) / 2) * _ASIDE * speed.max()
             bars = below.errorbar(
@@ -197,7 +197,7 @@ def _one_direction(
 
 def _read(curves: Sequence[Curve]) -> str:
     """Return how to read the points, the lines with their law, and the bands."""
-    fits = [fit for c in curves for fit in c.fits[:1] if is_drawn(fit)]
+    fits = [fit for c in curves for fit in c.fits[:1] if _is_drawn(fit)]
     laws = dict.fromkeys(law_words(fit.law) for fit in fits)
     lines = f"Lines: fitted law ({', '.join(laws)})." if laws else ""
     bands = BANDS if any(map(_has_band, curves)) else ""
@@ -215,7 +215,7 @@ def _read(curves: Sequence[Curve]) -> str:
     return "\n".join(filter(None, (points, of_fits, dashed, none, hollow)))
 
 
-def is_drawn(fit: Fit) -> bool:
+def _is_drawn(fit: Fit) -> bool:
     """Return whether a fit is drawn; one through as many points as parameters shows nothing."""
     return bool(fit.line) and not determines_none(fit)
 
@@ -244,7 +244,7 @@ def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) ->
 
     A fit that is not determined is dashed and grey, and not extrapolated.
     """
-    for fit in filter(is_drawn, curve.fits[:1]):
+    for fit in filter(_is_drawn, curve.fits[:1]):
         determined = fit.verdict == "determined"
         drawn_in = colour if determined else style.QUIET
         who = f"_{fit.law}, {load_words(curve.f_load_n, curve.p_lr_ref_pa)}".removesuffix(", ")
