@@ -96,6 +96,7 @@ class Proposal:
     left_out: tuple[str, ...]  # points that the bench cannot reach, with the reason
     margins: tuple[Check, ...]
     closed_loop: tuple[Check, ...]  # the firmware against the nonlinear bench and its variants
+    loops: tuple[ControlLoop, ...] = ()  # with these gains, at the design's operating point
 
     @property
     def holds(self) -> bool:

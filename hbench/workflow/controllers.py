@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from hbench.config.bench import parse_bench
@@ -43,18 +44,21 @@ def design(
     control, par = bench.controllers, plant_parameters(bench)
     loops = control.velocity, control.rod_pressure, control.piston_pressure
     nominal = operating_point(bench, par, point)
-    present = design_at(
+    analyzed = partial(
+        design_at,
         bench.name,
         par,
         OPERATING_POINT if source and not point else nominal,
-        [(loop.gain, loop.time_constant) for loop in loops],
-        (control.velocity_filter, control.pressure_filter),
-        reproduce(par) if source else (),
+        filters_s=(control.velocity_filter, control.pressure_filter),
+        reproduced=reproduce(par) if source else (),
     )
+    present = analyzed([(loop.gain, loop.time_constant) for loop in loops])
     present = replace(present, checks=point_checks(present))
     if ratio is None:
         return present
-    return replace(present, proposal=proposal(bench, ratio, nominal, report))
+    proposed = proposal(bench, ratio, nominal, report)
+    proposed = replace(proposed, loops=analyzed(list(proposed.gains.values())).loops)
+    return replace(present, proposal=proposed)
 
 
 def write_gains(bench_file: Path, design: Design) -> None:

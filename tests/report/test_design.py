@@ -49,7 +49,7 @@ def test_the_page_holds_everything_and_escapes_names(design, drawings):
     assert "<b>bench</b>" not in page and "&lt;b&gt;bench" in page
     verdict = page[page.index('class="verdict"') : page.index("<h2")]
     assert "&lt;+200\N{NO-BREAK SPACE}mm/s&gt;" in page and " 1 of 2 checks" in verdict
-    assert page.count('class="plot"') == len(drawings) == 4
+    assert page.count('class="plot"') == len(drawings) == 8  # with present and proposed gains
 
 
 def test_a_loop_that_is_unstable_is_marked_and_has_no_overshoot(design):
@@ -83,6 +83,35 @@ def test_present_gains_pass_or_fail_with_the_check_first(design):
     passing = replace(design, proposal=None, checks=checks[:1])
     assert "PASS. The present gains pass all 1 checks" in design_page(passing, ())
     assert json.loads(design_json(passing))["checks"][0]["holds"] is True
+
+
+def test_the_loops_with_the_gains_to_be_used_come_first_and_the_others_are_folded(design, drawings):
+    passing = replace(design.proposal, closed_loop=())
+    for proposal, first, second in (
+        (design.proposal, "present", "proposed"),  # it fails
+        (passing, "proposed", "present"),
+    ):
+        page = design_page(replace(design, proposal=proposal), drawings)
+        assert f">Loops with the {first} gains</h2>" in page
+        assert f"<summary>Loops with the {second} gains</summary>" in page
+    numbers = json.loads(design_json(design))
+    assert [loop["gain"] for loop in numbers["proposal"]["loops"]] == [1500.0]
+    assert "1500 V/m" in design_text(design).partition("proposal")[2]
+
+
+@pytest.mark.parametrize(
+    ("what", "way"),
+    [
+        (("bench: load pressure error",), "a smaller"),
+        (("softer: overshoot",), "a larger"),
+        (("bench: load pressure error", "softer: overshoot"), "another"),
+        (("bench: rejected runs",), "another"),
+    ],
+)
+def test_a_failing_proposal_says_in_which_direction_to_change_the_ratio(design, what, way):
+    checks = tuple(Check(name, 30.0, 20.0, "mm/s", False) for name in what)
+    proposal = replace(design.proposal, closed_loop=checks)
+    assert f"propose again with {way} --ratio" in design_text(replace(design, proposal=proposal))
 
 
 def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):

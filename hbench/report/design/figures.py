@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import ControlLoop, Design, LoopMerits
-from hbench.report.design.loops import rate_khz
+from hbench.report.design.loops import loops_by_gains, rate_khz
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import number
@@ -23,18 +23,26 @@ LOOKS = {
 
 
 def draw_design(design: Design) -> tuple[Drawing, ...]:
-    """Draw every kind of figure for every loop."""
+    """Draw every kind of figure for every loop, with the present and with the proposed gains."""
     sketches = []
-    for loop in design.loops:
-        for name, (draw, title, caption) in FIGURES.items():
-            with rc_context(style.RC):
-                figure = draw(loop)
-                figure.axes[0].set_title(f"{title}, {loop.name}")
-                slug = f"{loop.name.replace(' ', '-')}-{name}"
-                full_title = f"{title}, {loop.name}"
-                words = caption.format(rate=rate_khz(design))
-                sketches.append(Sketch(slug, loop.name, full_title, words, figure))
+    for gains, loops in loops_by_gains(design).items():
+        for loop in loops:
+            for name, (draw, title, caption) in FIGURES.items():
+                with rc_context(style.RC):
+                    figure = draw(loop)
+                    figure.axes[0].set_title(f"{title}, {loop.name}")
+                    slug = f"{gains}-{loop.name.replace(' ', '-')}-{name}"
+                    full_title = f"{title}, {loop.name}, {gains} gains"
+                    words = caption.format(rate=rate_khz(design), gains=gains)
+                    sketches.append(
+                        Sketch(slug, section_of(gains, loop), full_title, words, figure)
+                    )
     return draw_sketches(sketches)
+
+
+def section_of(gains: str, loop: ControlLoop) -> str:
+    """Return the section of the figures of a loop with the present or the proposed gains."""
+    return f"{gains} {loop.name}"
 
 
 def bode(loop: ControlLoop) -> Figure:
@@ -185,8 +193,8 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
     "locus": (
         locus,
         "Root locus",
-        "Closed-loop poles as the gain grows from 1/50 to 50 times the present one, without and "
-        "with the valve. Coloured markers: at the present gain. Crosses: open-loop poles. Circle: "
+        "Closed-loop poles as the gain grows from 1/50 to 50 times the {gains} one, without and "
+        "with the valve. Coloured markers: at the {gains} gain. Crosses: open-loop poles. Circle: "
         "the controller's and the plant's zeros.",
     ),
     "step": (

@@ -1,8 +1,9 @@
 """The control loops of a design in words: a row for each model of a loop, and its notes."""
 
 import math
+from collections.abc import Sequence
 
-from hbench.records import Design, LoopMerits
+from hbench.records import ControlLoop, Design, LoopMerits
 from hbench.report.render.numbers import NONE, number, significant
 
 TextRows = list[tuple[str, ...]]
@@ -14,7 +15,11 @@ LOOP_HEAD = (
 LOOP_NOTES = (
     ("K_c, tau_c", "gain and time constant of the PI controller K_c (tau_c s + 1) / s"),
     ("settling", "time until the response to a step of the reference stays within 2 % of the step"),
-    ("slowest pole", "time constant -T / ln |z| of the sampled loop's slowest pole; T = {tick} ms"),
+    (
+        "slowest pole",
+        "time constant -T / ln |z| of the sampled loop's slowest pole; T = {tick} ms. A slow pole "
+        "close to a zero hardly shows in the step response",
+    ),
 )
 _UNSTABLE = (
     "unstable",
@@ -27,13 +32,8 @@ CHAINS = {
     "board": "as the board runs it: with valve, filters and {rate} kHz sampling, the other two "
     "loops closed",
 }
-PRESENT = (
-    "The table and the figures show the present gains of the bench file, at the operating point of "
-    "the section above."
-)
-_WRITE = (
-    " They do not show the proposed gains: write these with --write, then run hbench design again."
-)
+PRESENT, PROPOSED = "present", "proposed"
+AT_POINT = "At the operating point of the section above, with the {gains} gains."
 
 
 def rate_khz(design: Design) -> str:
@@ -54,24 +54,28 @@ def decay_s(modulus: float, tick_s: float) -> float:
     return -tick_s / math.log(modulus) if 0.0 < modulus < 1.0 else math.inf
 
 
-def about_loops(design: Design) -> str:
-    """Return which gains the loops' table and figures are of."""
-    proposal = design.proposal
-    return PRESENT + (_WRITE if proposal is not None and proposal.holds else "")
+def loops_by_gains(design: Design) -> dict[str, tuple[ControlLoop, ...]]:
+    """Return the loops with the gains to be used first: the proposed ones if they pass."""
+    loops = {PRESENT: design.loops}
+    if design.proposal is not None and design.proposal.loops:
+        proposed = {PROPOSED: design.proposal.loops}
+        loops = proposed | loops if design.proposal.holds else loops | proposed
+    return loops
 
 
 def loop_notes(design: Design) -> tuple[tuple[str, str], ...]:
-    """Return what the rows and columns of the loops' table mean."""
-    stable = all(merits.stable for loop in design.loops for merits in loop.merits)
+    """Return what the rows and columns of the loops' tables mean."""
+    every = [loop for loops in loops_by_gains(design).values() for loop in loops]
+    stable = all(merits.stable for loop in every for merits in loop.merits)
     notes = (*CHAINS.items(), *LOOP_NOTES, *(() if stable else (_UNSTABLE,)))
     tick, rate = f"{1e3 * design.tick_s:g}", rate_khz(design)
     return tuple((name, text.format(tick=tick, rate=rate)) for name, text in notes)
 
 
-def loop_rows(design: Design) -> TextRows:
-    """Return a row for each loop and chain, as ``LOOP_HEAD``."""
+def loop_rows(loops: Sequence[ControlLoop], tick_s: float) -> TextRows:
+    """Return a row for each loop and chain, as ``LOOP_HEAD``; ``tick_s`` is T [s]."""
     rows: TextRows = []
-    for loop in design.loops:
+    for loop in loops:
         for merits in loop.merits:
             first = merits is loop.merits[0]
             overshoot = number(100 * merits.overshoot, 0 if merits.overshoot >= 0.1 else 1)
@@ -86,7 +90,7 @@ def loop_rows(design: Design) -> TextRows:
                     margin(gain_db(merits), 1),
                     overshoot if merits.stable else NONE,
                     seconds(merits.settling_s),
-                    seconds(decay_s(merits.digital_modulus, design.tick_s))
+                    seconds(decay_s(merits.digital_modulus, tick_s))
                     if merits.stable
                     else "UNSTABLE",
                 )

@@ -4,10 +4,11 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from hbench.records import Check, Design, Proposal, WordTable
+from hbench.records import Check, ControlLoop, Design, Proposal, WordTable
 from hbench.report.design import checks as check_words
 from hbench.report.design import loops as loop_words
 from hbench.report.design import text
+from hbench.report.design.figures import section_of
 from hbench.report.design.verdict import loops_verdict, proposal_verdict, reproduced_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
@@ -41,26 +42,46 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     elif design.checks:
         sections.append(_checks(design.checks, check_words.POINT_LIMITS, design.tick_s))
     sections.append(Section("Operating point", facts=_facts(text.point_facts(design))))
-    merits = tuple(tuple(map(_merit, row)) for row in loop_words.loop_rows(design))
-    words_in = frozenset({"Loop", "K_c", "Model"})
-    loops = Table(_LOOP_HEAD, merits, words_in, title="The three loops with the present gains")
-    notes = _facts(loop_words.loop_notes(design))
-    sections.append(
-        Section("Loops", (loop_words.about_loops(design),), tables=(loops,), facts=notes)
+    drawn = tuple(drawings)
+    first, *others = (
+        _loops(gains, loops, design.tick_s, drawn)
+        for gains, loops in loop_words.loops_by_gains(design).items()
     )
-    sections.append(Section("Further results", facts=_facts(text.facts(design))))
+    folded = tuple(replace(other, folded=True, printed=False) for other in others)
+    notes = _facts(loop_words.loop_notes(design))
+    sections.append(replace(first, facts=notes, parts=(*first.parts, *folded)))
+    sections.append(
+        Section("Further results with the present gains", facts=_facts(text.facts(design)))
+    )
     if design.reproduced:
         sections.append(_reproduced(design))
-    drawn = tuple(drawings)
-    for loop in design.loops:
-        own = tuple(drawing for drawing in drawn if drawing.section == loop.name)
-        if own:
-            sections.append(Section(f"Figures of the {loop.name} loop", drawings=own))
     return document(
         f"{design.bench}: control loops",
         "Computed from the bench file, and simulated. Nothing here was measured.",
         tuple(sections),
         _minus(_typeset(_verdict(design))),
+    )
+
+
+def _loops(
+    gains: str, loops: Sequence[ControlLoop], tick_s: float, drawings: Sequence[Drawing]
+) -> Section:
+    """Return the loops' table and figures with the present or the proposed gains."""
+    rows = tuple(tuple(map(_merit, row)) for row in loop_words.loop_rows(loops, tick_s))
+    table = Table(_LOOP_HEAD, rows, frozenset({"Loop", "K_c", "Model"}))
+    figures = {
+        loop.name: tuple(each for each in drawings if each.section == section_of(gains, loop))
+        for loop in loops
+    }
+    return Section(
+        f"Loops with the {gains} gains",
+        (loop_words.AT_POINT.format(gains=gains),),
+        tables=(table,),
+        parts=tuple(
+            Section(f"{capital(name)} loop", drawings=drawn)
+            for name, drawn in figures.items()
+            if drawn
+        ),
     )
 
 

@@ -95,6 +95,7 @@ def _proposal(proposal: Proposal | None) -> dict[str, Any] | None:
         "feedforward_v_s_m": dict(zip(("rod", "piston"), proposal.feedforward, strict=True)),
         "points": proposal.points,
         "left_out": proposal.left_out,
+        "loops": [_loop(loop) for loop in proposal.loops],
         "margins": [vars(check) for check in proposal.margins],
         "closed_loop": [vars(check) for check in proposal.closed_loop],
     }
@@ -203,7 +204,7 @@ def design_text(design: Design) -> str:
         design.bench,
         f"operating point: {point_words(design)}",
         "",
-        *_table(LOOP_HEAD, loop_rows(design)),
+        *_table(LOOP_HEAD, loop_rows(design.loops, design.tick_s)),
         "",
         *(f"{name}: {text}" for name, text in loop_notes(design)),
         "",
@@ -215,6 +216,7 @@ def design_text(design: Design) -> str:
     if design.proposal is not None:
         proposal = design.proposal
         lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
+        lines += [*_table(LOOP_HEAD, loop_rows(proposal.loops, design.tick_s)), ""]
         checks = (*proposal.margins, *proposal.closed_loop)
         lines += _table(CHECK_HEAD, check_rows(checks, design.tick_s))
         lines += [f"verdict: {proposal_verdict(proposal, design)}"]

@@ -51,7 +51,10 @@ def made_design() -> Design:
     locus = RootLocus(factors, -100.0 * factors[:, None] + 0j, np.array([0j]), np.array([]))
     pole = np.array([-100.0 + 0j])
     chains = (merits("ideal valve", pole), merits("valve", pole), merits("board", None))
-    loop = ControlLoop("velocity", "T", 800.0, "V/m", 0.06, chains, (locus, locus))
+    loop, proposed = (
+        ControlLoop("velocity", "T", gain, "V/m", tau_s, chains, (locus, locus))
+        for gain, tau_s in ((800.0, 0.06), (1500.0, 0.018))
+    )
     names = "x_m v_m_s p_tp_pa p_tr_pa p_lp_pa p_lr_pa u_t_v u_l1_v u_l2_v viscous_n_s_m".split()
     checks = (Check("velocity: phase margin", 50.0, 45.0, "deg", True, "x 5 mm"),)
     failed = (Check("bench: rejected runs", 2.0, 0.0, "runs", False, "<+200 mm/s>"),)
@@ -68,6 +71,6 @@ def made_design() -> Design:
         reproduced=(Reproduced("closed pole", "rad/s", "-110.76", -148.4, 0.34, False, "why"),),
         proposal=Proposal(
             {"velocity": (1500.0, 0.018)}, {"velocity": 200.0}, (5.0, 20.0), 1.7, 54, (), checks,
-            failed,
+            failed, (proposed,),
         ),
     )  # fmt: skip
