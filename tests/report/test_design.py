@@ -26,7 +26,7 @@ def test_the_terminal_gets_numbers_verdict_and_reasons_in_ascii(design):
     text = design_text(design)
     assert text.isascii()
     assert "-110.76" in text and "-148.40" in text and "+34.00" in text and "NO" in text
-    assert re.search(r"FAIL\. .*--ratio.* 1 of 2 checks", text.splitlines()[-1])
+    assert re.search(r"FAIL\. .* 1 of 2 checks\. .*--ratio", text.splitlines()[-1])
     assert "gain: 1500 V/m" in text and "time_constant: 18 ms" in text
 
 
@@ -111,7 +111,7 @@ def test_the_loops_with_the_gains_to_be_used_come_first_and_the_others_are_folde
 def test_a_failing_proposal_says_in_which_direction_to_change_the_ratio(design, what, way):
     checks = tuple(Check(name, 30.0, 20.0, "mm/s", False) for name in what)
     proposal = replace(design.proposal, closed_loop=checks)
-    assert f"propose again with {way} --ratio" in design_text(replace(design, proposal=proposal))
+    assert f"Propose again with {way} --ratio (now 1.7)" in design_text(replace(design, proposal=proposal))
 
 
 def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):

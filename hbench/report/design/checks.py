@@ -29,6 +29,7 @@ _STOPPED = re.compile(
 )
 _COMMAND = re.compile(r"\bu_([a-z]\d?)_v\b")
 _CODE = re.compile(r"\b[a-z]+(?:_[a-z]+)+(?=: )")  # of a reason for rejection
+_VARIANT = re.compile(r"^(softer|stiffer): ")
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -80,7 +81,8 @@ def shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
             return "all loops together: time constant of the slowest pole", slowest, "stable", "s"
         return "all loops together: largest |z|", f"{check.value:.6f}", "< 1", ""
     least = "≥ " if "margin" in check.what else "≤ " if check.limit else ""
-    return check.what, check_value(check), f"{least}{short(check.limit)}", check.unit
+    what = _VARIANT.sub(r"\1 bench: ", check.what)
+    return what, check_value(check), f"{least}{short(check.limit)}", check.unit
 
 
 def check_value(check: Check) -> str:

@@ -191,7 +191,8 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
     order = ", ".join(f"{name} {w:.0f}" for name, w in proposal.bandwidths_rad_s.items())
     return (
         f"bandwidths (ideal valve), a factor of {proposal.ratio:g} apart (--ratio): {order} rad/s",
-        f"margins computed at {proposal.points} points: positions, loads, speeds, both directions",
+        f"the fastest gains with these ratios that keep all margins at {proposal.points} points: "
+        "positions, loads, speeds, both directions",
         f"feedforward, if it is used: C_ffLr {proposal.feedforward[0]:.3g}, "
         f"C_ffLp {proposal.feedforward[1]:.3g} V s/m",
         *(f"left out: {reason}" for reason in proposal.left_out),

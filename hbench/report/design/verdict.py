@@ -13,14 +13,14 @@ _BENCHES = {"bench": " on the bench"}
 # bench has a slowest loop of 88, 89, 71, 21 and 7 rad/s, load pressure errors of 0.04, 0.04, 0.14,
 # 5.9 and 26 bar, and on the softer bench overshoots of 21 mm/s at 1 and of 16 mm/s at 1.7.
 _RATIO_OF_CHECKS = {
-    "a smaller": {"mean speed error", "load pressure error"},
-    "a larger": {"overshoot"},
+    ("a smaller", ", which makes the slowest loop faster"): {
+        "mean speed error",
+        "load pressure error",
+    },
+    ("a larger", ", with which the overshoot is usually smaller"): {"overshoot"},
 }
-_RATIO_REASONS = {
-    "a smaller": "A smaller ratio makes the slowest loop faster.",
-    "a larger": "With bandwidths further apart, the overshoot is usually smaller.",
-}
-_BENCHES |= {name: f" on the {name} one" for name in ("softer", "stiffer")}
+_ANOTHER = ("another", "")
+_BENCHES |= {name: f" on the {name} bench" for name in ("softer", "stiffer")}
 
 
 def proposal_verdict(proposal: Proposal, design: Design) -> str:
@@ -40,22 +40,22 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
     present = [loop.name for loop in design.loops if not loop.merits[-1].stable]  # on the board
     return " ".join(
         (
-            f"FAIL. Do not use the proposed gains: propose again with {_ratio(failed)} --ratio "
-            f"(now {proposal.ratio:g}), or correct the bench file. In simulation they fail "
-            f"{len(failed)} of {len(checks)} checks.",
-            *([why] if (why := _RATIO_REASONS.get(_ratio(failed))) else []),
+            f"FAIL. Do not use the proposed gains: in simulation they fail {len(failed)} of "
+            f"{len(checks)} checks.",
             *([stops] if stopped else []),
             *([others] if worst else []),
             *([f"Unstable with the present gains: {', '.join(present)}."] if present else []),
+            f"Propose again with {_ratio(failed, proposal.ratio)}, or correct the bench file.",
         )
     )
 
 
-def _ratio(failed: Sequence[Check]) -> str:
-    """Return in which direction to change the ratio of the bandwidths, by the failed checks."""
+def _ratio(failed: Sequence[Check], ratio: float) -> str:
+    """Return in which direction to change the ratio of the bandwidths, and why."""
     quantities = {check.what.rpartition(": ")[2] for check in failed}
     ways = [way for way, those in _RATIO_OF_CHECKS.items() if quantities & those]
-    return ways[0] if len(ways) == 1 else "another"
+    way, why = ways[0] if len(ways) == 1 else _ANOTHER
+    return f"{way} --ratio (now {ratio:g}){why}"
 
 
 def _worst(failed: Sequence[Check], tick_s: float) -> list[str]:
