@@ -111,7 +111,9 @@ def test_the_loops_with_the_gains_to_be_used_come_first_and_the_others_are_folde
 def test_a_failing_proposal_says_in_which_direction_to_change_the_ratio(design, what, way):
     checks = tuple(Check(name, 30.0, 20.0, "mm/s", False) for name in what)
     proposal = replace(design.proposal, closed_loop=checks)
-    assert f"Propose again with {way} --ratio (now 1.7)" in design_text(replace(design, proposal=proposal))
+    assert f"Propose again with {way} --ratio (now 1.7)" in design_text(
+        replace(design, proposal=proposal)
+    )
 
 
 def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):

@@ -36,7 +36,7 @@ def identified(*laws):
 
 def verdict(found):
     page = ordinary_spaces(identification_page(found, ()))
-    return re.search(r'class="verdict">([^<]*)', page)[1]
+    return re.sub(r"</?sub>", "", re.search(r'class="verdict">(.*?)</p>', page)[1])
 
 
 @pytest.mark.parametrize(
@@ -45,10 +45,34 @@ def verdict(found):
 )
 def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, names):
     found = identified(law("tustin", 150.0), law("lugre", 10.0), law("leuven", other_n))
-    assert verdict(found).startswith(
-        f"{names} friction best by RMS error; the trials scatter by 27"
-    )
+    assert verdict(found).startswith(f"{names} friction in motion best, by RMS error.")
     assert verdict(found).endswith("Next step: simulate with hbench run --plant lugre.yaml.")
+
+
+def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_beside_it():
+    """Speed determines no friction at rest: 3 N there and 60 N in motion are worse than 20 N."""
+    holding = law("leuven", 60.0)
+    holding.errors["rest"] = replace(holding.errors["rest"], friction_n=3.0)
+    moving = law("tustin", 20.0)
+    moving.errors["rest"] = replace(moving.errors["rest"], friction_n=450.0)
+    found = identified(holding, moving)
+    assert verdict(found).startswith("Tustin (20 N) predicts friction in motion best")
+    (table,) = (each for each in identification_tables(found) if each.title == SUMMARY)
+    assert table.head[1:3] == ("RMS error in motion (N)", "At rest (N)")
+    assert [row[:3] for row in table.rows] == [
+        ("tustin", "20", "450"), ("leuven", "60", "3.0"), ("Trials' scatter", "27", "27")
+    ]  # fmt: skip
+
+
+def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_its_reserve():
+    bound = FitParameter(0.0, None, None, "lower", "N s/m")
+    unknown = FitParameter(37.0, None, None, None, "N")
+    lugre = law("lugre", 10.0, {"sigma1_n_s_m": bound})
+    leuven = law("leuven", 9.9, {"theta_1_n": unknown, "theta_2_n": unknown})
+    assert verdict(identified(leuven, lugre)).endswith(
+        "hbench run --plant lugre.yaml. These runs do not determine its bristle damping "
+        "σ1 (at its lower bound): use it for motions like these alone."
+    )
 
 
 def test_laws_are_listed_by_their_error_with_what_is_not_determined():
@@ -64,7 +88,7 @@ def test_laws_are_listed_by_their_error_with_what_is_not_determined():
     assert [row[0] for row in tables[SUMMARY].rows] == [
         "leuven", "marton_lantos", "lugre", "Trials' scatter"
     ]  # fmt: skip
-    not_determined = [row[2] for row in tables[SUMMARY].rows[:2]]
+    not_determined = [row[3] for row in tables[SUMMARY].rows[:2]]
     assert not_determined == ["θ_1, θ_2", "b_2 extending"]
     remarks = {row[1]: row[-1] for row in tables["Identified parameters"].rows}
     assert remarks["Slope above v_SW b_2, extending"] == "not determined"

@@ -16,10 +16,8 @@ from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import force
 
 _STEADY = (
-    "Steady friction over speed, both as magnitudes: measured points with the 95 % Student "
-    "interval of their trials, and each identified law at the measured chamber pressures. Tustin "
-    "is one curve for all loads and directions. Marton and Lantos is one for each direction: the "
-    "tangents of a Tustin curve at rest and at the largest speed."
+    "Measured points with the 95 % Student interval of their trials, and each identified law at "
+    "the measured chamber pressures."
 )
 _FOLLOWED = (
     "Friction and velocity over the verification profile, measured (grey) and in the model with "

@@ -1,13 +1,14 @@
 """The page of an identification."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.identification.figures import STEADY
+from hbench.report.identification.ranking import best_law, ranked_laws
 from hbench.report.identification.text import (
     ERRORS,
     HELD_OUT,
@@ -16,11 +17,11 @@ from hbench.report.identification.text import (
     SUMMARY,
     identification_tables,
     reasons,
-    rms_n,
 )
+from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike, significant
+from hbench.report.render.numbers import alike
 
 _SOURCE = (
     "Laws and verification profile",
@@ -28,8 +29,8 @@ _SOURCE = (
     "Asymmetrical Cylinders, Aalborg University, 2011: equations 3.1 to 3.20, section 5.5.",
 )
 _SUMMARY = (
-    ("RMS error of friction", "Over all samples of the verification runs; the section "
-     "Verification has the errors of each part of the runs."),
+    ("RMS error", "Root mean square of simulated less measured friction over the verification "
+     "runs, in motion and at rest apart. The laws are in the order of the error in motion."),
     ("Not determined", "The 95 % interval is wider than the value and than a tenth of its typical "
      "size, or the value is at a bound of the fit. Other parameters may take its place."),
 )  # fmt: skip
@@ -41,14 +42,20 @@ _PARTS = (
      "determine it."),
     ("Unsteady", "All other samples."),
 )  # fmt: skip
-_RANKED = "RMS error, undetermined parameters and plant file of each law"
+_RANKED = "RMS error of friction, undetermined parameters and plant file of each law"
+_STEADY = (
+    "Steady friction over speed, both as magnitudes. Tustin is one curve for all loads and "
+    "directions. Marton and Lantos is one for each direction: the tangents of a Tustin curve at "
+    "rest and at the largest speed. The other laws depend on the chamber pressures. A title states "
+    "the load, and the pressure on the rod side of the load cylinder (P_Lr)."
+)
+_IN_NUMBERS = "Errors in numbers"
 _RAMP_ERRORS = "RMS errors of both Tustin laws"
 _SECTION = (
     "Each law is a plant file beside this page. Use one with hbench run --plant, or copy its "
     "section into a bench file."
 )
 _DIRECTION = re.compile(r"(?:^|; )(extend|retract): (?=\w)")  # before the remarks on it
-_EQUALLY_GOOD = 1.05  # times the smallest error; the laws below are all named
 _SCATTER = (
     "Trials' scatter",
     "Root mean square difference of the trials from their mean. A part of it comes from their "
@@ -64,30 +71,31 @@ _RAMPS = (
 def identification_page(identification: Identification, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     provenance = identification.provenance
-    read = (*_PARTS, _SCATTER) if identification.scatter else _PARTS
     tables = {table.title: _named(table) for table in identification_tables(identification)}
     summary = (replace(tables[SUMMARY], title=_RANKED),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
     facts = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
+    facts += (_SCATTER,) if identification.scatter else ()
     drawings = tuple(drawings)
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
     overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
     profiles = tuple(drawing for drawing in drawings if drawing not in (*steady, *overview))
-    best = _best(identification)
+    best = best_law(identification)
     shown = tuple(drawing for drawing in profiles if drawing.section == best)
     others = tuple(drawing for drawing in profiles if drawing.section != best)
     verified = [_once(tables[title]) for title in (ERRORS, HELD_OUT) if title in tables]
-    parameters = _of_each_law(tables[PARAMETERS]) if PARAMETERS in tables else ()
+    order = [law_words(law.law) for law in ranked_laws(identification)]
+    parameters = _of_each_law(tables[PARAMETERS], order) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
     sections = (
         Section(SUMMARY, tables=summary, facts=facts if summary else ()),
-        Section("Friction over speed", drawings=steady),
+        Section("Friction over speed", (_STEADY,) if steady else (), drawings=steady),
         Section("Identified parameters", (_SECTION,), tables=parameters),
         Section(
             "Verification",
             drawings=overview,
-            tables=tuple(verified),
-            facts=read if verified else (),
+            facts=_PARTS if verified else (),
+            parts=(Section(_IN_NUMBERS, tables=tuple(verified), folded=True),) if verified else (),
         ),
         Section(
             "Verification profile",
@@ -107,7 +115,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
             for section in sections
             if section.drawings or section.tables or section.items or section.facts or section.parts
         ),
-        _verdict(identification),
+        verdict_words(identification),
         provenance.source,
     )
 
@@ -154,9 +162,10 @@ def _capital(text: str) -> str:
     return text if text[1:2] == " " else f"{text[:1].upper()}{text[1:]}"
 
 
-def _of_each_law(table: WordTable) -> tuple[WordTable, ...]:
+def _of_each_law(table: WordTable, order: Sequence[str]) -> tuple[WordTable, ...]:
     """Return a table for each law: values with their units, and remarks where there are any."""
-    laws = dict.fromkeys(law for law, *_ in table.rows)
+    known = {law for law, *_ in table.rows}
+    laws = [law for law in order if law in known]
     _, parameter, value, _, remark = table.head
     return tuple(
         _without_empty(
@@ -195,45 +204,3 @@ def _named(table: WordTable) -> WordTable:
     """Return a table with the laws' names in place of their keys."""
     rows = tuple((law_words(first), *rest) for first, *rest in table.rows)
     return replace(table, rows=rows)
-
-
-def _verdict(identification: Identification) -> str:
-    if identification.not_verified:
-        return f"{identification.not_verified[0].upper()}{identification.not_verified[1:]}."
-    count = len(identification.verification_runs)
-    return (
-        f"{_closest(identification)}Each law was simulated in a model of the bench, with the "
-        f"firmware in closed loop, over {count} verification runs, which were not "
-        f"used for the identification.{_next_step(identification)}"
-    ).strip()
-
-
-def _closest(identification: Identification) -> str:
-    """Name the laws with the smallest errors of friction over all parts of the runs."""
-    errors = _errors(identification)
-    if not errors:
-        return ""
-    least = min(errors.values())
-    best = {law: error for law, error in errors.items() if error <= _EQUALLY_GOOD * least}
-    names = [f"{law_words(law)} ({significant(error, 2)} N)" for law, error in best.items()]
-    verb = "predicts" if len(best) == 1 else "predict"
-    scatter = identification.scatter and rms_n(identification.scatter.values())
-    more = f"; the trials scatter by {significant(scatter, 2)} N" if scatter else ""
-    return f"{' and '.join(names)} {verb} friction best by RMS error{more}. "
-
-
-def _next_step(identification: Identification) -> str:
-    """Return how to use the law with the smallest error; empty if none was verified."""
-    best = _best(identification)
-    return f" Next step: simulate with hbench run --plant {best}.yaml." if best else ""
-
-
-def _best(identification: Identification) -> str:
-    """Return the law with the smallest error; empty if none was verified."""
-    errors = _errors(identification)
-    return min(errors, key=errors.__getitem__, default="")
-
-
-def _errors(identification: Identification) -> dict[str, float]:
-    """Return the error of friction of each verified law, over all parts of the runs."""
-    return {law.law: rms_n(law.errors.values()) for law in identification.laws if law.errors}

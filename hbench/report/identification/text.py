@@ -18,6 +18,7 @@ from hbench.records import (
 )
 from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
+from hbench.report.identification.ranking import AT_REST, IN_MOTION, error_n, ranked_laws, rms_n
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, force, number, significant, with_ends
 from hbench.report.render.terminal_table import table_lines
@@ -36,9 +37,10 @@ _HELD_OUT_HEAD = ("Law", "Friction (N)", "Runs left out of the fit")
 ERRORS = "RMS errors on the verification runs"
 HELD_OUT = "RMS errors along the motion of runs left out of the fits"
 PARAMETERS = "Identified parameters"
-SUMMARY = "Laws by their error"
+SUMMARY = "Laws by their error in motion"
 RAMPS = "Steady runs and ramps from breakaway on: RMS error of Tustin fits"
-_SUMMARY_HEAD = ("Law", "RMS error of friction (N)", "Not determined", "Plant file")
+_ONE_ERROR = ("RMS error of friction (N)",)
+_TWO_ERRORS = ("RMS error in motion (N)", "At rest (N)")
 _FLOOR = "Trials' scatter"
 _SURNAMES = ("Coulomb", "Stribeck")
 
@@ -72,7 +74,7 @@ def identification_text(identification: Identification) -> str:
 def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
     """Return the tables that have rows: errors, errors on runs left out, parameters, ramps."""
     every = (
-        WordTable(SUMMARY, _SUMMARY_HEAD, tuple(_summary_rows(identification))),
+        _summary(identification),
         WordTable(
             ERRORS,
             _ERRORS_HEAD,
@@ -141,31 +143,40 @@ def _errors(errors: Mapping[str, ModelErrors]) -> dict[str, Any] | None:
     return {part: asdict(errors[part]) for part in PARTS} if errors else None
 
 
-def rms_n(parts: Iterable[ModelErrors]) -> float:
-    """Return the root mean square error of friction [N] over parts of the runs."""
-    sampled = [part for part in parts if part.samples]
-    squares = sum(part.samples * part.friction_n**2 for part in sampled)
-    return math.sqrt(squares / sum(part.samples for part in sampled)) if sampled else math.inf
-
-
-def _summary_rows(identification: Identification) -> list[tuple[str, ...]]:
+def _summary(identification: Identification) -> WordTable:
     """Return a row for each law, the smallest error first; none where no law has an error."""
-    if not any(law.errors or law.held_out_n for law in identification.laws):
-        return []
+    verified = any(law.errors for law in identification.laws)
     rows = []
-    for law in identification.laws:
-        error = rms_n(law.errors.values()) if law.errors else law.held_out_n or math.inf
+    for law in ranked_laws(identification):
+        rest = (_rms_words(law.errors, (AT_REST,)),) if verified else ()
         if law.fit is None:
-            cells = (NONE, "all: not identified", NONE)
+            cells = (NONE, *(NONE for _ in rest), "all: not identified", NONE)
         else:
             names = ", ".join(map(_symbol, law.fit.undetermined))
-            cells = (significant(error, 2), names or "none", f"{law.law}.yaml")
-        rows.append((error, (law.law, *cells)))
-    ranked: list[tuple[str, ...]] = [row for _, row in sorted(rows, key=lambda row: row[0])]
+            error = significant(error_n(law), 2)
+            cells = (error, *rest, names or "none", f"{law.law}.yaml")
+        rows.append((law.law, *cells))
     if identification.scatter:
-        scatter = significant(rms_n(identification.scatter.values()), 2)
-        ranked.append((_FLOOR, scatter, "", ""))
-    return ranked
+        parts = (IN_MOTION, (AT_REST,)) if verified else (PARTS,)
+        scatter = (_rms_words(identification.scatter, part) for part in parts)
+        rows.append((_FLOOR, *scatter, "", ""))
+    known = verified or any(law.held_out_n for law in identification.laws)
+    head = ("Law", *(_TWO_ERRORS if verified else _ONE_ERROR), "Not determined", "Plant file")
+    return WordTable(SUMMARY, head, tuple(rows) if known else ())
+
+
+def _rms_words(errors: Mapping[str, ModelErrors], parts: Iterable[str]) -> str:
+    error = rms_n(errors[part] for part in parts if part in errors)
+    return significant(error, 2) if math.isfinite(error) else NONE
+
+
+def undetermined_words(fit: Fit) -> list[str]:
+    """Return the parameters that the runs do not determine, with the bound at which one is."""
+    return [
+        f"{_title(name)} (at its {bound} bound)" if bound else _title(name)
+        for name in fit.undetermined
+        for bound in [fit.parameters[name].at_bound]
+    ]
 
 
 def _symbol(name: str) -> str:
