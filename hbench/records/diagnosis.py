@@ -15,6 +15,8 @@ Verdict = Literal["named", "ambiguous", "unknown", "none"]
 REST_M_S = 2e-3  # windows with a lower speed are at rest
 # Share of a signal's range: a fifth of the 1 % to which data sheets state cylinders and valves.
 MATERIAL = 0.002
+# Why an effect is not tried that is no candidate: a tolerance that every model is refitted with.
+FITTED = "every bench has it; it is refitted with the parameters of the model"
 
 
 @dataclass(frozen=True)

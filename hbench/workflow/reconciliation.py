@@ -6,8 +6,8 @@ from pathlib import Path
 from hbench.errors import ConfigError
 from hbench.records import KINDS, Diagnosis, PlannedEffects
 from hbench.records.diagnosis import MATERIAL
-from hbench.report.diagnosis.all_figures import draw_diagnosis
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
+from hbench.report.diagnosis.figures.all_figures import draw_diagnosis
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
 from hbench.report.diagnosis.run_gaps import run_gaps_csv

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 
 from hbench import workflow
 from hbench.config.bench import parse_plant
@@ -20,12 +20,13 @@ from hbench.reconcile.measured.balances import BALANCE_UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance
 from hbench.report.diagnosis import names as words
-from hbench.report.diagnosis.all_figures import draw_diagnosis
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
-from hbench.report.diagnosis.gap_figures import gap_figures, ranking_figure, region_figure
-from hbench.report.diagnosis.overlay_figures import overlay_figures
+from hbench.report.diagnosis.figures.all_figures import draw_diagnosis
+from hbench.report.diagnosis.figures.colour_scales import GAPS, RESIDUALS
+from hbench.report.diagnosis.figures.gap_figures import gap_figures, ranking_figure, region_figure
+from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
+from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure
 from hbench.report.diagnosis.page import diagnosis_page
-from hbench.report.diagnosis.residual_figures import maps_figure, shape_figure
 from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
 from hbench.report.diagnosis.run_gaps import run_gaps_csv
 from hbench.report.diagnosis.text import (
@@ -185,7 +186,9 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     assert page.count('class="plot"') == len(drawings) == len({one.name for one in drawings})
     assert page.count('class="wide"') == sum(one.wide for one in drawings)
     assert BANNERS["simulated"] in page
-    verdict = r'class="verdict">[^<]*\bidentified: internal leakage \(test cylinder 0\.00580'
+    verdict = (
+        r'class="verdict">The model does not contain internal leakage: oil leaks [^<]*0\.00580'
+    )
     assert re.search(verdict, page)
     for table in diagnosis_tables(named):
         numbers = [cell for cell in table.rows[0] if re.fullmatch(r"[\d.]+", cell)]
@@ -243,8 +246,38 @@ def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
     for axes, regions in sides:
         assert axes.texts[0].get_text() == f"{regions[0].gaps[named.where[0].name]:.1f}"
         assert axes.images[0].get_clim() == panels[0].images[0].get_clim()
-    colours = {to_hex(text.get_color()) for axes in panels for text in axes.texts}
-    assert not colours & style.DARK.keys()  # the cells below them stay light in the dark
+
+
+def _contrast(one, other):
+    """Return the contrast of two colours after WCAG 2.1: 1 is none, 4.5 that of small text."""
+    parts = np.array([to_rgb(one), to_rgb(other)])
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    low, high = sorted(linear @ (0.2126, 0.7152, 0.0722))
+    return (high + 0.05) / (low + 0.05)
+
+
+def _over(colour, page):
+    """Return a colour that is partly transparent as it is seen on a page."""
+    *solid, alpha = colour
+    return tuple(alpha * np.array(solid) + (1 - alpha) * np.array(to_rgb(page)))
+
+
+@pytest.mark.parametrize("page", ["#ffffff", style.DARK["#ffffff"]])
+def test_small_gaps_fade_into_a_light_or_dark_page_and_numbers_in_all_cells_are_legible(
+    named, page
+):
+    dark = page != "#ffffff"
+    for axes in region_figure(named).axes[:10]:
+        (image,) = axes.images
+        cells = image.to_rgba(image.get_array()).reshape(-1, 4)
+        for text, cell in zip(axes.texts, cells, strict=True):
+            ink = to_hex(text.get_color())
+            ink = style.DARK[ink] if dark else ink
+            assert _contrast(ink, _over(cell, page)) > 4
+    assert _contrast(page, _over(GAPS(0.0), page)) < 1.01 < 3 < _contrast(page, GAPS(1.0)[:3])
+    assert _contrast(page, _over(RESIDUALS(0.5), page)) < 1.02
+    for end in (0.0, 1.0):
+        assert _contrast(page, RESIDUALS(end)[:3]) > 3
 
 
 def test_overlays_are_shown_in_the_benchs_units_with_what_they_are_off(named):

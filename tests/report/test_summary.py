@@ -24,12 +24,14 @@ from hbench.records import (
     UnnamedLaw,
     WorkingPoint,
 )
+from hbench.records.diagnosis import FITTED
 from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
-from hbench.report.diagnosis.law_figures import law_figure
+from hbench.report.diagnosis.figures.law_figures import law_figure
 from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.summary import answers, short_summary
 from hbench.report.diagnosis.text import diagnosis_text
+from hbench.report.diagnosis.verdict import verdict_words
 from tests.support.report.spaces import ordinary_spaces
 
 NAN = float("nan")
@@ -131,7 +133,7 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     )
     places = [text.index(part) for part in order]
     assert places == sorted(places)
-    assert "friction of the load cylinder" not in text.partition("Along all logs")[0]  # 1e-4 N
+    assert "friction of the load cylinder" not in text.partition("Over all runs")[0]  # 1e-4 N
 
 
 def test_odds_are_those_of_the_held_out_likelihood_and_not_overdone(named):
@@ -148,7 +150,7 @@ def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_
     worse = replace(named, effects=(replace(effect, gap_before=1.02, gap_after=1.04),))
     assert f"{plain}1.02 without it and 1.04 with it" in summary(worse)
     page = ordinary_spaces(diagnosis_page(worse, ()))
-    assert f"Internal leakage: {plain}1.02" in page[: page.index("<nav")]  # in the verdict
+    assert f"{plain}1.02" in page[: page.index("<nav")]  # in the verdict
     assert "does not reduce" not in summary(named) + diagnosis_page(named, ())
 
 
@@ -165,6 +167,112 @@ def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
     text = summary(replace(named, practice=(only,)))
     assert "), it changes nothing: it acts only while speed or pressure changes" in text
     assert "the friction of the test cylinder by 20 N (root mean square; up to 60 N)" in text
+
+
+def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_with_its_cause(
+    named, compared
+):
+    def verdict(diagnosis):
+        return ordinary_spaces(verdict_words(diagnosis))
+
+    text = verdict(named)
+    order = (
+        "The model does not contain internal leakage: oil leaks.",
+        "It changes the flow to the piston side of the test cylinder (Tp) by up to 0.35 l/min, "
+        "the speed by up to 4.6 mm/s and the friction of the load cylinder by up to 9.0 N.",
+        "from 16.7 to 1.6",
+        "Next, inspect the piston seal.",
+    )
+    places = [text.index(part) for part in order]
+    assert places == sorted(places) and "Not explained" not in text
+    (rest,) = compared.rest
+    increased = "the force of the test cylinder by 10 N"
+    fitted = "Without the effects it is less"
+    smaller = (replace(rest, deviation=10.0), *compared.where[1:])
+    text = verdict(replace(named, rest=(rest,), where=smaller))
+    assert "Not explained: the force of the test cylinder deviates by 40 N RMS" in text
+    assert f"{fitted} ({increased}): the values that are fitted together" in text
+    assert fitted not in verdict(replace(named, rest=(rest,)))  # 40 N without them too
+    sensor = replace(named, effects=(added("load_cell_gain", 40.0, of_sensor=True),))
+    text = verdict(replace(sensor, practice=(CELL,)))
+    assert text.startswith("The instruments have an error, load cell gain: oil leaks. It changes ")
+    assert "the computed friction of the test cylinder by up to 100 N" in text
+
+
+def test_the_verdict_of_an_ambiguous_set_says_what_each_effect_means_for_friction(compared):
+    first = Candidate("load_cell_gain", 30.0, 0.9, 1.0, {}, "full", 5.0)
+    changes = (
+        Change("f_applied", "N", 20.0, None, 20.0, 20.0),
+        Change("force_test", "N", -20.0, None, 20.0, 20.0),
+    )
+    alike = (Lookalike("load_cell_gain", "check", "weights"),)
+    other = EffectInPractice("load_cell_offset", changes, "the zero", "", alike)
+    both = replace(
+        compared, verdict="ambiguous", rest=(), practice=(CELL, other),
+        alternatives=(first, replace(first, name="load_cell_offset", score=29.0)),
+    )  # fmt: skip
+    text = verdict_words(both)
+    assert text.startswith("One of these errors of the instruments is present: load cell gain or")
+    assert "with load cell gain it is computed 49.8 N too low; with load cell offset it" in text
+    assert text.endswith("inspect known weights or the zero.")
+    swapped = replace(both, alternatives=both.alternatives[::-1])
+    assert "Next, measure zero check runs, which separate them, or inspect" in verdict_words(
+        swapped
+    )
+    bench = replace(both, practice=(LEAK, other), alternatives=(
+        replace(first, name="internal_leakage"), both.alternatives[1],
+    ))  # fmt: skip
+    assert verdict_words(bench).startswith("One of these effects is missing in the model: internal")
+
+
+STROKES = tuple(
+    Gap(name, gap, gap, 0.01, 0.2, 40) for name, gap in (("force_band", 3.6), ("force_middle", 9.0))
+)
+
+
+def test_strokes_have_words_of_their_own_and_gaps_of_all_runs(named):
+    """Their balances are half the difference and the mean of both directions, in N by a scatter."""
+    sizes = {"direction_asymmetry": (0.02, -3.5), "load_cell_gain": (0.18, -3.9)}
+    practice = tuple(
+        EffectInPractice(
+            name,
+            (
+                Change("force_band", "N", band, None, band, band),
+                Change("force_middle", "N", middle, None, abs(middle), abs(middle)),
+            ),
+            f"part {name}",
+            "",
+            (),
+        )
+        for name, (band, middle) in sizes.items()
+    )
+    seal = EffectInPractice(
+        "internal_leakage", (Change("force_band", "N", 7.8, None, 7.1, 10.0),), "the seal", "", ()
+    )
+    alternatives = tuple(Candidate(name, 12.0, 0.9, 1.0, {}, "full", 4.3) for name in sizes)
+    found = replace(
+        named, where=STROKES, rest=STROKES[:1], alternatives=alternatives,
+        practice=(seal, *practice), regions=(), gap_runs=(),
+    )  # fmt: skip
+    page = ordinary_spaces(diagnosis_page(found, ()))
+    text = summary(found)
+    assert "It reduces the gap of all runs in the balances" in text
+    assert "gap of held-out runs in the balances" not in text
+    assert "half difference of both directions deviates by 3.6 trial scatters (0.72 N)" in text
+    assert (
+        "Friction, half the difference of both directions, differs by no more than 0.16 N" in text
+    )
+    assert "measured correctly" not in text
+    assert "Each load in turn, predicted with values that were fitted to the other loads" in page
+    assert (
+        "Not used for the fit" not in page and "0.16 s" not in page and "oil that flows" not in page
+    )
+    assert "Tolerances allow" not in page
+    verdict = verdict_words(found)
+    assert verdict.endswith(
+        "Next, inspect the seal. To separate the others, inspect part direction_asymmetry or part "
+        "load_cell_gain."
+    )
 
 
 def test_what_the_effects_do_not_explain_is_that_of_the_model_with_them(named, compared):
@@ -191,7 +299,7 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
     assert text.count("would mean that 0.180 ± 0.010 l/min less oil enters the piston side") == 2
     assert "internal leakage 90 %, external leakage 90 %" in text
     assert "(internal leakage 30, external leakage 29 nats) are too close to decide" in text
-    assert "kind hold separate internal leakage and external leakage (pressures meet" in text
+    assert "Hold runs separate internal leakage and external leakage (pressures meet" in text
     cell = replace(CELL, name="external_leakage", lookalikes=())
     errors = summary(replace(both, practice=(LEAK, cell)))
     assert "external leakage it is computed 49.8 N too low. " in errors
@@ -294,6 +402,31 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     close = replace(compared.where[0], deviation=11.64, material=12.04)
     text = summary(replace(compared, verdict="none", rest=(), where=(close,)))
     assert "the force of the test cylinder by 11.6 N RMS (p = 0.010, limit 12.0 N)" in text
+
+
+def test_an_agreement_states_what_the_refit_changes_and_what_is_fitted_with_the_model(compared):
+    def factor(value, low, high):
+        return FitParameter(value, 0.01, (low, high), None, "1")
+
+    refitted = {
+        "valve.gain": factor(0.95, 0.94, 0.96),
+        "supply.tank": factor(1.7, 1.4, 2.0),
+        "moving_mass.test": factor(1.2, 0.8, 1.6),  # not known to differ from 1
+        "oil.bulk_modulus": factor(1.04, 1.03, 1.05),
+        "friction.test.coulomb": factor(0.5, 0.4, 0.6),
+    }
+    sizes = (DetectableSize("load_friction", "test", 1.0, 2.0, "N", "evidence"),)
+    text = summary(
+        replace(compared, verdict="none", rest=(), refitted=refitted,
+                separability=Separability(sizes, ()), not_tried={"valve_trim": FITTED})
+    )  # fmt: skip
+    assert (
+        "It multiplies most: Coulomb friction, test cylinder by 0.50 ± 0.10; tank pressure by "
+        "1.70 ± 0.30; valve gain by 0.950 ± 0.010." in text
+    )
+    assert "would show 1 of 1 known effects at a typical size. Valve trim is fitted with" in text
+    refused = replace(compared, verdict="none", rest=(), refitted=refitted, refit_refused="No.")
+    assert "It multiplies" not in summary(refused)
 
 
 def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):

@@ -98,8 +98,7 @@ ROWS = {
                 "triangle", "two accelerations at equal speeds: a mass follows the acceleration"
             ),
         },
-        inspect="nothing: it is a property of lubricated seals",
-        repair="Keep it in the model.",
+        repair="It is a property of lubricated seals and no defect: keep it in the model.",
         source="Hess and Soom, J. Tribology 112 (1990), as a first-order lag",
     ),
     "rest_time": Effect(
@@ -118,8 +117,8 @@ ROWS = {
                 "breakaway", "several times at rest: presliding does not depend on them"
             ),
         },
-        inspect="nothing: it is a property of elastomer seals",
-        repair="Move the cylinder before a measurement, or state the time at rest.",
+        repair="It is a property of elastomer seals and no defect: move the cylinder before a "
+        "measurement, or state the time at rest.",
         source="ageing law of rate-and-state friction, Dieterich, J. Geophys. Res. 84 (1979)",
     ),
     "presliding": Effect(

@@ -22,7 +22,7 @@ ROWS = {
                 "check", "known weights: steady strokes show a wrong gain of either alike"
             ),
         },
-        inspect="known weights on the load cell, and the piston's bore measured",
+        inspect="the load cell with known weights, and the diameter of the piston",
         repair="Calibrate the load cell, and enter its sensitivity in the bench file.",
         source="linear calibration of a force transducer, ISO 376",
     ),

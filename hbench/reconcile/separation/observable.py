@@ -9,6 +9,7 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.measured.balances import channels_missing
 from hbench.reconcile.nuisance import BACKGROUND
 from hbench.records import Run
+from hbench.records.diagnosis import FITTED
 
 _HELD_OUT = 5  # every fifth operating point is held out from refit and search
 _FIRST_HELD_OUT = 2
@@ -31,7 +32,7 @@ def observable_effects(runs: Sequence[Run], plant: Plant) -> tuple[tuple[str, ..
             if all(channels_missing(run, balance) for run in runs)
         ]
         if name in BACKGROUND:
-            not_tried[name] = "every bench has it; it is refitted with the parameters of the model"
+            not_tried[name] = FITTED
         elif name in plant.effects:
             not_tried[name] = "the model already contains it; its coefficients are not changed"
         elif not row.balances:

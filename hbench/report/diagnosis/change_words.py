@@ -1,5 +1,7 @@
 """Changes that an effect makes, in words and as a table."""
 
+from collections.abc import Sequence
+
 from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, WordTable
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -7,6 +9,7 @@ from hbench.report.diagnosis.names import (
     PRESSURE_SYMBOLS,
     in_sentence,
     in_words,
+    of_strokes,
     parameter_text,
     quantity,
 )
@@ -25,6 +28,12 @@ _GROUPS: tuple[tuple[str, ...], ...] = (
     ("kinematics",),
     ("force_band", "force_middle"),
 )
+_OBJECTS = {
+    "speed": "the speed",
+    "pressure": "the pressure",
+    "force_band": "friction in both directions",
+    "force_middle": "the force against extension, the same in both directions,",
+}
 _FRICTION = "force_test"  # balance of the friction of the test cylinder
 _LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
 _CYLINDERS = {"force_test": "test cylinder", "force_load": "load cylinder"}
@@ -39,12 +48,12 @@ def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
             head,
             tuple(
                 (
-                    quantity(change.quantity),
+                    _row(change.quantity, computed=bool(wrong_readings(effect))),
                     _interval(change),
                     f"{significant(change.along, 2)} {change.unit}",
                     f"{significant(change.largest, 2)} {change.unit}",
                 )
-                for change in effect.changes
+                for change in _changes(effect)
             ),
         )
         for effect in diagnosis.practice
@@ -55,29 +64,48 @@ def candidates_table(diagnosis: Diagnosis) -> WordTable:
     """Return what each effect of the ambiguous set would change, and by how much they differ."""
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
-    by_name = [{change.quantity: change for change in effect.changes} for effect in chosen]
+    by_name = [{change.quantity: change for change in _changes(effect)} for effect in chosen]
+    computed = all(map(wrong_readings, chosen))
     rows = []
     for name in dict.fromkeys(name for changes in by_name for name in changes):
         known = [changes.get(name) for changes in by_name]
         unit = next(change.unit for change in known if change)
         values = [change.at_point if change else 0.0 for change in known]
         differs = f"{significant(max(values) - min(values), 2)} {unit}"
-        rows.append((quantity(name), *(_interval(c) if c else f"0 {unit}" for c in known), differs))
+        row = _row(name, computed=computed)
+        rows.append((row, *(_interval(c) if c else f"0 {unit}" for c in known), differs))
     head = ("at the working point", *(in_words(effect.name) for effect in chosen), "they differ by")
     title = "What each of these effects would change"
     return WordTable(title, head, tuple(rows) if len(chosen) > 1 else ())
 
 
-def friction_words(diagnosis: Diagnosis) -> str:
+def _changes(effect: EffectInPractice) -> list[Change]:
+    """Return what an effect changes.
+
+    The supply pressure of an instrument's error is that of its reading, which is in the list.
+    """
+    wrong = wrong_readings(effect)
+    return [change for change in effect.changes if not (wrong and change.quantity == "supply")]
+
+
+def _row(name: str, *, computed: bool) -> str:
+    """Return the title of a quantity in a table; a wrong reading changes what is computed."""
+    of_model = computed and (name in _FLOWS or name in _CYLINDERS)
+    return f"{'computed ' if of_model else ''}{quantity(name)}"
+
+
+def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     """Return what each effect of the ambiguous set would mean for friction of the test cylinder.
 
     An error of a sensor changes the friction that is computed, an effect of the bench the friction
-    itself: its measured value is right then.
+    itself: its measured value is right then. In short, it is the effect of each alone.
     """
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
     if len(chosen) < 2:
         return ""
+    if of_strokes(diagnosis):
+        return _friction_of_strokes(chosen)
     parts, errors = [], []
     for effect in chosen:
         change = next((c for c in effect.changes if c.quantity == _FRICTION), None)
@@ -98,7 +126,24 @@ def friction_words(diagnosis: Diagnosis) -> str:
         if differ
         else "The measured friction holds in each case."
     )
-    return f"Friction of the test cylinder at the working point: {'; '.join(parts)}. {end}"
+    words = f"Friction of the test cylinder at the working point: {'; '.join(parts)}."
+    return words if brief else f"{words} {end}"
+
+
+def _friction_of_strokes(effects: Sequence[EffectInPractice]) -> str:
+    """Return by how much friction differs between effects that change the mean of both directions.
+
+    A pair of strokes shows friction as half the difference of both directions.
+    """
+    bands = [
+        next((c.at_point for c in effect.changes if c.quantity == "force_band"), 0.0)
+        for effect in effects
+    ]
+    differ = significant(max(bands) - min(bands), 2)
+    return (
+        "Friction, half the difference of both directions, differs by no more than "
+        f"{differ} N from case to case at the working point."
+    )
 
 
 def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
@@ -120,15 +165,10 @@ def wrong_readings(effect: EffectInPractice) -> int:
 
 
 def main_changes(effect: EffectInPractice) -> list[Change]:
-    """Return the changes at the working point: the largest of each group.
-
-    The supply pressure of an instrument's error is that of its reading, which is in the list.
-    """
+    """Return the changes at the working point: the largest of each group."""
     chosen = []
     for names in _GROUPS:
-        if names == ("supply",) and wrong_readings(effect):
-            continue
-        group = [change for change in effect.changes if change.quantity in names]
+        group = [change for change in _changes(effect) if change.quantity in names]
         group = [c for c in group if abs(c.at_point) > _LEAST * max(c.largest, c.along)]
         if group:
             chosen.append(max(group, key=lambda change: _rounded(change.at_point)))
@@ -143,7 +183,7 @@ def phrase(change: Change, direction: str, readings: int = 0) -> str:
         symbol = PRESSURE_SYMBOLS.get(name)
         sensor = f"the transducer of {symbol}" if symbol else "the load cell"
         words = f"{sensor} shows {size} too {'much' if more else 'little'}"
-        return f"{words}, the largest error of {readings} readings" if readings > 1 else words
+        return f"{words} (the largest of {readings} errors)" if readings > 1 else words
     if readings and (name in _FLOWS or name in _CYLINDERS):
         return f"the computed {_thing(name)} is {size} too {'high' if more else 'low'}"
     if name in _FLOWS:
@@ -190,23 +230,41 @@ def _object(change: Change, *, computed: bool) -> str:
         return f"the {'computed ' if computed else ''}{_thing(name)}"
     if name in BALANCE_NAMES:
         return in_sentence(name)
-    return {"speed": "the speed", "pressure": "the pressure"}.get(name, f"the {quantity(name)}")
+    if name in _READINGS:
+        symbol = PRESSURE_SYMBOLS.get(name)
+        return f"the reading of {symbol or 'the load cell'}"
+    return _OBJECTS.get(name, f"the {quantity(name)}")
 
 
 def along_words(effect: EffectInPractice) -> str:
     """Return what an effect changes over all measured motion, as objects of a sentence."""
-    known, computed = [c for c in effect.changes if c.largest > 0], bool(wrong_readings(effect))
+    return listed(
+        [
+            f"{thing} by {significant(change.along, 2)} {change.unit} "
+            f"(root mean square; up to {significant(change.largest, 2)} {change.unit})"
+            for thing, change in _along(effect)
+        ]
+    )
+
+
+def largest_words(effect: EffectInPractice) -> str:
+    """Return the largest changes over all measured motion, as objects of a sentence."""
+    return listed(
+        [
+            f"{thing} by up to {significant(change.largest, 2)} {change.unit}"
+            for thing, change in _along(effect)
+        ]
+    )
+
+
+def _along(effect: EffectInPractice) -> list[tuple[str, Change]]:
+    """Return the quantity in each group that an effect changes most along the logs."""
+    known, computed = [c for c in _changes(effect) if c.largest > 0], bool(wrong_readings(effect))
     groups = (
         [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
     )
-    chosen = [max(group, key=lambda change: _rounded(change.along)) for group in groups if group]
-    return listed(
-        [
-            f"{_object(change, computed=computed)} by {significant(change.along, 2)} {change.unit} "
-            f"(root mean square; up to {significant(change.largest, 2)} {change.unit})"
-            for change in chosen
-        ]
-    )
+    chosen = (max(group, key=lambda change: _rounded(change.along)) for group in groups if group)
+    return [(_object(change, computed=computed), change) for change in chosen]
 
 
 def _rounded(value: float) -> float:

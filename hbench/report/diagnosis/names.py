@@ -27,6 +27,11 @@ BALANCE_NAMES = {
     "kinematics": DisplayName("position against velocity", "mm/s"),
     "supply": DisplayName("supply pressure", "bar"),
 }
+# Balances of a pair of steady strokes, one in each direction.
+STROKE_NAMES = {
+    "force_band": DisplayName("half difference of both directions", "N"),
+    "force_middle": DisplayName("mean of both directions", "N"),
+}
 PRESSURE_SYMBOLS = {
     name: CHANNELS[f"{name}_pa"].symbol for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 }
@@ -91,6 +96,7 @@ EDGES = {
     "flow_lr": ("supply", "tank"),
 }
 
+_KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")  # name of an effect
 _CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
 _WITHOUT_ARTICLE = ("friction", "kinematics")
 _MOST_DIGITS = 4  # of a deviation that is close to its limit
@@ -99,7 +105,13 @@ _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 def balance(name: str) -> DisplayName:
     """Return the display name of a balance, by default its key."""
-    return BALANCE_NAMES.get(name, DisplayName(name.replace("_", " "), ""))
+    known = BALANCE_NAMES | STROKE_NAMES
+    return known.get(name, DisplayName(name.replace("_", " "), ""))
+
+
+def of_strokes(diagnosis: Diagnosis) -> bool:
+    """Return whether pairs of steady strokes were compared, not the logs of a whole bench."""
+    return any(gap.name in STROKE_NAMES for gap in diagnosis.where)
 
 
 def residual_name(name: str) -> DisplayName:
@@ -115,6 +127,13 @@ def signal(name: str) -> DisplayName:
 def in_words(name: str) -> str:
     """Return an effect's name in words."""
     return name.replace("_", " ")
+
+
+def keys_in_words(line: str) -> str:
+    """Return a text with effects, balances and channels in words or symbols, not in keys."""
+    every = (*SIGNAL_NAMES.items(), *BALANCE_NAMES.items(), *STROKE_NAMES.items())
+    names = {key: name.title for key, name in every}
+    return _KEY.sub(lambda key: names.get(key[0]) or in_words(key[0]), line)
 
 
 def coefficient_words(name: str) -> str:
@@ -153,8 +172,17 @@ def value_words(path: str) -> str:
     return f"{part} {in_words(key)}"
 
 
+_FRICTION = {"force_test": "friction of test cylinder", "force_load": "friction of load cylinder"}
+_OF_STROKES = {
+    "force_band": "friction, half difference of both directions",
+    "force_middle": "force, mean of both directions",
+}
+
+
 def quantity(name: str) -> str:
     """Return the title of a quantity that an effect changes."""
+    if name in _FRICTION or name in _OF_STROKES:
+        return (_FRICTION | _OF_STROKES)[name]
     if name in BALANCE_NAMES:
         return BALANCE_NAMES[name].title
     if name in SIGNAL_NAMES:
@@ -210,7 +238,7 @@ def share(value: float) -> str:
 
 def in_sentence(name: str) -> str:
     """Write a balance or a signal within a sentence: ``the force of the test cylinder``."""
-    title = (balance(name) if name in BALANCE_NAMES else signal(name)).title
+    title = (balance(name) if name in BALANCE_NAMES | STROKE_NAMES else signal(name)).title
     if title.startswith("P_") or name in _WITHOUT_ARTICLE:
         return title
     return "the " + _CYLINDER.sub(r"\1 the \2", title)

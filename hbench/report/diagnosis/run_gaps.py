@@ -43,7 +43,7 @@ def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
     rows = tuple(
         (
             run_gap.plan.run,
-            _what(run_gap.plan),
+            plan_words(run_gap.plan),
             "yes" if run_gap.held_out else "no",
             *(number(getattr(run_gap.gap.total, step), 2) for step in steps),
             *_worst(run_gap.gap),
@@ -54,7 +54,8 @@ def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
     return WordTable(title, (*head, "balance", "signal, closed loop", "open loop"), rows)
 
 
-def _what(plan: RunPlan) -> str:
+def plan_words(plan: RunPlan) -> str:
+    """Return what a run was: its experiment, speed, load and trial."""
     speed = f"{plan.kind} {short(1e3 * plan.v_ref_m_s)} mm/s" if plan.v_ref_m_s else plan.kind
     load = load_words(plan.f_load_n, plan.p_lr_ref_pa)
     return ", ".join(filter(None, (plan.label, speed, load, f"trial {plan.trial}")))

@@ -1,95 +1,54 @@
 """Sentences of a diagnosis: where, how large, how sure, and what to do."""
 
 from collections.abc import Sequence
-from math import exp, isfinite
+from math import exp, isfinite, log
 
 from hbench.records import (
     AddedEffect,
     Candidate,
-    Change,
     Diagnosis,
     EffectInPractice,
     Gap,
-    WorkingPoint,
 )
+from hbench.records.diagnosis import FITTED
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.diagnosis.change_words import main_changes, phrase, wrong_readings
 from hbench.report.diagnosis.names import (
-    AXES,
-    EDGES,
     balance,
     compared_model,
     deviation_and_limit,
     in_sentence,
+    in_unit,
     in_words,
+    of_strokes,
     p_equation,
     p_words,
-    residual_name,
+    parameter_text,
     share,
-    shown,
+    value_words,
 )
-from hbench.report.render.numbers import number, short, significant
-from hbench.report.render.symbols import listed
+from hbench.report.render.numbers import number, significant
+from hbench.report.render.symbols import capital, listed
 
 _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is not that exact
-CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
+_MOST_FACTORS = 3  # refitted values in a sentence
 _FEW = 2  # balances, or unexplained gaps, in a sentence
 _CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
-_WAYS = {"extend": "extending", "retract": "retracting", "rest": "at rest"}
 
 
-def where_words(point: WorkingPoint | None) -> str:
-    """Return the working point, medians of the campaign, as the beginning of a sentence."""
-    if point is None:
-        return "In these runs,"
-    motion = f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
-    if isfinite(point.f_applied_n):
-        motion += f", load cell {short(point.f_applied_n)} N"
-    pressures = {
-        "piston side P_Tp": point.p_tp_pa,
-        "rod side P_Tr": point.p_tr_pa,
-        "supply P_S": point.p_s_pa,
-    }
-    parts = [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
-    return f"At the median working point ({', '.join((motion, *parts))}),"
+def gap_change(diagnosis: Diagnosis, effect: AddedEffect) -> str:
+    """Return how an effect changes the gap of held-out runs, also where it does not reduce it.
 
-
-def at_point_words(
-    point: WorkingPoint | None, effect: EffectInPractice, *, brief: bool = False
-) -> str:
-    """Return what an effect changes at the working point, its main changes if ``brief``."""
-    if not effect.changes or point is None:
-        return ""
-    changes = main_changes(effect)
-    if not changes:
-        return (
-            f"{where_words(point)} it changes nothing: it acts only while speed or pressure "
-            "changes, or at other places of the stroke."
-        )
-    if brief:
-        changes = [change for change in changes if change.quantity not in ("pressure",)][:2]
-    clauses = change_clauses(effect, changes, point)
-    return f"{where_words(point)} {listed(clauses)}."
-
-
-def change_clauses(
-    effect: EffectInPractice, changes: Sequence[Change], point: WorkingPoint
-) -> list[str]:
-    """Return changes of an effect at the working point, a clause each."""
-    readings = wrong_readings(effect)
-    return [phrase(change, point.direction, readings) for change in changes]
-
-
-def gap_change(effect: AddedEffect) -> str:
-    """Return how an effect changes the gap of held-out runs, also where it does not reduce it."""
+    The gaps of an effect on strokes are of all runs.
+    """
     before, after, where = effect.gap_before, effect.gap_after, "in the balances that it touches"
+    runs = "all" if of_strokes(diagnosis) else "held-out"
     if not after >= before:
         return (
-            f"It reduces the gap of held-out runs {where} from {number(before, 1)} to "
+            f"It reduces the gap of {runs} runs {where} from {number(before, 1)} to "
             f"{number(after, 1)}, where 1 is the repeatability of the bench."
         )
     return (
-        f"It does not reduce the gap of held-out runs {where}: {number(before, 2)} without it and "
+        f"It does not reduce the gap of {runs} runs {where}: {number(before, 2)} without it and "
         f"{number(after, 2)} with it, where 1 is the repeatability of the bench."
     )
 
@@ -110,10 +69,10 @@ def closeness(candidates: Sequence[Candidate]) -> str:
     explained = [f"{in_words(each.name)} {share(each.explained)}" for each in candidates]
     scores = [f"{in_words(each.name)} {number(each.score, 0)}" for each in candidates]
     return (
-        f"Share of the excess gap that each explains in cross-validation: {', '.join(explained)}. "
-        f"Their scores ({', '.join(scores)} nats) are too close to decide. The laws "
-        "of the catalogue are approximations: the effect with the better score may be the wrong "
-        "one."
+        "Share of the gap beyond the repeatability that each explains in cross-validation: "
+        f"{', '.join(explained)}. Their scores ({', '.join(scores)} nats) are too close to decide. "
+        "The laws of the catalogue are approximations: the effect with the better score may be the "
+        "wrong one."
     )
 
 
@@ -154,10 +113,11 @@ def agreement(diagnosis: Diagnosis) -> str:
     total = diagnosis.gap_heldout.total
     if not isfinite(total.refitted):
         return ""
+    after = f" and {number(total.after, 1)} with the unnamed laws" if diagnosis.unnamed else ""
     return (
         f"The gap of {len(diagnosis.heldout_runs)} held-out runs is {number(total.refitted, 1)} "
-        f"with the {compared_model(diagnosis)}, where 1 is the repeatability of the bench. A "
-        f"correct model whose values are as uncertain would have {number(total.floor, 1)} on "
+        f"with the {compared_model(diagnosis)}{after}, where 1 is the repeatability of the bench. "
+        f"A correct model whose values are as uncertain would have {number(total.floor, 1)} on "
         "average."
     )
 
@@ -199,9 +159,30 @@ def deviations(gaps: Sequence[Gap]) -> str:
         size = f"{number(gap.gap, 1)} trial scatters"
         if isfinite(gap.deviation):
             size = "{} RMS (limit {})".format(*deviation_and_limit(gap))
+        elif isfinite(gap.scatter):
+            size += f" ({in_unit(gap, gap.gap * gap.scatter)})"
         parts.append(f"{in_sentence(gap.name)} deviates by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
     return f"{'; '.join(parts)}{more}"
+
+
+def increased(diagnosis: Diagnosis) -> str:
+    """Return which of the deviations that the effects do not explain the fit with them increased.
+
+    Empty without any.
+    """
+    before = {gap.name: gap for gap in diagnosis.where}
+    larger = [
+        f"{in_sentence(gap.name)} by {in_unit(gap, before[gap.name].deviation)}"
+        for gap in diagnosis.rest[:_FEW]
+        if gap.name in before and gap.deviation > _CLEARLY_WORSE * before[gap.name].deviation
+    ]
+    if not larger:
+        return ""
+    return (
+        f"Without the effects it is less ({listed(larger)}): the values that are fitted together "
+        "with the effects increase it."
+    )
 
 
 def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
@@ -235,7 +216,10 @@ def detectable(diagnosis: Diagnosis) -> str:
     unseen = [in_words(name) for name, known in seen.items() if not known]
     rest = f" They would not show {listed(unseen)}: these can be present." if unseen else ""
     count = f"{sum(seen.values())} of {len(seen)}"
-    return f"These runs would show {count} known effects at a typical size.{rest}"
+    fitted = [in_words(name) for name, why in diagnosis.not_tried.items() if why == FITTED]
+    verb = "is" if len(fitted) == 1 else "are"
+    more = f" {capital(listed(fitted))} {verb} fitted with the model's values." if fitted else ""
+    return f"These runs would show {count} known effects at a typical size.{rest}{more}"
 
 
 def undetectable(diagnosis: Diagnosis) -> str:
@@ -254,67 +238,28 @@ def _detectable(diagnosis: Diagnosis) -> dict[str, bool]:
     seen: dict[str, bool] = {}
     for size in diagnosis.separability.sizes:
         seen[size.effect] = seen.get(size.effect, False) or size.detectable
-    return {**seen, **dict.fromkeys(diagnosis.not_tried, False)}
+    unseen = [name for name, why in diagnosis.not_tried.items() if why != FITTED]
+    return {**seen, **dict.fromkeys(unseen, False)}
 
 
-def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
-    """Return the residuals at the working point, also as speed and pressure."""
-    point = diagnosis.working_point
-    if point is None:
-        return ""
-    revised = diagnosis.effects or diagnosis.unnamed
-    model = "revised model" if revised else compared_model(diagnosis)
-    shown_names = list(names[:_FEW])
-    shown_names += ["speed"] if any(name.startswith("flow_t") for name in shown_names) else []
-    shown_names += ["pressure"] if "force_test" in shown_names else []
-    parts = []
-    for name in shown_names:
-        value, display = point.residuals.get(name, float("nan")), residual_name(name)
-        if isfinite(value):
-            parts.append(
-                f"{significant(shown(value, display), 2)} {display.unit} ({display.title})"
-            )
-    return f"{where_words(point)} the {model} is off by {listed(parts)}." if parts else ""
+def refit_words(diagnosis: Diagnosis) -> str:
+    """Return the values of the model that the refit changes most; empty without any.
 
-
-def edge_gaps(diagnosis: Diagnosis, name: str) -> dict[str, float]:
-    """Return the gap of a chamber's flow by the metering edge of its valve, as far as known."""
-    ways = {region.label: region for region in diagnosis.regions if region.axis == "direction"}
-    edges = zip(EDGES.get(name, ()), ("extend", "retract"), strict=False)
-    known = [(edge, ways[way].gaps) for edge, way in edges if way in ways]
-    return {edge: gaps[name] for edge, gaps in known if name in gaps}
-
-
-def worst_region(diagnosis: Diagnosis, name: str) -> str:
-    """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
-    places = worst_places(diagnosis, name)
-    return f"Over all runs, the gap of {in_sentence(name)} is largest {places}." if places else ""
-
-
-def worst_places(diagnosis: Diagnosis, name: str) -> str:
-    """Return where the gap of a balance is clearly larger than elsewhere, as adverbs of place.
-
-    The regions of the largest gaps come first.
+    Those count whose 95 % interval does not contain 1.
     """
-    places = []
-    for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
-        own = [
-            region
-            for region in diagnosis.regions
-            if region.axis == axis and isfinite(region.gaps.get(name, float("nan")))
-        ]
-        if len(own) < 2:
-            continue
-        worst = max(own, key=lambda region: region.gaps[name])
-        contrast = worst.gaps[name] / min(region.gaps[name] for region in own)
-        if contrast > CLEARLY_LARGER:
-            display = AXES[axis]
-            low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
-            stretch = f"at a {display.title} of {low} to {high} {display.unit}"
-            way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
-            places.append((worst.gaps[name], way or stretch))
-    places.sort(key=lambda place: -place[0])
-    return " and ".join(words for _, words in places[:_FEW])
+    changed = {
+        path: factor
+        for path, factor in diagnosis.refitted.items()
+        if factor.ci95 is not None and not factor.ci95[0] <= 1 <= factor.ci95[1]
+    }
+    largest = sorted(changed, key=lambda path: -abs(log(changed[path].value)))[:_MOST_FACTORS]
+    parts = [f"{value_words(path)} by {parameter_text(changed[path])}" for path in largest]
+    if not parts or diagnosis.refit_refused:
+        return ""
+    return (
+        f"It multiplies most: {'; '.join(parts)}. If one is implausible, correct the model file "
+        "and reconcile again."
+    )
 
 
 def title(name: str) -> str:

@@ -4,36 +4,41 @@ What is missing, how large it is at the working point, what it does to force, sp
 how sure that is, and what to inspect or to repair. All numbers are those of the diagnosis.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
-from hbench.records import AddedEffect, Diagnosis, EffectInPractice, Lookalike
+from hbench.records import (
+    AddedEffect,
+    Diagnosis,
+)
+from hbench.report.diagnosis.action_words import first_edge, next_step, separation
 from hbench.report.diagnosis.change_words import along_words, friction_words, main_changes
 from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.names import PARTS, in_sentence, in_words
-from hbench.report.diagnosis.sentences import (
-    CLEARLY_LARGER,
-    advice,
-    agreement,
+from hbench.report.diagnosis.place_words import (
     at_point_words,
-    best_candidate,
     change_clauses,
-    closeness,
-    detectable,
-    deviations,
-    edge_gaps,
-    gap_change,
-    largest_deviation,
-    odds_words,
     residual_words,
-    significance,
-    significant_gaps,
-    title,
     where_words,
-    worse_words,
     worst_places,
     worst_region,
 )
-from hbench.report.render.numbers import number
+from hbench.report.diagnosis.sentences import (
+    advice,
+    agreement,
+    best_candidate,
+    closeness,
+    detectable,
+    deviations,
+    gap_change,
+    increased,
+    largest_deviation,
+    odds_words,
+    refit_words,
+    significance,
+    significant_gaps,
+    title,
+    worse_words,
+)
 from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
@@ -54,6 +59,7 @@ _NO_GAIN = (
     "expect model.yaml to predict these balances better than the model without the effect."
 )
 _WORSE, _CLOSEST = "What gets worse", "Closest known effect"
+_UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
 
 
 def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
@@ -87,6 +93,7 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects and diagnosis.rest:
         yield _NOT_EXPLAINED, f"With the effects, {deviations(diagnosis.rest)} over all runs."
+        yield _NOT_EXPLAINED, increased(diagnosis)
         yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
         rest = listed([in_sentence(gap.name) for gap in diagnosis.rest])
         yield _NOT_EXPLAINED, f"Do not rely on model.yaml for {rest} until this is explained."
@@ -103,14 +110,14 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     for effect in diagnosis.effects:
         if effect.name in practice:
             yield at_point_words(diagnosis.working_point, practice[effect.name], brief=True)
-        yield gap_change(effect)
+        yield gap_change(diagnosis, effect)
         yield odds_words(effect)
         if effect.name in practice:
             yield advice(practice[effect.name])
     if diagnosis.alternatives:
         yield _ambiguous_sizes(diagnosis, brief=True)
         yield friction_words(diagnosis)
-        yield from _separation(diagnosis)
+        yield from separation(diagnosis)
     elif not diagnosis.effects:
         if diagnosis.verdict == "unknown" and not diagnosis.where:
             yield from (sentence for _, sentence in _insufficient(diagnosis))
@@ -138,11 +145,8 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     if practice:
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
         if along := along_words(practice):
-            yield _ALONG, f"Along all logs it changes {along}."
-    yield (
-        _EVIDENCE,
-        gap_change(effect),
-    )
+            yield _ALONG, f"Over all runs it changes {along}."
+    yield _EVIDENCE, gap_change(diagnosis, effect)
     yield _EVIDENCE, _NO_GAIN if effect.gap_after >= effect.gap_before else ""
     yield _EVIDENCE, odds_words(effect)
     if practice:
@@ -157,7 +161,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _SIZE, _ambiguous_sizes(diagnosis)
     yield _FRICTION, friction_words(diagnosis)
     yield _EVIDENCE, closeness(diagnosis.alternatives)
-    for sentence in _separation(diagnosis):
+    for sentence in separation(diagnosis):
         yield _ACTION, sentence
 
 
@@ -176,90 +180,9 @@ def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     return f"{where_words(point)} {sentences}" if parts else ""
 
 
-def _separation(diagnosis: Diagnosis) -> Iterator[str]:
-    pairs = list(_separable_pairs(diagnosis))
-    if diagnosis.next_experiment:
-        yield diagnosis.next_experiment
-    elif not pairs and not diagnosis.missing:
-        yield "The catalogue contains no run that separates them."
-    else:
-        for effect, other in pairs:
-            pair = f"{in_words(effect.name)} and {in_words(other.name)}"
-            yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
-    if not diagnosis.next_experiment and diagnosis.missing:
-        yield f"Measure also {diagnosis.missing[0]}."
-    experiment = diagnosis.next_experiment or ""
-    inspect = [each for each in _inspections(diagnosis) if each not in experiment]
-    if inspect:
-        yield f"At the bench, inspect {_either(inspect)}."
-
-
-def _separable_pairs(diagnosis: Diagnosis) -> Iterator[tuple[EffectInPractice, Lookalike]]:
-    """Yield the effects of an ambiguous set that runs of a known kind separate."""
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    names = [candidate.name for candidate in diagnosis.alternatives]
-    for effect in (practice[name] for name in names if name in practice):
-        for other in effect.lookalikes:
-            if other.name in names[names.index(effect.name) :]:
-                yield effect, other
-
-
-def _inspections(diagnosis: Diagnosis) -> list[str]:
-    """Return what to inspect for each effect that is named, or of the ambiguous set."""
-    practice = {effect.name: effect.inspect for effect in diagnosis.practice}
-    chosen = diagnosis.alternatives or diagnosis.effects
-    return [inspect for each in chosen if (inspect := practice.get(each.name))]
-
-
-def _either(parts: Sequence[str]) -> str:
-    """Return alternatives; a semicolon separates those that contain a comma or a colon."""
-    long = any(sign in part for part in parts for sign in ",:;")
-    return ("; or " if long else " or ").join(parts)
-
-
-def next_step(diagnosis: Diagnosis) -> str:
-    """Return the sentence of the verdict on what to do next; empty where nothing is missing."""
-    inspect = _either(_inspections(diagnosis))
-    if diagnosis.alternatives:
-        if diagnosis.next_schedule:
-            return "Next step: measure next.yaml; the command is below."
-        kinds = dict.fromkeys(other.kind for _, other in _separable_pairs(diagnosis))
-        runs = (
-            f"measure runs of the kind {listed(list(kinds))}, which separate them" if kinds else ""
-        )
-        steps = ", or ".join(filter(None, (runs, f"inspect {inspect}" if inspect else "")))
-        return f"Next, {steps}." if steps else ""
-    if diagnosis.effects:
-        return f"Next, inspect {inspect}." if inspect else ""
-    if diagnosis.verdict == "unknown" and diagnosis.where:
-        return _where_to_look(diagnosis)
-    return ""
-
-
-def _where_to_look(diagnosis: Diagnosis) -> str:
-    """Return what to inspect, and under which conditions, where no effect explains the gaps."""
-    name = (diagnosis.rest or diagnosis.where)[0].name
-    if name not in PARTS:
-        return ""
-    words = (f"Next, inspect {PARTS[name]}.", _edge(diagnosis, name), worst_region(diagnosis, name))
-    return " ".join(filter(None, words))
-
-
-def _edge(diagnosis: Diagnosis, name: str) -> str:
-    """Return which metering edge of a chamber's valve is suspect; empty where neither is."""
-    gaps = edge_gaps(diagnosis, name)
-    if len(gaps) < 2 or not max(gaps.values()) > CLEARLY_LARGER * min(gaps.values()):
-        return ""
-    worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
-    return (
-        f"Begin with the valve's edge to {worst}: over all runs the gap is "
-        f"{number(gaps[worst], 1)} there and {number(gaps[other], 1)} at that to {other}."
-    )
-
-
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
-    yield _FINDING, law_summary(diagnosis.unnamed)
+    yield _UNNAMED, law_summary(diagnosis.unnamed)
     yield _RESIDUALS, worst_region(diagnosis, gaps[0].name)
     yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
     yield _EVIDENCE, significance(gaps)
@@ -271,7 +194,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     if gaps[0].name in PARTS:
         name = capital(in_sentence(gaps[0].name))
         yield _ACTION, f"{name} depends on {PARTS[gaps[0].name]}: inspect these."
-        yield _ACTION, _edge(diagnosis, gaps[0].name)
+        yield _ACTION, first_edge(diagnosis, gaps[0].name)
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
@@ -293,6 +216,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _EVIDENCE, agreement(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
+    yield _REFIT, refit_words(diagnosis)
     yield "What these runs can show", detectable(diagnosis)
     yield "Runs that show more", diagnosis.next_experiment or ""
     largest = largest_deviation(diagnosis.where)

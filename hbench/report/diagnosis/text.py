@@ -23,14 +23,16 @@ from hbench.report.diagnosis.names import (
     deviation_and_limit,
     in_sentence,
     in_unit,
+    of_strokes,
     p_words,
     parameter_text,
     share,
     signal,
     steps_of,
 )
+from hbench.report.diagnosis.place_words import edge_gaps
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import deviations, edge_gaps
+from hbench.report.diagnosis.sentences import deviations
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short
 from hbench.report.render.symbols import listed
@@ -64,7 +66,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     effects = "; ".join(effect_words(effect) for effect in diagnosis.effects)
     names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
     if diagnosis.verdict == "named":
-        also = f" Further {names}: these data cannot distinguish them." if names else ""
+        also = f" Also {names}; these data cannot distinguish them." if names else ""
         rest = f" Not explained: {deviations(diagnosis.rest)}." if diagnosis.rest else ""
         return f"named: {effects}.{also}{rest}"
     also = f" Added before: {effects}." if effects else ""
@@ -98,8 +100,10 @@ def gap_line(diagnosis: Diagnosis) -> str:
         for step, title in steps_of(diagnosis).items()
         if step != "floor"
     )
+    worse = not diagnosis.refit_refused and total.refitted > total.before
+    remark = " The refit increases it." if worse else ""
     return (
-        f"Gap of held-out runs, all balances: {steps}. A correct model whose values are as "
+        f"Gap of held-out runs, all balances: {steps}.{remark} A correct model whose values are as "
         f"uncertain would have {number(total.floor, 1)} on average."
     )
 
@@ -158,8 +162,9 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
             effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
             rows.append((effect, coefficient_words(name), parameter_text(p), *cells))
     head = ("effect", "coefficient", "value with 95 % interval", "gap before", "after")
+    runs = "all" if of_strokes(diagnosis) else "held-out"
     return WordTable(
-        "Effects that were added; gaps of held-out runs in the balances they touch",
+        f"Effects that were added; gaps of {runs} runs in the balances they touch",
         (*head, "score (nats)", "next best, below by (nats)"),
         tuple(rows),
     )
@@ -199,7 +204,9 @@ def _gaps_table(title: str, gaps: Sequence[Gap]) -> WordTable:
     )
     units = ("trial scatter", "deviation", "matters above", "tolerances allow")
     head = ("balance", "gap", "structured", "p (Holm)", *units, "windows")
-    return WordTable(title, head, rows)
+    kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
+    known = tuple(tuple(row[i] for i in kept) for row in rows)
+    return WordTable(title, tuple(head[i] for i in kept), known)
 
 
 def edges_table(diagnosis: Diagnosis) -> WordTable:

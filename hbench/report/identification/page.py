@@ -30,7 +30,8 @@ _SOURCE = (
 )
 _SUMMARY = (
     ("RMS error", "Root mean square of simulated less measured friction over the verification "
-     "runs, in motion and at rest apart. The laws are in the order of the error in motion."),
+     "runs. The laws are in the order of the error in motion. At rest friction is the force that "
+     "holds the piston, which laws of speed and pressure alone do not determine."),
     ("Not determined", "The 95 % interval is wider than the value and than a tenth of its typical "
      "size, or the value is at a bound of the fit. Other parameters may take its place."),
 )  # fmt: skip

@@ -31,7 +31,7 @@ from hbench.records import (
     ResidualMap,
     Rival,
 )
-from hbench.report.diagnosis.all_figures import draw_diagnosis
+from hbench.report.diagnosis.figures.all_figures import draw_diagnosis
 from hbench.report.render.figures import Drawing
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule

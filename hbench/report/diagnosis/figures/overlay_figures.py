@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, Overlay
-from hbench.report.diagnosis.gap_figures import AFTER, BEFORE, MEASURED
+from hbench.report.diagnosis.figures.gap_figures import AFTER, BEFORE, MEASURED
 from hbench.report.diagnosis.names import DisplayName, compared_model, mathtext, signal, steps_of
 from hbench.report.render import style
 from hbench.units import parse_unit

@@ -7,7 +7,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis
-from hbench.report.diagnosis.gap_figures import (
+from hbench.report.diagnosis.figures.gap_figures import (
     BALANCES,
     CLOSED_LOOP,
     OPEN_LOOP,
@@ -16,11 +16,12 @@ from hbench.report.diagnosis.gap_figures import (
     refitted_figure,
     region_figure,
 )
-from hbench.report.diagnosis.law_figures import law_figure
+from hbench.report.diagnosis.figures.law_figures import law_figure
+from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
+from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure, worst
 from hbench.report.diagnosis.law_words import law_title
-from hbench.report.diagnosis.names import balance, compared_model
-from hbench.report.diagnosis.overlay_figures import overlay_figures
-from hbench.report.diagnosis.residual_figures import maps_figure, shape_figure, worst
+from hbench.report.diagnosis.names import balance, compared_model, of_strokes
+from hbench.report.diagnosis.run_gaps import plan_words
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 
@@ -40,6 +41,10 @@ _GAPS = {
         "follows the measured commands without feedback."
     ),
 }
+_GAPS_OF_STROKES = (
+    "Root mean square of measurement less model in each balance, each load predicted with values "
+    "fitted to the other loads. Line at 1: scatter of repeated trials."
+)
 _REGIONS = (
     "Gap of each balance by region of operation, all runs: root mean square of measurement less "
     "model in scatters of repeated trials. Gaps below 1 have the colour of 1. All tables share the "
@@ -47,12 +52,12 @@ _REGIONS = (
 )
 _MAPS = (
     "Residuals of the worst balances over velocity and load, all runs, in units of the trials' "
-    "scatter. A dot is the mean of neighbouring windows; its size grows with their "
+    "scatter. A dot is the mean of neighbouring {windows}; its size grows with their "
     "number. All panels share the colour scale."
 )
 _SHAPE = (
     "Residuals of this balance, all runs, in units of the trials' scatter (grey band: ±1). A point "
-    "is a window of 0.16 s. Triangles: medians of equal numbers of windows, extending (▶) and "
+    "is a {window}. Triangles: medians of equal numbers of points, extending (▶) and "
     "retracting (◀). Points beyond the axis are drawn at its edge."
 )
 _LAW = (
@@ -97,17 +102,23 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
     if diagnosis.where:
         stages = _stages(diagnosis)
         title = "Residuals over velocity and load"
-        yield "where", "maps", title, _MAPS + stages, maps_figure(diagnosis)
-        shape = _SHAPE + stages + (_HELD_OUT if diagnosis.effects else "")
+        strokes = of_strokes(diagnosis)
+        maps = _MAPS.format(windows="pairs of strokes" if strokes else "windows")
+        yield "where", "maps", title, maps + stages, maps_figure(diagnosis)
+        shape = _SHAPE.format(window="pair of strokes" if strokes else "window of 0.16 s")
+        shape += stages + (_HELD_OUT if diagnosis.effects else "")
         for name in _shapes(diagnosis):
             title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
     if diagnosis.where and diagnosis.regions:
         yield "where", "regions", "Gap by region, all runs", _REGIONS, region_figure(diagnosis)
     for title, figure in gap_figures(diagnosis).items():
-        yield "gap", f"gap {title}", f"Gaps: {title.lower()}", _GAPS[title], figure
+        caption = _GAPS_OF_STROKES if of_strokes(diagnosis) else _GAPS[title]
+        yield "gap", f"gap {title}", f"Gaps: {title.lower()}", caption, figure
+    plans = {run_gap.plan.run: run_gap.plan for run_gap in diagnosis.gap_runs}
     for run, figure in overlay_figures(diagnosis).items():
-        yield "overlay", f"run {run}", f"Run {run}", _OVERLAY, figure
+        title = f"Run {run}: {plan_words(plans[run])}" if run in plans else f"Run {run}"
+        yield "overlay", f"run {run}", title, _OVERLAY, figure
     if diagnosis.ranking:
         yield "ranking", "ranking", "Candidates", _RANKING, ranking_figure(diagnosis)
     if diagnosis.refitted:

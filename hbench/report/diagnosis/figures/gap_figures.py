@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
+from hbench.report.diagnosis.figures.colour_scales import GAPS
 from hbench.report.diagnosis.names import (
     AXES,
     DisplayName,
@@ -40,7 +41,6 @@ _LOOKS: dict[str, dict[str, Any]] = {
 }
 _LEAST = 0.3  # gap that is drawn; below, runs are closer than trials by chance
 _LEAST_SCALE = 10.0  # largest gap of the colour scale at least: small gaps stay light
-_ON_LIGHT = "#010101"  # black in the dark too, on the light colours of a table
 
 
 def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
@@ -132,7 +132,7 @@ def _region_cells(
 ) -> AxesImage:
     """Draw the regions of one axis, a column each, with the gaps as numbers."""
     gaps = np.array([[region.gaps.get(name, np.nan) for region in group] for name in names])
-    look = {"norm": norm, "cmap": "Blues", "label": "_gaps"}
+    look = {"norm": norm, "cmap": GAPS, "label": "_gaps"}
     image = axes.imshow(np.maximum(gaps, 1.0), aspect="auto", **look)
     behind(image, {"Gap (trial scatters)": gaps.ravel()})
     for (row, column), value in np.ndenumerate(gaps):
@@ -143,7 +143,6 @@ def _region_cells(
             ha="center",
             va="center",
             fontsize=9,
-            color=style.ON_MAPS if norm(max(value, 1.0)) > 0.55 else _ON_LIGHT,
         )
     axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
     axis = AXES[group[0].axis]

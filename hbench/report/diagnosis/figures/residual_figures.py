@@ -11,6 +11,7 @@ from scipy.stats import binned_statistic_2d
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
 from hbench.records.summary import SIGNIFICANCE
+from hbench.report.diagnosis.figures.colour_scales import RESIDUALS
 from hbench.report.diagnosis.names import AXES, balance, in_unit, shown
 from hbench.report.diagnosis.sentences import largest_deviation
 from hbench.report.render import style
@@ -41,7 +42,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
         for (v, load, value, count), axes, name in zip(row, panel_row, names, strict=True):
             size = 14 + 46 * np.sqrt(count / max(count.max(initial=1), 1))
             dots = axes.scatter(
-                1e3 * v, load / 1e3, c=value, s=size, norm=norm, cmap="RdBu_r",
+                1e3 * v, load / 1e3, c=value, s=size, norm=norm, cmap=RESIDUALS,
                 edgecolors="#6b7280", linewidths=0.4, label=f"_{balance(name).title}, {title}",
             )  # fmt: skip
             behind(dots, {"Residual (trial scatters)": value, "windows": count})
@@ -53,7 +54,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("Velocity (mm/s)")
     bar = figure.colorbar(
-        ScalarMappable(norm, "RdBu_r"), ax=panels, label="Residual (trial scatters)", pad=0.01
+        ScalarMappable(norm, RESIDUALS), ax=panels, label="Residual (trial scatters)", pad=0.01
     )
     style.simulated(bar.ax, diagnosis)
     return figure

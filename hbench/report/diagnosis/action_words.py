@@ -1,0 +1,115 @@
+"""What to do next in words: what to measure, and what to inspect."""
+
+from collections.abc import Iterator, Sequence
+
+from hbench.records import (
+    KINDS,
+    AddedEffect,
+    Candidate,
+    Diagnosis,
+    EffectInPractice,
+    Lookalike,
+)
+from hbench.report.diagnosis.names import PARTS, in_words
+from hbench.report.diagnosis.place_words import CLEARLY_LARGER, edge_gaps, worst_region
+from hbench.report.render.numbers import number
+from hbench.report.render.symbols import capital, listed
+
+
+def separation(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield how the effects of an ambiguous set are separated, and what to inspect."""
+    pairs = list(_separable_pairs(diagnosis))
+    if diagnosis.next_experiment:
+        yield diagnosis.next_experiment
+    elif not pairs and not diagnosis.missing:
+        yield "The catalogue contains no run that separates them."
+    else:
+        for effect, other in pairs:
+            pair = f"{in_words(effect.name)} and {in_words(other.name)}"
+            yield f"{capital(_runs(other))} separate {pair} ({other.why})."
+    if not diagnosis.next_experiment and diagnosis.missing:
+        yield f"Measure also {diagnosis.missing[0]}."
+    experiment = diagnosis.next_experiment or ""
+    every = _inspections(diagnosis, diagnosis.alternatives)
+    inspect = [each for each in every if each not in experiment]
+    if inspect:
+        yield f"At the bench, inspect {_either(inspect)}."
+
+
+def _separable_pairs(diagnosis: Diagnosis) -> Iterator[tuple[EffectInPractice, Lookalike]]:
+    """Yield the effects of an ambiguous set that runs of a known kind separate."""
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    names = [candidate.name for candidate in diagnosis.alternatives]
+    for effect in (practice[name] for name in names if name in practice):
+        for other in effect.lookalikes:
+            if other.name in names[names.index(effect.name) :]:
+                yield effect, other
+
+
+def _inspections(
+    diagnosis: Diagnosis, effects: Sequence[AddedEffect] | Sequence[Candidate]
+) -> list[str]:
+    """Return what to inspect for each of some effects, as far as it is known."""
+    practice = {effect.name: effect.inspect for effect in diagnosis.practice}
+    return [inspect for each in effects if (inspect := practice.get(each.name))]
+
+
+def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
+    """Return the sentence on what to inspect next; empty where nothing is known."""
+    inspect = _either(_inspections(diagnosis, effects))
+    return f"Next, inspect {inspect}." if inspect else ""
+
+
+def _runs(other: Lookalike) -> str:
+    """Return the runs that separate two effects, in words."""
+    return f"{KINDS[other.kind].display_name} runs" if other.kind in KINDS else f"{other.kind} runs"
+
+
+def _either(parts: Sequence[str]) -> str:
+    """Return alternatives; a semicolon separates those that contain a comma or a colon."""
+    long = any(sign in part for part in parts for sign in ",:;")
+    return ("; or " if long else " or ").join(parts)
+
+
+def next_step(diagnosis: Diagnosis) -> str:
+    """Return the sentence of the verdict on what to do next; empty where nothing is missing."""
+    inspect = _either(_inspections(diagnosis, diagnosis.alternatives))
+    if diagnosis.alternatives:
+        if diagnosis.next_schedule:
+            return "Next step: measure next.yaml; the command is below."
+        kinds = dict.fromkeys(_runs(other) for _, other in _separable_pairs(diagnosis))
+        runs = f"measure {listed(list(kinds))}, which separate them" if kinds else ""
+        steps = ", or ".join(filter(None, (runs, f"inspect {inspect}" if inspect else "")))
+        first = _inspect(diagnosis, diagnosis.effects)
+        begin = f"{first} To separate the others" if first else "Next"
+        return f"{begin}, {steps}." if steps else first
+    if diagnosis.effects:
+        return _inspect(diagnosis, diagnosis.effects)
+    if diagnosis.verdict == "unknown" and diagnosis.where:
+        return _where_to_look(diagnosis)
+    return ""
+
+
+def _where_to_look(diagnosis: Diagnosis) -> str:
+    """Return what to inspect, and under which conditions, where no effect explains the gaps."""
+    name = (diagnosis.rest or diagnosis.where)[0].name
+    if name not in PARTS:
+        return ""
+    words = (
+        f"Next, inspect {PARTS[name]}.",
+        first_edge(diagnosis, name),
+        worst_region(diagnosis, name),
+    )
+    return " ".join(filter(None, words))
+
+
+def first_edge(diagnosis: Diagnosis, name: str) -> str:
+    """Return which metering edge of a chamber's valve is suspect; empty where neither is."""
+    gaps = edge_gaps(diagnosis, name)
+    if len(gaps) < 2 or not max(gaps.values()) > CLEARLY_LARGER * min(gaps.values()):
+        return ""
+    worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
+    return (
+        f"Begin with the valve's edge to {worst}: over all runs the gap is "
+        f"{number(gaps[worst], 1)} there and {number(gaps[other], 1)} at that to {other}."
+    )

@@ -1,0 +1,163 @@
+"""Definitions of the words and columns of a diagnosis's page."""
+
+from hbench.records import Diagnosis
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
+from hbench.report.diagnosis.change_words import wrong_readings
+from hbench.report.diagnosis.names import in_words, of_strokes
+from hbench.report.render.symbols import capital
+
+Fact = tuple[str, str]  # name and description
+
+SENSOR = (
+    "An effect of a sensor is an error of the measurement, not of the bench. Correct the "
+    "instrument rather than the model."
+)
+POORLY_KNOWN = (
+    "Poorly known values of the model file are levels of friction, a valve's gain, dead volumes "
+    "and the like"
+)
+REFITTED = f"{POORLY_KNOWN}. They are fitted first, so that their errors do not appear as effects."
+REFUSED = "Any increase refuses it. Everything is compared with the model as given{fitted}."
+FITTED_WITH = "; the values of model.yaml are those fitted together with the {added}"
+RUNS = (
+    "The gap of a single run includes its own scatter and is 1 for a correct model. The last "
+    "columns show the worst balance and signals of the run, at the last step. gaps_by_run.csv "
+    "beside this page contains every run and signal."
+)
+NUMBERS = (
+    "diagnosis.json and gaps_by_run.csv contain all numbers, also those of folded tables, which "
+    "are not printed. The folder figures has each figure as SVG, PNG and CSV."
+)
+NEXT_FILE = "next.yaml is the schedule that is proposed above."
+WHICH: tuple[Fact, ...] = (
+    ("Score", "Gain of log-likelihood in nats (natural logarithm) by cross-validation: each fifth "
+     "of the operating points of the fit is predicted from the others. It also counts changes from "
+     "window to window, as at a step or after a reversal, which a gap hardly shows."),
+    ("Explains", "Share of the gap beyond the repeatability that the effect removes there, in the "
+     "balances that it touches alone. A candidate can have a large share and a score near 0: the "
+     "score counts all balances and the uncertainty of the fit, and the refitted values of the "
+     "model predict these points as well without the effect."),
+    ("Size", "Its largest coefficient relative to a typical one."),
+    ("Named", "An effect whose score exceeds the limit beside it in the table, that explains more "
+     f"than {100 * LEAST_EXPLAINED:g} %, and whose size is at least {LEAST_SIZE:g} of a typical "
+     "one."),
+)  # fmt: skip
+_GAP = (
+    "Root mean square of measurement less model, in units of the scatter of repeated trials. 1 is "
+    "the repeatability of the bench. Gaps below 0.3 are drawn at 0.3."
+)
+_BALANCES = (
+    "Laws that the measured signals must obey: the oil that flows into each of the four chambers, "
+    "the forces of either cylinder, position against velocity, and the supply. They are evaluated "
+    "along the measured logs, and they decide."
+)
+_STROKES = (
+    "Pairs of steady strokes, one in each direction at one load. Half the difference of their "
+    "residual forces is friction; their mean is what does not turn with the direction, such as an "
+    "offset or a wrong gain of the load cell."
+)
+_SIGNALS = (
+    "The same schedule, simulated in closed loop and in open loop. They check the revised model; "
+    "the verdict does not depend on them, and no expected gap is computed for them."
+)
+_REFITTED_STAGE = "The model with its poorly known values fitted, and no effect added."
+_EXPECTED = (
+    "Gap that a correct model has on average, because its fitted values are uncertain. It is no "
+    "lower limit: a fit can come closer."
+)
+_LEAVE_ONE_OUT = (
+    "Each load in turn, predicted with values that were fitted to the other loads. The effects "
+    "were chosen with all loads."
+)
+_POINT = (
+    "At the working point",
+    "The measured operating point that is nearest to the median speed, load and pressures, in "
+    "steady motion. The 95 % interval is that of the effect's coefficients.",
+)
+_ALONG = (
+    "Along the logs",
+    "Over all measured motion, in windows of 0.16 s: the root mean square, and the value that 5 % "
+    "of the windows exceed.",
+)
+_ALONG_STROKES = ("Along the logs", "Over all pairs of strokes, in the same way.")
+_SIGNS = (
+    "Signs",
+    "A flow is positive into its chamber, friction against the motion. The speed changes at the "
+    "same commands and pressures; the pressure, which is that of the fed chamber, at the same "
+    "speed and load.",
+)
+_COMPUTED = (
+    "Error of an instrument",
+    "It changes the readings, and the friction and the flows that are computed from them. At the "
+    "bench nothing is different.",
+)
+_ALL_RUNS = (
+    "All runs",
+    "The gaps and deviations of this section are of all runs, those of the section on the gap of "
+    "the held-out runs alone.",
+)
+_STRUCTURED = ("Structured", "Part of the gap beyond the repeatability of the trials: √(gap² − 1).")
+_P = (
+    "p (Holm)",
+    "Probability of such a gap for a correct model, corrected after Holm for the number of "
+    "balances. It is computed from 999 random draws, so the smallest possible value is 0.001 times "
+    "this number.",
+)
+_DEVIATION = (
+    "Deviation",
+    "Root mean square of the residual in the unit of the balance, without the noise of single "
+    "windows, but with the scatter from trial to trial. Below the next column it does not matter.",
+)
+_ALLOWED = (
+    "Tolerances allow",
+    "Deviation that sensors within their tolerances may cause in a model that is not refitted.",
+)
+_EDGE = (
+    "Metering edge",
+    "Edge of the valve's spool that connects the chamber with the supply or the tank. Where one "
+    "gap is much larger, inspect that edge.",
+)
+
+
+def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
+    """Return the definitions of the section on the gap of held-out runs."""
+    strokes = of_strokes(diagnosis)
+    held_out = _LEAVE_ONE_OUT if strokes else _not_fitted(diagnosis)
+    return (
+        ("Gap", _GAP),
+        ("Balances", _STROKES if strokes else _BALANCES),
+        *([("Signals", _SIGNALS)] if diagnosis.gap_heldout.signals else []),
+        *([] if diagnosis.refit_refused else [("Refitted", _REFITTED_STAGE)]),
+        ("Expected", _EXPECTED),
+        ("Held-out runs", held_out),
+    )
+
+
+def _not_fitted(diagnosis: Diagnosis) -> str:
+    return f"Not used for the fit: {', '.join(diagnosis.heldout_runs)}."
+
+
+def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
+    """Return the definitions of the section on where the model disagrees."""
+    if of_strokes(diagnosis):
+        return _ALL_RUNS, _STRUCTURED, _P
+    return _ALL_RUNS, _STRUCTURED, _P, _DEVIATION, _ALLOWED, _EDGE
+
+
+def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:
+    """Return how the tables of changes are to be read; empty without any."""
+    if not diagnosis.practice:
+        return ()
+    computed = (_COMPUTED,) if any(map(wrong_readings, diagnosis.practice)) else ()
+    if of_strokes(diagnosis):
+        return _POINT, _ALONG_STROKES, *computed
+    return _POINT, _ALONG, _SIGNS, *computed
+
+
+def of_laws(diagnosis: Diagnosis) -> tuple[Fact, ...]:
+    """Return the law of each effect that was added, by whose symbols its coefficients are meant."""
+    return tuple(
+        (f"Law of {in_words(effect.name)}", f"{capital(effect.law.replace(' - ', ' − '))}.")
+        for effect in diagnosis.effects
+        if effect.law
+    )

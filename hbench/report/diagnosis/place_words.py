@@ -1,0 +1,123 @@
+"""Places of a diagnosis in words: the working point, and where a gap is largest."""
+
+from collections.abc import Sequence
+from math import isfinite
+
+from hbench.records import Change, Diagnosis, EffectInPractice, WorkingPoint
+from hbench.report.diagnosis.change_words import main_changes, phrase, wrong_readings
+from hbench.report.diagnosis.names import (
+    AXES,
+    EDGES,
+    compared_model,
+    in_sentence,
+    residual_name,
+    shown,
+)
+from hbench.report.render.numbers import short, significant
+from hbench.report.render.symbols import listed
+
+CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
+_FEW = 2  # balances, or places, in a sentence
+_WAYS = {"extend": "extending", "retract": "retracting", "rest": "at rest"}
+
+
+def where_words(point: WorkingPoint | None) -> str:
+    """Return the working point, medians of the campaign, as the beginning of a sentence."""
+    if point is None:
+        return "In these runs,"
+    motion = f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
+    if isfinite(point.f_applied_n):
+        motion += f", load cell {short(point.f_applied_n)} N"
+    pressures = {
+        "piston side P_Tp": point.p_tp_pa,
+        "rod side P_Tr": point.p_tr_pa,
+        "supply P_S": point.p_s_pa,
+    }
+    parts = [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
+    return f"At the median working point ({', '.join((motion, *parts))}),"
+
+
+def at_point_words(
+    point: WorkingPoint | None, effect: EffectInPractice, *, brief: bool = False
+) -> str:
+    """Return what an effect changes at the working point, its main changes if ``brief``."""
+    if not effect.changes or point is None:
+        return ""
+    changes = main_changes(effect)
+    if not changes:
+        return (
+            f"{where_words(point)} it changes nothing: it acts only while speed or pressure "
+            "changes, or at other places of the stroke."
+        )
+    if brief:
+        changes = [change for change in changes if change.quantity not in ("pressure",)][:2]
+    clauses = change_clauses(effect, changes, point)
+    return f"{where_words(point)} {listed(clauses)}."
+
+
+def change_clauses(
+    effect: EffectInPractice, changes: Sequence[Change], point: WorkingPoint
+) -> list[str]:
+    """Return changes of an effect at the working point, a clause each."""
+    readings = wrong_readings(effect)
+    return [phrase(change, point.direction, readings) for change in changes]
+
+
+def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
+    """Return the residuals at the working point, also as speed and pressure."""
+    point = diagnosis.working_point
+    if point is None:
+        return ""
+    revised = diagnosis.effects or diagnosis.unnamed
+    model = "revised model" if revised else compared_model(diagnosis)
+    shown_names = list(names[:_FEW])
+    shown_names += ["speed"] if any(name.startswith("flow_t") for name in shown_names) else []
+    shown_names += ["pressure"] if "force_test" in shown_names else []
+    parts = []
+    for name in shown_names:
+        value, display = point.residuals.get(name, float("nan")), residual_name(name)
+        if isfinite(value):
+            parts.append(
+                f"{significant(shown(value, display), 2)} {display.unit} ({display.title})"
+            )
+    return f"{where_words(point)} the {model} is off by {listed(parts)}." if parts else ""
+
+
+def edge_gaps(diagnosis: Diagnosis, name: str) -> dict[str, float]:
+    """Return the gap of a chamber's flow by the metering edge of its valve, as far as known."""
+    ways = {region.label: region for region in diagnosis.regions if region.axis == "direction"}
+    edges = zip(EDGES.get(name, ()), ("extend", "retract"), strict=False)
+    known = [(edge, ways[way].gaps) for edge, way in edges if way in ways]
+    return {edge: gaps[name] for edge, gaps in known if name in gaps}
+
+
+def worst_region(diagnosis: Diagnosis, name: str) -> str:
+    """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
+    places = worst_places(diagnosis, name)
+    return f"Over all runs, the gap of {in_sentence(name)} is largest {places}." if places else ""
+
+
+def worst_places(diagnosis: Diagnosis, name: str) -> str:
+    """Return where the gap of a balance is clearly larger than elsewhere, as adverbs of place.
+
+    The regions of the largest gaps come first.
+    """
+    places = []
+    for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
+        own = [
+            region
+            for region in diagnosis.regions
+            if region.axis == axis and isfinite(region.gaps.get(name, float("nan")))
+        ]
+        if len(own) < 2:
+            continue
+        worst = max(own, key=lambda region: region.gaps[name])
+        contrast = worst.gaps[name] / min(region.gaps[name] for region in own)
+        if contrast > CLEARLY_LARGER:
+            display = AXES[axis]
+            low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
+            stretch = f"at a {display.title} of {low} to {high} {display.unit}"
+            way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
+            places.append((worst.gaps[name], way or stretch))
+    places.sort(key=lambda place: -place[0])
+    return " and ".join(words for _, words in places[:_FEW])

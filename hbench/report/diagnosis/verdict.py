@@ -1,0 +1,105 @@
+"""Verdict of a diagnosis for the first paragraph of its page, and the next step.
+
+It answers what is missing, how large it is, how sure that is and what to do; the coefficients are
+in the tables.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from hbench.records import AddedEffect, Diagnosis, Gap
+from hbench.records.summary import SIGNIFICANCE
+from hbench.report.diagnosis.action_words import next_step
+from hbench.report.diagnosis.change_words import friction_words, largest_words, wrong_readings
+from hbench.report.diagnosis.names import (
+    deviation_and_limit,
+    in_sentence,
+    in_words,
+    keys_in_words,
+    p_equation,
+)
+from hbench.report.diagnosis.sentences import (
+    deviations,
+    gap_change,
+    increased,
+    largest_deviation,
+    undetectable,
+)
+from hbench.report.diagnosis.text import effect_words, verdict_sentence
+from hbench.report.render.numbers import number
+
+
+def verdict_words(diagnosis: Diagnosis) -> str:
+    """Return the first paragraph of the page."""
+    words = {"named": _named, "ambiguous": _ambiguous, "none": _none, "unknown": _unknown}
+    return " ".join(filter(None, words[diagnosis.verdict](diagnosis)))
+
+
+def _named(diagnosis: Diagnosis) -> Iterator[str]:
+    for effect in diagnosis.effects:
+        yield _effect(diagnosis, effect)
+    if diagnosis.alternatives:
+        names = " or ".join(in_words(candidate.name) for candidate in diagnosis.alternatives)
+        yield f"The runs also show {names}, and cannot distinguish these."
+    if diagnosis.rest:
+        yield f"Not explained: {deviations(diagnosis.rest)}."
+        yield increased(diagnosis)
+    yield next_step(diagnosis)
+
+
+def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
+    """State an effect, its largest changes, and what it does to held-out runs."""
+    name = in_words(effect.name)
+    finding = f"The model does not contain {name}: {effect.description}."
+    if effect.of_sensor:
+        finding = f"The instruments have an error, {name}: {effect.description}."
+    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    changes = largest_words(practice) if practice else ""
+    size = f"It changes {changes}." if changes else f"Found: {keys_in_words(effect_words(effect))}."
+    return f"{finding} {size} {gap_change(diagnosis, effect)}"
+
+
+def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
+    _, _, finding = verdict_sentence(diagnosis).partition(": ")
+    sensors = {each.name for each in diagnosis.practice if wrong_readings(each)}
+    wrong = all(candidate.name in sensors for candidate in diagnosis.alternatives)
+    what = "errors of the instruments is present" if wrong else "effects is missing in the model"
+    yield f"One of these {what}: {keys_in_words(finding)}"
+    yield friction_words(diagnosis, brief=True)
+    yield next_step(diagnosis)
+
+
+def _none(diagnosis: Diagnosis) -> Iterator[str]:
+    _, _, finding = verdict_sentence(diagnosis).partition(": ")
+    yield f"No missing effect is found: {keys_in_words(finding)}"
+    yield _largest(diagnosis.where)
+    yield undetectable(diagnosis)
+    yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+
+
+def _largest(gaps: Sequence[Gap]) -> str:
+    """State the deviation that exceeds its limit most, and why it is no missing effect."""
+    largest = largest_deviation(gaps)
+    if largest is None:
+        return ""
+    why = f"is not significant ({p_equation(largest.p_value)})"
+    if largest.deviation <= largest.material:
+        why = "does not matter"
+    elif largest.p_value < SIGNIFICANCE:
+        why = f"is {number(largest.gap, 1)} trial scatters, too few for a missing effect"
+    deviation, limit = deviation_and_limit(largest)
+    return (
+        f"The largest deviation that remains, {in_sentence(largest.name)} by {deviation} RMS "
+        f"(limit {limit}), {why}."
+    )
+
+
+def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
+    if not diagnosis.where:
+        yield "These runs do not suffice to find a missing effect."
+        yield f"Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
+        return
+    gaps = diagnosis.rest or diagnosis.where[:1]
+    yield (
+        f"No known effect explains how the measurement deviates from the model: {deviations(gaps)}."
+    )
+    yield next_step(diagnosis)
