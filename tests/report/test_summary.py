@@ -119,6 +119,7 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     text = summary(named)
     assert text.startswith(
         "Internal leakage is an effect of the bench that the model does not contain: oil leaks. "
+        "Coefficients with their 95 % intervals: test cylinder 0.00300 ± 0.00020 l/min/bar. "
         "At the median working point (extending at 80 mm/s, load cell 2490 N, piston side "
         "P_Tp 63 bar, rod side P_Tr 52.1 bar, supply P_S 150 bar), 0.180 ± 0.010 l/min less oil "
         "enters the piston side of the test cylinder (Tp) and the piston is 2.40 ± 0.10 mm/s "

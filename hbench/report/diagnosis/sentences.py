@@ -14,6 +14,7 @@ from hbench.records.diagnosis import FITTED
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.names import (
     balance,
+    coefficient_words,
     compared_model,
     deviation_and_limit,
     in_sentence,
@@ -51,6 +52,21 @@ def gap_change(diagnosis: Diagnosis, effect: AddedEffect) -> str:
         f"It does not reduce the gap of {runs} runs {where}: {number(before, 2)} without it and "
         f"{number(after, 2)} with it, where 1 is the repeatability of the bench."
     )
+
+
+def effect_words(effect: AddedEffect) -> str:
+    """Return an effect's name with its coefficients and their intervals.
+
+    Those at a bound are left out where others are not.
+    """
+    return f"{effect.name} ({coefficients_words(effect)})"
+
+
+def coefficients_words(effect: AddedEffect) -> str:
+    """Return an effect's coefficients with their intervals; see ``effect_words``."""
+    free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
+    chosen = free or effect.parameters
+    return ", ".join(f"{coefficient_words(name)} {parameter_text(p)}" for name, p in chosen.items())
 
 
 def odds_words(effect: AddedEffect) -> str:

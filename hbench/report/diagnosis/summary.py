@@ -27,6 +27,7 @@ from hbench.report.diagnosis.sentences import (
     agreement,
     best_candidate,
     closeness,
+    coefficients_words,
     detectable,
     deviations,
     gap_change,
@@ -140,7 +141,8 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     kind = "error of the measurement" if effect.of_sensor else "effect of the bench"
     yield (
         _FINDING,
-        f"{title(effect.name)} is an {kind} that the model does not contain: {effect.description}.",
+        f"{title(effect.name)} is an {kind} that the model does not contain: {effect.description}. "
+        f"Coefficients with their 95 % intervals: {coefficients_words(effect)}.",
     )
     if practice:
         yield _SIZE, at_point_words(diagnosis.working_point, practice)

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 
 from hbench.records import (
-    AddedEffect,
     BeforeAfter,
     Candidate,
     Diagnosis,
@@ -32,7 +31,7 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.place_words import edge_gaps
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import deviations
+from hbench.report.diagnosis.sentences import deviations, effect_words
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short
 from hbench.report.render.symbols import listed
@@ -106,17 +105,6 @@ def gap_line(diagnosis: Diagnosis) -> str:
         f"Gap of held-out runs, all balances: {steps}.{remark} A correct model whose values are as "
         f"uncertain would have {number(total.floor, 1)} on average."
     )
-
-
-def effect_words(effect: AddedEffect) -> str:
-    """Return an effect's name with its coefficients and their intervals.
-
-    Those at a bound are left out where others are not.
-    """
-    free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
-    chosen = free or effect.parameters
-    each = ", ".join(f"{coefficient_words(name)} {parameter_text(p)}" for name, p in chosen.items())
-    return f"{effect.name} ({each})"
 
 
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:

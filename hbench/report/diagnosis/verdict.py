@@ -18,13 +18,14 @@ from hbench.report.diagnosis.names import (
     p_equation,
 )
 from hbench.report.diagnosis.sentences import (
+    coefficients_words,
     deviations,
     gap_change,
     increased,
     largest_deviation,
     undetectable,
 )
-from hbench.report.diagnosis.text import effect_words, verdict_sentence
+from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number
 
 
@@ -54,7 +55,7 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
         finding = f"The instruments have an error, {name}: {effect.description}."
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     changes = largest_words(practice) if practice else ""
-    size = f"It changes {changes}." if changes else f"Found: {keys_in_words(effect_words(effect))}."
+    size = f"It changes {changes}." if changes else f"Found: {coefficients_words(effect)}."
     return f"{finding} {size} {gap_change(diagnosis, effect)}"
 
 
@@ -81,7 +82,7 @@ def _largest(gaps: Sequence[Gap]) -> str:
     largest = largest_deviation(gaps)
     if largest is None:
         return ""
-    why = f"is not significant ({p_equation(largest.p_value)})"
+    why = f"is not distinguishable from the trials' scatter ({p_equation(largest.p_value)})"
     if largest.deviation <= largest.material:
         why = "does not matter"
     elif largest.p_value < SIGNIFICANCE:

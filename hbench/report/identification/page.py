@@ -75,7 +75,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     tables = {table.title: _named(table) for table in identification_tables(identification)}
     summary = (replace(tables[SUMMARY], title=_RANKED),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
-    facts = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
+    facts: tuple[tuple[str, str], ...] = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
     facts += (_SCATTER,) if identification.scatter else ()
     drawings = tuple(drawings)
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
