@@ -187,12 +187,11 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     places = [text.index(part) for part in order]
     assert places == sorted(places) and "Not explained" not in text
     (rest,) = compared.rest
-    increased = "the force of the test cylinder by 10 N"
-    fitted = "Without the effects it is less"
+    fitted = "Without the effects it is"
     smaller = (replace(rest, deviation=10.0), *compared.where[1:])
     text = verdict(replace(named, rest=(rest,), where=smaller))
     assert "Not explained: the force of the test cylinder deviates by 40 N RMS" in text
-    assert f"{fitted} ({increased}): the values that are fitted together" in text
+    assert f"{fitted} 10 N: the values that are fitted together" in text
     assert fitted not in verdict(replace(named, rest=(rest,)))  # 40 N without them too
     sensor = replace(named, effects=(added("load_cell_gain", 40.0, of_sensor=True),))
     text = verdict(replace(sensor, practice=(CELL,)))

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import ControlLoop, Design, LoopMerits
-from hbench.report.design.loops import loops_by_gains, rate_khz
+from hbench.report.design.loops import PRESENT, loops_by_gains, rate_khz
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import number
@@ -31,7 +31,8 @@ def draw_design(design: Design) -> tuple[Drawing, ...]:
                 with rc_context(style.RC):
                     figure = draw(loop)
                     figure.axes[0].set_title(f"{title}, {loop.name}")
-                    slug = f"{gains}-{loop.name.replace(' ', '-')}-{name}"
+                    slug = f"{loop.name.replace(' ', '-')}-{name}"
+                    slug = slug if gains == PRESENT else f"{gains}-{slug}"
                     full_title = f"{title}, {loop.name}, {gains} gains"
                     words = caption.format(rate=rate_khz(design), gains=gains)
                     sketches.append(

@@ -195,10 +195,9 @@ def increased(diagnosis: Diagnosis) -> str:
     ]
     if not larger:
         return ""
-    return (
-        f"Without the effects it is less ({listed(larger)}): the values that are fitted together "
-        "with the effects increase it."
-    )
+    alone = len(diagnosis.rest) == 1
+    less = f"it is {larger[0].rpartition(' by ')[2]}" if alone else f"it is less ({listed(larger)})"
+    return f"Without the effects {less}: the values that are fitted together with them increase it."
 
 
 def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
