@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hbench.records import (
@@ -10,6 +11,7 @@ from hbench.records import (
     FitParameter,
     Identification,
     IdentifiedLaw,
+    LawsAlongCurve,
     ModelErrors,
     Provenance,
 )
@@ -73,6 +75,15 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
         "hbench run --plant lugre.yaml. These runs do not determine its bristle damping "
         "σ1 (at its lower bound): use it for motions like these alone."
     )
+
+
+def test_the_error_of_the_best_law_is_beside_the_measured_friction(small):
+    curve = small.curves[0]
+    friction = [abs(point.friction_n) for point in curve.points]
+    along = LawsAlongCurve(curve, np.array([0.01, 0.2]), {})
+    found = replace(identified(law("lugre", 10.0)), steady=(along,))
+    low, high = f"{min(friction):.0f}", f"{max(friction):.0f}"
+    assert f"by RMS error; the measured steady friction is {low} to {high} N." in verdict(found)
 
 
 def test_laws_are_listed_by_their_error_with_what_is_not_determined():

@@ -152,6 +152,7 @@ def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_
     assert f"{plain}1.02 without it and 1.04 with it" in summary(worse)
     page = ordinary_spaces(diagnosis_page(worse, ()))
     assert f"{plain}1.02" in page[: page.index("<nav")]  # in the verdict
+    assert verdict_words(worse).startswith("By cross-validation, the model does not contain")
     assert "does not reduce" not in summary(named) + diagnosis_page(named, ())
 
 
@@ -421,12 +422,12 @@ def test_an_agreement_states_what_the_refit_changes_and_what_is_fitted_with_the_
                 separability=Separability(sizes, ()), not_tried={"valve_trim": FITTED})
     )  # fmt: skip
     assert (
-        "It multiplies most: Coulomb friction, test cylinder by 0.50 ± 0.10; tank pressure by "
-        "1.70 ± 0.30; valve gain by 0.950 ± 0.010." in text
+        "Largest factors on values of the model: Coulomb friction, test cylinder 0.50 ± 0.10; "
+        "tank pressure 1.70 ± 0.30; valve gain 0.950 ± 0.010." in text
     )
     assert "would show 1 of 1 known effects at a typical size. Valve trim is fitted with" in text
     refused = replace(compared, verdict="none", rest=(), refitted=refitted, refit_refused="No.")
-    assert "It multiplies" not in summary(refused)
+    assert "Largest factors" not in summary(refused)
 
 
 def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):

@@ -268,12 +268,12 @@ def refit_words(diagnosis: Diagnosis) -> str:
         if factor.ci95 is not None and not factor.ci95[0] <= 1 <= factor.ci95[1]
     }
     largest = sorted(changed, key=lambda path: -abs(log(changed[path].value)))[:_MOST_FACTORS]
-    parts = [f"{value_words(path)} by {parameter_text(changed[path])}" for path in largest]
+    parts = [f"{value_words(path)} {parameter_text(changed[path])}" for path in largest]
     if not parts or diagnosis.refit_refused:
         return ""
     return (
-        f"It multiplies most: {'; '.join(parts)}. If one is implausible, correct the model file "
-        "and reconcile again."
+        f"Largest factors on values of the model: {'; '.join(parts)}. If one is implausible, "
+        "correct the model file and reconcile again."
     )
 
 

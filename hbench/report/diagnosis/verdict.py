@@ -27,6 +27,7 @@ from hbench.report.diagnosis.sentences import (
 )
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number
+from hbench.report.render.symbols import capital
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:
@@ -50,9 +51,12 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
 def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State an effect, its largest changes, and what it does to held-out runs."""
     name = in_words(effect.name)
-    finding = f"The model does not contain {name}: {effect.description}."
+    missing = f"the model does not contain {name}"
     if effect.of_sensor:
-        finding = f"The instruments have an error, {name}: {effect.description}."
+        missing = f"the instruments have an error, {name}"
+    if effect.gap_after >= effect.gap_before:
+        missing = f"by cross-validation, {missing}"
+    finding = f"{capital(missing)}: {effect.description}."
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     changes = largest_words(practice) if practice else ""
     size = f"It changes {changes}." if changes else f"Found: {coefficients_words(effect)}."

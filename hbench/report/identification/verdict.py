@@ -4,7 +4,7 @@ from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
 from hbench.report.identification.text import undetermined_words
-from hbench.report.render.numbers import number, significant
+from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import listed
 
 
@@ -36,10 +36,10 @@ def _range(identification: Identification) -> str:
     """Return the measured steady friction, with which an error compares; empty without curves."""
     curves = [along.curve for along in identification.steady]
     friction = [abs(point.friction_n) for curve in curves for point in curve.points]
-    ends = " to ".join(
-        dict.fromkeys(number(end) for end in (min(friction, default=0), max(friction, default=0)))
-    )
-    return f"; the measured steady friction is {ends} N" if friction else ""
+    if not friction:
+        return ""
+    low, high = (significant(end, 3) for end in (min(friction), max(friction)))
+    return f"; the measured steady friction is {low} to {high} N"
 
 
 def _next_step(identification: Identification) -> str:
