@@ -293,6 +293,15 @@ def test_overlays_are_shown_in_the_benchs_units_with_what_they_are_off(named):
     assert "(bar)" in left.get_ylabel()
 
 
+def test_a_figure_of_a_held_out_run_says_what_the_run_was_and_why_it_is_shown(named, drawings):
+    shown = [drawing for drawing in drawings if drawing.section == "overlay"]
+    plans = {each.plan.run: each.plan for each in named.gap_runs}
+    for drawing, run in zip(shown, dict.fromkeys(o.run for o in named.overlays), strict=True):
+        speed = f"{1e3 * plans[run].v_ref_m_s:.0f} mm/s".replace("-", "−")
+        assert drawing.title.startswith(f"Run {run}: ") and speed in drawing.title
+        assert "these gaps shrink most" in drawing.caption
+
+
 def test_figures_are_the_same_twice(named):
     assert render(maps_figure(named)) == render(maps_figure(named))
 

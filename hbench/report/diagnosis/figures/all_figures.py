@@ -20,7 +20,7 @@ from hbench.report.diagnosis.figures.law_figures import law_figure
 from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
 from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure, worst
 from hbench.report.diagnosis.law_words import law_title
-from hbench.report.diagnosis.names import balance, compared_model, of_strokes
+from hbench.report.diagnosis.names import balance, compared_model, of_strokes, steps_of
 from hbench.report.diagnosis.run_gaps import plan_words
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
@@ -71,6 +71,7 @@ _OVERLAY = (
     "A held-out run as measured, and as simulated with the same firmware in closed loop. Right: "
     "simulated less measured."
 )
+_CHOSEN = " Of all held-out runs and signals, these gaps shrink most by what is added to the model."
 _RANKING = (
     "Score of each candidate by cross-validation, and the share of the excess gap that it "
     "explains in the balances that it touches. No gain: it predicts these points no better. "
@@ -118,7 +119,8 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
     plans = {run_gap.plan.run: run_gap.plan for run_gap in diagnosis.gap_runs}
     for run, figure in overlay_figures(diagnosis).items():
         title = f"Run {run}: {plan_words(plans[run])}" if run in plans else f"Run {run}"
-        yield "overlay", f"run {run}", title, _OVERLAY, figure
+        chosen = _CHOSEN if "after" in steps_of(diagnosis) else ""
+        yield "overlay", f"run {run}", title, _OVERLAY + chosen, figure
     if diagnosis.ranking:
         yield "ranking", "ranking", "Candidates", _RANKING, ranking_figure(diagnosis)
     if diagnosis.refitted:
