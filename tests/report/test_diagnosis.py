@@ -18,7 +18,7 @@ from hbench.model.effects.catalogue import read_effects
 from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
 from hbench.reconcile.measured.balances import BALANCE_UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
-from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance
+from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance, Region
 from hbench.report.diagnosis import names as words
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
 from hbench.report.diagnosis.figures.all_figures import draw_diagnosis
@@ -246,6 +246,16 @@ def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
     for axes, regions in sides:
         assert axes.texts[0].get_text() == f"{regions[0].gaps[named.where[0].name]:.1f}"
         assert axes.images[0].get_clim() == panels[0].images[0].get_clim()
+
+
+def test_a_narrow_region_has_bounds_of_more_digits_and_a_single_value_is_one_number(named):
+    ends = {(50.0, 50.0): "0.0500", (145.0, 149.0): "0.145\nto\n0.149", (-500.0, 600.0): None}
+    regions = tuple(
+        Region("load_n", "", low, high, 9, dict(named.regions[0].gaps)) for low, high in ends
+    )
+    labels = region_figure(replace(named, regions=regions)).axes[0].get_xticklabels()
+    texts = [label.get_text() for label in labels]
+    assert texts == [*list(ends.values())[:2], "−0.5\nto\n0.6"]
 
 
 def _contrast(one, other):

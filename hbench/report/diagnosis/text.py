@@ -167,16 +167,18 @@ def alternatives_table(diagnosis: Diagnosis) -> WordTable:
 
 def where_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances of the model before any effect, the worst first."""
-    return _gaps_table(f"Balances of the {compared_model(diagnosis)}, all runs", diagnosis.where)
+    return _gaps_table(
+        diagnosis, f"Balances of the {compared_model(diagnosis)}, all runs", diagnosis.where
+    )
 
 
 def rest_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances that the effects do not explain; no rows without effects."""
     gaps = diagnosis.rest if diagnosis.effects else ()
-    return _gaps_table("Balances that the effects do not explain, all runs", gaps)
+    return _gaps_table(diagnosis, "Balances that the effects do not explain, all runs", gaps)
 
 
-def _gaps_table(title: str, gaps: Sequence[Gap]) -> WordTable:
+def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTable:
     rows = tuple(
         (
             balance(gap.name).title,
@@ -191,7 +193,8 @@ def _gaps_table(title: str, gaps: Sequence[Gap]) -> WordTable:
         for gap in gaps
     )
     units = ("trial scatter", "deviation", "matters above", "tolerances allow")
-    head = ("balance", "gap", "structured", "p (Holm)", *units, "windows")
+    windows = "loads" if of_strokes(diagnosis) else "windows"
+    head = ("balance", "gap", "structured", "p (Holm)", *units, windows)
     kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
     known = tuple(tuple(row[i] for i in kept) for row in rows)
     return WordTable(title, tuple(head[i] for i in kept), known)

@@ -26,7 +26,7 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.text import with_total
 from hbench.report.render import style
-from hbench.report.render.numbers import number, short
+from hbench.report.render.numbers import number, short, significant
 from hbench.report.render.series import behind
 from hbench.report.render.symbols import capital
 
@@ -159,7 +159,10 @@ def _bounds(region: Region) -> str:
     axis = AXES[region.axis]
     low, high = (shown(value, axis) for value in (region.low, region.high))
     decimals = 1 if axis.unit in ("kN", "s") else 0
-    return f"{number(low, decimals)}\nto\n{number(high, decimals)}"
+    ends = [number(end, decimals) for end in (low, high)]
+    if ends[0] == ends[1]:  # a narrow stretch, as of strokes at one load
+        ends = list(dict.fromkeys(significant(end, 3) for end in (low, high)))
+    return "\nto\n".join(ends)
 
 
 def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
