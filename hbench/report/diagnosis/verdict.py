@@ -15,6 +15,7 @@ from hbench.report.diagnosis.names import (
     in_sentence,
     in_words,
     keys_in_words,
+    of_strokes,
     p_equation,
 )
 from hbench.report.diagnosis.sentences import (
@@ -60,7 +61,18 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     changes = largest_words(practice) if practice else ""
     size = f"It changes {changes}." if changes else f"Found: {coefficients_words(effect)}."
-    return f"{finding} {size} {gap_change(diagnosis, effect)}"
+    return f"{finding} {size} {_improvement(diagnosis, effect)}"
+
+
+def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
+    """State what an effect does to the deviation of the model, without the page's own terms."""
+    if effect.gap_after >= effect.gap_before:
+        return gap_change(diagnosis, effect)
+    runs = "all runs" if of_strokes(diagnosis) else "runs that were not used for the fit"
+    return (
+        f"With it, the model's deviation in {runs} falls from {number(effect.gap_before, 1)} to "
+        f"{number(effect.gap_after, 1)} times the repeatability of the bench."
+    )
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
