@@ -182,7 +182,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
         "The model does not contain internal leakage: oil leaks.",
         "It changes the flow to the piston side of the test cylinder (Tp) by up to 0.35 l/min, "
         "the speed by up to 4.6 mm/s and the friction of the load cylinder by up to 9.0 N.",
-        "in runs that were not used for the fit falls from 16.7 to 1.6 times the repeatability",
+        "falls from 16.7 to 1.6 times the repeatability of the bench, in runs that were not used",
         "Next, inspect the piston seal.",
     )
     places = [text.index(part) for part in order]
@@ -270,7 +270,7 @@ def test_strokes_have_words_of_their_own_and_gaps_of_all_runs(named):
     )
     assert "Tolerances allow" not in page
     verdict = verdict_words(found)
-    assert "the model's deviation in all runs falls from 16.7 to 1.6 times" in verdict
+    assert "falls from 16.7 to 1.6 times the repeatability of the bench, in all runs." in verdict
     assert verdict.endswith(
         "Next, inspect the seal. To separate the others, inspect part direction_asymmetry or part "
         "load_cell_gain."

@@ -70,8 +70,9 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
         return gap_change(diagnosis, effect)
     runs = "all runs" if of_strokes(diagnosis) else "runs that were not used for the fit"
     return (
-        f"With it, the model's deviation in {runs} falls from {number(effect.gap_before, 1)} to "
-        f"{number(effect.gap_after, 1)} times the repeatability of the bench."
+        "With it, the model's deviation in these quantities falls from "
+        f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)} times the repeatability "
+        f"of the bench, in {runs}."
     )
 
 
