@@ -19,6 +19,7 @@ from hbench.reconcile.evidence import (
     cross_validate,
     log_likelihood,
     maximum_likelihood,
+    random_signs,
 )
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
@@ -38,8 +39,10 @@ from hbench.records import Candidate
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 
 TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogue's order
-NULLS = 200  # random null data sets
-_QUANTILE = 0.98  # of the largest null scores
+NULLS = 50  # random null data sets
+_FEW_NULLS = 10  # suffice where a score is far above the threshold that they give
+_FAR = 3.0  # times this threshold
+_FALSE = 0.05  # probability that a round of a search accepts an effect where none is missing
 _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger one counts
 _REFIT_ROUNDS = 16  # steps, or new columns
 _FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it
@@ -55,9 +58,17 @@ class AcceptanceCriteria:
     explained: float  # share of the excess gap in the balances that the effect touches
     size: float  # largest coefficient, in typical sizes
 
-    def threshold(self, null_scores: np.ndarray) -> float:
-        """Return the score to exceed, from the largest scores (n,) of null data sets."""
-        return max(self.score, float(np.quantile(null_scores, _QUANTILE)))
+    def threshold(self, null_scores: np.ndarray, families: int) -> float:
+        """Return the score to exceed, from the largest scores (n,) of a family of candidates.
+
+        The ``null_scores`` are of null data sets. One in 20 rounds without a missing effect has a
+        higher score in any of its ``families`` (Bonferroni). The tail above the median is taken as
+        exponential, as a gain in ln L has it (Wilks).
+        """
+        median = float(np.median(null_scores))
+        above = null_scores[null_scores > median]
+        tail = float(above.mean()) - median if len(above) else 0.0
+        return max(self.score, median + tail * float(np.log(0.5 * families / _FALSE)))
 
     def accepts(self, candidate: Candidate) -> bool:
         """Return whether a candidate exceeds its own threshold and meets the other criteria."""
@@ -77,17 +88,22 @@ def ambiguity_margin(best: float) -> float:
     return max(_AMBIGUOUS_NATS, _AMBIGUOUS_SHARE * best)
 
 
+def is_close(candidate: Candidate, best: Candidate) -> bool:
+    """Return whether a candidate's score is close to that of the ``best`` one."""
+    return candidate.score >= best.score - ambiguity_margin(best.score)
+
+
 def indistinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
     """Return the candidates whose scores are close to that of the first, the best one.
 
     An effect on other balances is no rival: it explains something else.
     """
     best = accepted[0]
-    least, balances = best.score - ambiguity_margin(best.score), EFFECTS[best.name].balances
+    balances = set(EFFECTS[best.name].balances)
     return tuple(
         each
         for each in accepted
-        if each.score >= least and not set(balances).isdisjoint(EFFECTS[each.name].balances)
+        if is_close(each, best) and not balances.isdisjoint(EFFECTS[each.name].balances)
     )
 
 
@@ -203,6 +219,26 @@ class CandidateEvaluator:
     ) -> np.ndarray:
         """Return a candidate's score (b,) about a model, or its scores on nulls."""
         return self._comparison(model, added, name).score(signs)
+
+    def null_threshold(
+        self,
+        model: LinearisedModel,
+        added: Sequence[str],
+        family: Sequence[str],
+        score: float,
+        families: int,
+    ) -> float:
+        """Return what a ``score`` must exceed: the threshold of the ``family`` of candidates.
+
+        Null data sets are the residuals of ``model`` with random signs.
+        """
+        signs = random_signs(NULLS, len(model.gap_map.points), seed=1)
+        for few in (signs[:_FEW_NULLS], signs):
+            scores = [self.score_of(model, added, name, few) for name in family]
+            threshold = CRITERIA.threshold(np.max(scores, axis=0, initial=0.0), families)
+            if score > _FAR * threshold:
+                break
+        return threshold
 
     def _comparison(self, model: LinearisedModel, added: Sequence[str], name: str) -> Comparison:
         """Return the comparison of the fits without and with a candidate."""

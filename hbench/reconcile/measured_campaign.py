@@ -31,7 +31,12 @@ from hbench.reconcile.steps import stepped
 
 _STEP = 1e-3  # of a logarithm
 _SHARE = 0.05  # of a typical size: its law is nearly a line over this step
-_COLUMN_STEP_S = 2.5e-3  # of the laws' states: derivatives need not be as exact as residuals
+_COLUMN_STEP_S = 5e-3  # of the laws' states: derivatives need not be as exact as residuals
+_LAGS = frozenset(  # columns of times as short as such a step
+    ["/valve.bandwidth"]
+    + [f"{name}.{key}" for name, row in EFFECTS.items() for key, c in row.coefficients.items()
+       if c.unit == "ms"]
+)  # fmt: skip
 _LEVEL_SCATTER = 0.04  # of dry friction from run to run, standard deviation: assumed
 
 
@@ -64,9 +69,6 @@ class MeasuredCampaign:
     def balance_model(self, hypothesis: Hypothesis) -> BalanceModel:
         """Return the balances' model of a hypothesis."""
         return balance_model(self.bench, hypothesis.plant(self.plant))
-
-    def _coarse_model(self, hypothesis: Hypothesis) -> BalanceModel:
-        return replace(self.balance_model(hypothesis), step_s=_COLUMN_STEP_S)
 
     def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
         """Return the residuals of all runs, with the levels of friction that are not known.
@@ -132,22 +134,31 @@ class MeasuredCampaign:
 
         By finite differences along the logs, on all cores; those of learned laws directly.
         """
-        coarse, wanted = self._coarse_model(hypothesis), list(names)
+        wanted, model = list(names), self.balance_model(hypothesis)
+        coarse = replace(model, step_s=_COLUMN_STEP_S)
         differences = [name for name in wanted if not is_mode(name)]
         modes: dict[str, np.ndarray] = {}
         for i in dict.fromkeys(mode_of(name)[0] for name in wanted if is_mode(name)):
             modes |= table_columns(hypothesis.tables[i], i, self.smoothed_sessions, coarse)
-        before = _values(self.smoothed_sessions, coarse)
+        before = {
+            each.step_s: _values(self.smoothed_sessions, each)
+            for each in (coarse, *([model] if _LAGS.intersection(wanted) else []))
+        }
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             columns = pool.map(lambda name: self._column(hypothesis, name, before), differences)
             found = dict(zip(differences, columns, strict=True)) | modes
         return {name: found[name] for name in wanted}
 
-    def _column(self, hypothesis: Hypothesis, name: str, before: np.ndarray) -> np.ndarray:
+    def _column(
+        self, hypothesis: Hypothesis, name: str, before: Mapping[float, np.ndarray]
+    ) -> np.ndarray:
+        """Return a column; ``before`` are the residuals at the hypothesis, by step."""
         size = _STEP if name.startswith("/") else _SHARE
         at_step, share = stepped(hypothesis, name, nuisances(self.plant), size)
-        after = _values(self.smoothed_sessions, self._coarse_model(at_step))
-        change = (before - after) / share
+        model = self.balance_model(at_step)
+        if name not in _LAGS:
+            model = replace(model, step_s=_COLUMN_STEP_S)
+        change = (before[model.step_s] - _values(self.smoothed_sessions, model)) / share
         if name.startswith("/"):
             return change
         touched = np.isin(BALANCES, EFFECTS[name.partition(".")[0]].balances)

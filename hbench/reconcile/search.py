@@ -4,12 +4,18 @@ Each candidate is first evaluated about the refitted model by its columns (``evi
 best are then evaluated in full, at their fitted coefficients. An effect is added if, by
 cross-validation over operating points,
 
-    its score exceeds 5 nats and the 98 % quantile of the largest null score: null data sets are the
-    candidate's own residuals with random signs, over all candidates for the same balances,
+    its score exceeds 5 nats and what candidates for the same balances score on null data sets: the
+    candidate's own residuals with random signs,
     it explains more than a quarter of the excess gap in the balances it touches, and
     its coefficient is at least a third of the typical size, and beyond its tolerance.
 
 Candidates whose scores are close to the best one form an ambiguous set, and none is added.
+
+In a round without a missing effect a null score exceeds its threshold with a probability of 5 %,
+over all candidates, and the search ends with the first round that adds none. The expected share of
+false names is then below 5 % (ForwardStop: G'Sell, Wager, Chouldechova and Tibshirani, Journal of
+the Royal Statistical Society B 78, 2016), as far as random signs imitate residuals without an
+effect.
 
 After each addition the earlier effects are evaluated again beside the others, and dropped where
 they no longer meet these criteria. At the end the effects found are refined: refitted with the
@@ -26,13 +32,13 @@ from hbench.analysis.rounding import ranked
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.candidates import (
     CRITERIA,
-    NULLS,
     TIE,
     CandidateEvaluator,
     EvaluatedCandidate,
     indistinguishable,
+    is_close,
 )
-from hbench.reconcile.evidence import log_likelihood, random_signs
+from hbench.reconcile.evidence import log_likelihood
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, shape_coefficients
 from hbench.reconcile.learned.table import LawFound
@@ -201,29 +207,29 @@ class CampaignSearch(CandidateEvaluator):
             name for name in self.candidates if name not in added and model.coefficients_of([name])
         ]
         linear = _best_first(self._evaluate_linearly(model, added, name) for name in names)
-        best = linear[0].candidate.score if linear else 0.0
-        least = max(_LEAST_SHARE * best, _LEAST_PROMISING * CRITERIA.score)
+        highest = linear[0].candidate.score if linear else 0.0
+        least = max(_LEAST_SHARE * highest, _LEAST_PROMISING * CRITERIA.score)
         promising = [each.candidate.name for each in linear if each.candidate.score > least]
         in_full = {
             name: self._evaluate_in_full(model, added, name) for name in promising[:_MOST_IN_FULL]
         }
-        evaluated = _best_first(
-            self._with_threshold(in_full.get(each.candidate.name, each), added, names)
-            for each in linear
-        )
-        accepted = {
-            each.candidate.name: (each.candidate, each.model)
-            for each in evaluated
-            if each.model and CRITERIA.accepts(each.candidate)
-        }
+        evaluated = list(_best_first(in_full.get(each.candidate.name, each) for each in linear))
+        accepted: dict[str, EvaluatedCandidate] = {}
+        for i, each in enumerate(evaluated):
+            if accepted and not is_close(each.candidate, next(iter(accepted.values())).candidate):
+                break  # it is neither the best one nor a rival
+            evaluated[i] = tested = self._with_threshold(each, added, names)
+            if tested.model and CRITERIA.accepts(tested.candidate):
+                accepted[tested.candidate.name] = tested
         if not accepted:
-            return SearchStep(model, evaluated, None, ()), None
-        ambiguous = indistinguishable([candidate for candidate, _ in accepted.values()])
+            return SearchStep(model, tuple(evaluated), None, ()), None
+        ambiguous = indistinguishable([each.candidate for each in accepted.values()])
         if len(ambiguous) > 1:
-            return SearchStep(model, evaluated, None, ambiguous), None
-        name, (_, with_effect) = next(iter(accepted.items()))
-        step = SearchStep(model, evaluated, name, ())
-        return step, self.refit(with_effect, (*added, name))
+            return SearchStep(model, tuple(evaluated), None, ambiguous), None
+        name, best = next(iter(accepted.items()))
+        assert best.model is not None  # it was evaluated in full
+        step = SearchStep(model, tuple(evaluated), name, ())
+        return step, self.refit(best.model, (*added, name))
 
     def _with_threshold(
         self, evaluated: EvaluatedCandidate, added: tuple[str, ...], names: Sequence[str]
@@ -236,13 +242,10 @@ class CampaignSearch(CandidateEvaluator):
         candidate, model = evaluated.candidate, evaluated.model
         if model is None or not CRITERIA.accepts(candidate):
             return evaluated
-        signs = random_signs(NULLS, len(model.gap_map.points), seed=1)
-        largest, null = np.zeros(NULLS), model.about_itself([candidate.name])
         balances = set(EFFECTS[candidate.name].balances)
-        for name in names:
-            if balances.issuperset(EFFECTS[name].balances):
-                largest = np.maximum(largest, self.score_of(null, added, name, signs))
-        threshold = CRITERIA.threshold(largest)
+        family = [name for name in names if balances.issuperset(EFFECTS[name].balances)]
+        null = model.about_itself([candidate.name])
+        threshold = self.null_threshold(null, added, family, candidate.score, families=len(names))
         return replace(evaluated, candidate=replace(candidate, threshold=threshold))
 
 

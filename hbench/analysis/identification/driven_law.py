@@ -51,7 +51,18 @@ def _along(
 
 
 @inlined
-def within(before: float, mean: float, after: float, s: float) -> float:
-    """Value at a part ``s`` of an interval, from its mean and those of its neighbours."""
+def parabola(before: float, mean: float, after: float) -> tuple[float, float, float]:
+    """Coefficients a, b, c of a + b s + c s^2 over an interval, 0 <= s <= 1.
+
+    From its mean and those of its neighbours, which give the values at its ends.
+    """
     first, final = 0.5 * (before + mean), 0.5 * (mean + after)
-    return first + s * (final - first + 6.0 * (1.0 - s) * (mean - 0.5 * (first + final)))
+    bend = 6.0 * (mean - 0.5 * (first + final))
+    return first, final - first + bend, -bend
+
+
+@inlined
+def within(before: float, mean: float, after: float, s: float) -> float:
+    """Value of this parabola at a part ``s`` of the interval."""
+    first, slope, bend = parabola(before, mean, after)
+    return first + s * (slope + s * bend)

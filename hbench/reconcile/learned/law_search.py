@@ -126,7 +126,7 @@ def score_to_exceed(
     largest = np.zeros(NULLS)
     for other in [*_tables(one, 1), *([table] if len(table.knots) > 1 else [])]:
         largest = np.maximum(largest, null.score(other, points, signs))
-    return CRITERIA.threshold(largest)
+    return CRITERIA.threshold(largest, families=len(BALANCES))
 
 
 def _tables(one: BalanceProducts, count: int) -> list[Table]:

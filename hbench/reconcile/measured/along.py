@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.identification.driven_law import within
+from hbench.analysis.identification.driven_law import parabola
 from hbench.model.compiled import compiled, inlined
 from hbench.model.cylinders import extending_volumes, retracting_volumes
 from hbench.model.effects.applied import flow_effects, friction_effects, oil, openings
@@ -38,7 +38,7 @@ class AlongLog(NamedTuple):
     """Means over each record of a log of n records, for the chambers Tp, Tr, Lp, Lr."""
 
     per_volume: np.ndarray  # (4, n) Q / V [1/s]
-    log_volume: np.ndarray  # (4, n) ln(V / 1 m^3)
+    log_volume: np.ndarray  # (4, n) ln(V / 1 m^3) at the mean position
     compression: np.ndarray  # (4, n) integral of dP / beta since the start [1]
     drawn: np.ndarray  # (n,) flow from the supply line [m^3/s]
     supply_pa: np.ndarray  # (n,) supply pressure of a source without pump
@@ -83,12 +83,13 @@ def along(
     elements = len(par.test.friction.elements), len(par.load.friction.elements)
     z = [np.zeros(2 * count) for count in elements]
     work = [np.zeros((2, 2 * count)) for count in elements]
-    scratch = np.zeros((4, n_states(par))), np.zeros((3, 2)), np.zeros(SIGNALS)
-    out = np.zeros((16, signals.shape[1]))
+    scratch = np.zeros((4, n_states(par))), np.zeros((3, 2)), np.zeros((SIGNALS, 3))
+    out = np.zeros((12, signals.shape[1]))
     _integrate_logs(
         signals, h, steps, _spool_step(par.valve, h), par, levels, *starts, *z, *work, *scratch, out
     )
-    return AlongLog(out[:4], out[4:8], out[8:12], out[12], out[13], out[14], out[15])
+    volumes = (*extending_volumes(signals[X], par.test), *retracting_volumes(signals[X], par.load))
+    return AlongLog(out[:4], np.log(volumes), out[4:8], *out[8:])
 
 
 @cache
@@ -148,7 +149,7 @@ def _integrate_logs(
     work_l: np.ndarray,
     scratch: np.ndarray,
     spools: np.ndarray,
-    now: np.ndarray,
+    curves: np.ndarray,
     out: np.ndarray,
 ) -> None:
     state, first = scratch[3], bristles_end(par)
@@ -171,7 +172,7 @@ def _integrate_logs(
         z_l[0] = deflection_under(friction_n[r, 1] - more_l, v, par.load.friction)
         _integrate(
             signals, start, stop, h, steps, a, par, levels, state, spools, z_t, z_l, work_t, work_l,
-            scratch, now, out,
+            scratch, curves, out,
         )  # fmt: skip
 
 
@@ -192,7 +193,7 @@ def _integrate(
     work_t: np.ndarray,
     work_l: np.ndarray,
     scratch: np.ndarray,
-    now: np.ndarray,
+    curves: np.ndarray,
     out: np.ndarray,
 ) -> None:
     first, end = bristles_end(par), len(state)
@@ -204,15 +205,17 @@ def _integrate(
     )  # fmt: skip
     for k in range(start, stop):
         before, after = max(k - 1, start), min(k + 1, stop - 1)
+        for j in range(len(curves)):
+            curves[j, 0], curves[j, 1], curves[j, 2] = parabola(
+                signals[j, before], signals[j, k], signals[j, after]
+            )
         for i in range(steps):
             s = (i + 0.5) * share
-            for j in range(len(now)):
-                now[j] = within(signals[j, before], signals[j, k], signals[j, after], s)
             for j in range(6):
-                state[j] = now[j]
-            state[P_S] = now[_SUPPLY]
+                state[j] = _at(curves[j], s)
+            state[P_S] = _at(curves[_SUPPLY], s)
             for j in range(3):
-                command = clamp(now[_COMMANDS + j], par.valve.limit_v)
+                command = clamp(_at(curves[_COMMANDS + j], s), par.valve.limit_v)
                 off, rate = spools[j, 0] - command, spools[j, 1]
                 spools[j, 0] = command + a[0, 0] * off + a[0, 1] * rate
                 spools[j, 1] = a[1, 0] * off + a[1, 1] * rate
@@ -252,22 +255,24 @@ def _integrate(
             out[1, k] += share * q.tr / v_tr
             out[2, k] += share * q.lp / v_lp
             out[3, k] += share * q.lr / v_lr
-            out[4, k] += share * np.log(v_tp)
-            out[5, k] += share * np.log(v_tr)
-            out[6, k] += share * np.log(v_lp)
-            out[7, k] += share * np.log(v_lr)
-            out[8, k] += share * c_tp
-            out[9, k] += share * c_tr
-            out[10, k] += share * c_lp
-            out[11, k] += share * c_lr
-            out[12, k] += share * q.drawn
-            out[13, k] += share * mean
-            out[14, k] += share * f_t
-            out[15, k] += share * f_l
+            out[4, k] += share * c_tp
+            out[5, k] += share * c_tr
+            out[6, k] += share * c_lp
+            out[7, k] += share * c_lr
+            out[8, k] += share * q.drawn
+            out[9, k] += share * mean
+            out[10, k] += share * f_t
+            out[11, k] += share * f_l
             if moving:
                 supply = mean + _change_from_mean(rates[P_S], slopes[P_S], h)
                 for j in range(first, end):
                     state[j] += _change_from_mean(rates[j], slopes[j], h)
+
+
+@inlined
+def _at(curve: np.ndarray, s: float) -> float:
+    """Return a parabola's value at a part ``s`` of its interval."""
+    return curve[0] + s * (curve[1] + s * curve[2])
 
 
 @inlined

@@ -172,7 +172,7 @@ def operating_conditions(
     p_lp, p_lr = session.channels["p_lp_pa"], session.channels["p_lr_pa"]
     load = model.par.load
     f_load = session.mean(p_lp * load.area_piston_m2 - p_lr * load.area_rod_m2)
-    measured = np.array([run.p_lp_pa is not None for run in session.runs])
+    measured = session.measured["p_lp_pa"]
     return (
         session.mean(session.channels["t_s"]) - starts,
         session.mean(session.channels["x_m"]),
@@ -210,7 +210,9 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
 
 def _compared(session: Session, model: BalanceModel) -> np.ndarray:
     """Return which balances (r, 8) the channels of each run determine."""
-    has = np.array([[not channels_missing(run, name) for name in BALANCES] for run in session.runs])
+    has = np.column_stack(
+        [np.all([session.measured[name] for name in _CHANNELS[each]], axis=0) for each in BALANCES]
+    )
     if model.velocity_lag_s is None:
         has[:, BALANCES.index("kinematics")] = False
     if model.par.supply.has_pump:  # its flow is compared with that of the valves

@@ -43,6 +43,14 @@ class Session:
         return np.repeat(np.arange(len(self.runs)), self.counts)
 
     @cached_property
+    def measured(self) -> dict[str, np.ndarray]:
+        """Whether each run has a channel (r,), by field of ``Run``."""
+        return {
+            name: np.array([getattr(run, name) is not None for run in self.runs])
+            for name in self.channels
+        }
+
+    @cached_property
     def _samples(self) -> np.ndarray:
         """Samples (w, k) of each window."""
         starts = [

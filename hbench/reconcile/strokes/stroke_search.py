@@ -173,7 +173,9 @@ def _step(
     evaluated = [
         search.evaluate(model, added, names) for search, model in zip(searches, models, strict=True)
     ]
-    threshold = _CRITERIA.threshold(_largest_null_scores(searches, models, added, names))
+    threshold = _CRITERIA.threshold(
+        _largest_null_scores(searches, models, added, names), families=2
+    )
     summed = (
         replace(
             evaluated[0][name].candidate,
