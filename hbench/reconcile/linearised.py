@@ -174,6 +174,14 @@ def hypothesis_at(
         else:
             effect, _, key = name.partition(".")
             which = effect, key
-            values[which] = before.coefficient(which) + step * typical_size(which)
+            values[which] = _allowed(which, before.coefficient(which) + step * typical_size(which))
     changed = replace(before, factors=factors, tables=tuple(tables))
     return changed.with_coefficients(values)
+
+
+def _allowed(which: CoefficientKey, value: float) -> float:
+    """Return a coefficient [SI] that a file may contain: a step from 0 may end below the limit."""
+    row = EFFECTS[which[0]].coefficients[which[1]]
+    if value == row.to_si(row.default):
+        return value
+    return min(max(value, row.to_si(row.low)), row.to_si(row.high))

@@ -496,3 +496,12 @@ def test_steps_are_taken_in_priors_and_typical_sizes(measured):
     some = hypothesis_at(model, measured.plant, [len(paths)], np.array([2.0]))
     assert some.factors == {paths[0]: 1.2} and DROOP[0] not in some.effects
     assert some.coefficient(LEAK) == pytest.approx(1e-12 + 2 * typical_size(LEAK))
+
+
+@pytest.mark.parametrize(("step", "ms"), [(0.02, 0.1), (1.0, 3.0), (50.0, 100.0), (0.0, 0.0)])
+def test_a_step_ends_at_a_value_that_a_plant_file_may_contain(measured, step, ms):
+    """A lag of a valve is 0, or 0.1 to 100 ms; its typical size is 3 ms."""
+    model = linearise(measured, Hypothesis(), measured.columns(Hypothesis(), ["valve_lag.time"]))
+    found = hypothesis_at(model, measured.plant, [0], np.array([step]))
+    assert found.coefficient(("valve_lag", "time")) == pytest.approx(1e-3 * ms)
+    read_effects(found.section())
