@@ -5,6 +5,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from hbench.report.render.numbers import with_minus, with_powers
+
 _WORDS = {
     "acceleration": "acceleration by default",
     "adc": "A/D converter",
@@ -34,6 +36,7 @@ _WORDS = {
     "velocity_filter": "time constant of the velocity filter",
     "youngs_modulus": "Young's modulus",
 }
+_QUANTITY = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?(?: \D.*)?$")  # a number, with its unit
 _POWER = re.compile(r"(?<=[a-z])\^([234])(?!\d)")
 _RAISED = str.maketrans("234", "²³⁴")
 
@@ -49,6 +52,8 @@ def value_words(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     text = value if isinstance(value, str) else json.dumps(value, default=str, ensure_ascii=False)
+    if _QUANTITY.match(text):
+        text = with_minus(with_powers(text))
     return _POWER.sub(lambda found: found[1].translate(_RAISED), text)
 
 

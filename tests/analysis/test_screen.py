@@ -283,10 +283,13 @@ def test_an_empty_log_is_rejected_and_raises_nothing(make_run, rules, foreign):
     assert codes(screen(empty, rules)) == ["truncated", "too_short"]
 
 
-def test_a_reason_has_its_code_once(make_run, rules):
-    run = make_run(truncated="changed: not the bytes that were written; truncated: 5 of 9 records")
-    found = next(reason for reason in screen(run, rules).reasons if reason.startswith("trunc"))
-    assert found == "truncated: 5 of 9 records; changed: not the bytes that were written"
+def test_each_kind_of_fault_of_a_log_is_a_reason_with_its_code_once(make_run, rules):
+    faults = "no last record; changed: other bytes; truncated: 5 of 9 records; and a cut word"
+    found = screen(make_run(truncated=faults), rules).reasons
+    assert found[:2] == (
+        "truncated: no last record; 5 of 9 records; and a cut word",
+        "changed: other bytes",
+    )
     run = make_run(truncated="changed: not the bytes that were written")
     assert screen(run, rules).reasons[0] == "changed: not the bytes that were written"
 

@@ -209,6 +209,17 @@ def test_the_efficiency_band_is_the_expanded_uncertainty(small):
     assert axes.get_ylim() == (0, 100)
 
 
+def test_efficiencies_of_one_trial_each_are_not_called_means_with_bars(small):
+    curve = small.efficiency[0]
+    single = replace(curve, points=tuple(replace(p, ci95=None, u95=None) for p in curve.points))
+    for curves, words in (
+        (small.efficiency, "means of the trials; bars"),
+        ((single,), "one trial"),
+    ):
+        figure = efficiency.efficiency(replace(small, efficiency=curves))["extend"]
+        assert words in ordinary_spaces(figure.get_supxlabel())
+
+
 def test_an_efficiency_that_does_not_exist_leaves_a_gap(small):
     curve = small.efficiency[0]
     missing = replace(curve.points[1], efficiency=None, sigma=None, sigma_trials=None, reason="low")

@@ -35,7 +35,7 @@ from hbench.report.campaign.page_tables import point_table
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.terminal import summary_text
 from hbench.report.render.figures import Drawing
-from hbench.report.render.style import RC
+from hbench.report.render.style import QUIET, RC
 from tests.support.report.made_page import page_html
 from tests.support.report.spaces import ordinary_spaces
 
@@ -284,6 +284,25 @@ def test_ramps_stand_on_one_figure_with_the_steady_points_of_their_load(moving):
     assert drawn["ramp 0.1 m/s²"][1] == pytest.approx([p.friction_n for p in steady.points])
     back = ramps.ramps(moving)["Retracting-−500 N"].axes[0].containers[0]
     assert (back.lines[0].get_ydata() > 0).all()
+
+
+def test_a_fit_of_a_ramp_that_is_not_determined_is_grey_and_dashed_and_none_is_no_line(moving):
+    ramp = next(c for c in moving.curves if c.kind == "ramp" and c.direction == "extend")
+    (fit, *_) = ramp.fits
+    unknown = {n: replace(p, se=None, ci95=None, at_bound=None) for n, p in fit.parameters.items()}
+    name = next(iter(unknown))
+    partly = replace(fit, parameters={**fit.parameters, name: unknown[name]})
+    looks = []
+    for each in (partly, replace(fit, parameters=unknown)):
+        curves = (replace(ramp, fits=(each,)),)
+        (figure,) = ramps.ramps(replace(moving, curves=curves)).values()
+        lines = [
+            line for line in figure.axes[0].lines if str(line.get_label()).startswith("_tustin")
+        ]
+        drawn = [(line.get_linestyle(), line.get_color() == QUIET) for line in lines]
+        words = ordinary_spaces(figure.get_supxlabel())
+        looks.append((drawn, "Grey, dashed" in words, "No line" in words))
+    assert looks == [([("--", True)], True, False), ([], False, True)]
 
 
 def test_differences_that_stand_are_filled_and_others_hollow(moving):

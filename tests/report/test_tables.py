@@ -23,6 +23,8 @@ from hbench.report.campaign.tables import (
     runs_csv,
 )
 from hbench.report.campaign.terminal import summary_text
+from hbench.report.render.numbers import with_minus
+from hbench.report.setting_words import value_words
 
 NUMBER = (int, float)
 MAYBE = (int, float, type(None))
@@ -291,3 +293,15 @@ def test_factors_have_a_column_in_every_table_of_series(request, campaign, serie
     assert table.columns[list(table.columns).index("label") + 1] == "factor_oil"
     assert table["factor_oil"].iloc[0] == "HLP 46" and table["factor_oil"].isna().any()
     assert "factor_oil" not in write(results)
+
+
+def test_settings_and_reasons_have_powers_of_ten_and_minus_signs():
+    assert value_words("1.25e-5 V/(Pa s)") == "1.25·10⁻⁵ V/(Pa s)"
+    assert value_words(6.5e-05) == "6.5·10⁻⁵"
+    assert value_words("-10 V") == "−10 V"
+    assert value_words("20 mm^2") == "20 mm²"
+    for kept in ("2026-01-05", "1e2-file", "NBR-70", "44dee5e123"):
+        assert value_words(kept) == kept
+    assert with_minus("u_L2 is at its minimum, -10.0 V; 1-2") == (
+        "u_L2 is at its minimum, −10.0 V; 1-2"
+    )

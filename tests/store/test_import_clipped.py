@@ -85,5 +85,5 @@ def test_a_clipped_stroke_is_rejected_with_channel_and_value(tmp_path, clock):
     (reason,) = cut.reasons
     assert reason.startswith("sensor_saturated: in ")
     assert "P_Tp" in reason and reason.endswith("31.0 bar")
-    assert any("2.csv: p_tp_pa: clipped at 3.102e+06 Pa" in note for note in results.notes)
+    assert any("2.csv: p_tp_pa: clipped at 31.02 bar" in note for note in results.notes)
     assert results.curves[0].points[0].trials == (1,)

@@ -102,7 +102,7 @@ def test_a_clipped_sample_of_a_faster_channel_marks_its_mean(bring_in):
     held = np.array([(p[abs(t - FAST) < 5] == 80).any() for t in 1e3 * run.t_s])
     assert 10 < held.sum() < 100
     np.testing.assert_array_equal(run.sensor_saturated, held)
-    assert any("p_tp_pa: clipped at 8e+06 Pa" in note for note in notes)
+    assert any("p_tp_pa: clipped at 80 bar" in note for note in notes)
 
 
 @pytest.mark.parametrize(

@@ -129,7 +129,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     if run.aborted:
         yield f"aborted: {run.aborted}"
     if run.truncated:
-        yield _of_log(run.truncated)
+        yield from _of_log(run.truncated)
     missing = missing_friction_channels(run)
     if KINDS[run.plan.kind].is_at_rest:
         missing = [name for name in missing if name != "f_applied_n"]
@@ -152,14 +152,15 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
         yield f"{reason}; {sensors}" if sensors else reason
 
 
-def _of_log(faults: str) -> str:
-    """Return the most fundamental fault of a log, with the others behind it."""
-    parts = faults.split("; ")
-    codes = [part.partition(": ")[0] for part in parts]
-    code = next((code for code in _OF_LOG if code in codes), "truncated")
-    first = parts.pop(codes.index(code)) if code in codes else f"{code}: {parts.pop(0)}"
-    others = (part.removeprefix("truncated: ") for part in parts)
-    return "; ".join((first, *others))
+def _of_log(faults: str) -> Iterator[str]:
+    """Yield a reason for each kind of fault of a log, the most fundamental first."""
+    kinds: dict[str, list[str]] = {}
+    code = "truncated"
+    for part in faults.split("; "):
+        before, _, words = part.partition(": ")
+        code, text = (before, words) if before in _OF_LOG else (code, part)
+        kinds.setdefault(code, []).append(text)
+    yield from (f"{code}: {'; '.join(kinds[code])}" for code in _OF_LOG if code in kinds)
 
 
 def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterator[str]:

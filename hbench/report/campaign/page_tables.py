@@ -14,7 +14,14 @@ from hbench.records import (
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import CAUSES, code_of, first_reason_counts, reason_counts
 from hbench.report.campaign.series_words import TITLES, AnySeries, kind_words, load_words
-from hbench.report.render.numbers import force, number, significant, span, with_interval
+from hbench.report.render.numbers import (
+    force,
+    number,
+    significant,
+    span,
+    with_interval,
+    with_minus,
+)
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -309,7 +316,7 @@ def _run(plan: RunPlan) -> tuple[str, ...]:
 
 def _reason_words(reason: str) -> str:
     code = code_of(reason)
-    return reason.replace(code, code.replace("_", " "), 1)
+    return with_minus(reason.replace(code, code.replace("_", " "), 1))
 
 
 def _bar(pressure_pa: float | None) -> str:

@@ -69,7 +69,7 @@ def next_step(quality: Quality, parts: str, aborted: bool = False, causes: str =
     """Return what makes the checks good that are not; empty if all are.
 
     ``parts`` names the largest parts of the uncertainty and their table, as far as known;
-    ``causes`` names what to look for in rejected runs. An ``aborted`` campaign is continued first,
+    ``causes`` are sentences on the rejected runs. An ``aborted`` campaign is continued first,
     which makes its missing runs and trials; --resume refuses another bench file or schedule, so
     what changes them comes afterwards.
     """
@@ -78,7 +78,7 @@ def next_step(quality: Quality, parts: str, aborted: bool = False, causes: str =
         missing = (*missing, "complete")  # no run is missing, but trials are
     steps = [
         _STEPS[check.name].format(
-            parts=f" ({parts})" if parts else "", causes=f". Look for {causes}" if causes else ""
+            parts=f" ({parts})" if parts else "", causes=f". {causes}" if causes else ""
         )
         for check in quality.checks
         if check.grade != "good" and check.name not in missing

@@ -32,6 +32,7 @@ from hbench.report.render.numbers import (
     span,
     with_interval,
 )
+from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -178,15 +179,16 @@ def _largest(results: Results, table: str) -> str:
 
 
 def _causes(results: Results) -> str:
-    """Name what to look for, by the most frequent reasons for rejection."""
+    """Name the causes to look for of the most frequent reasons for rejection, in sentences."""
     counts = first_reason_counts(results).most_common()
     named = [
-        f"{CAUSES[code]} ({code.replace('_', ' ')}, {count} run{'' if count == 1 else 's'})"
+        f"{capital(code.replace('_', ' '))} ({count} run{'' if count == 1 else 's'}): look for "
+        f"{CAUSES[code]}"
         for code, count in counts[:_CAUSES]
         if code in CAUSES
     ]
     more = ["[[rejected]] contains the others"] if len(counts) > _CAUSES else []
-    return "; ".join([*named, *more])
+    return ". ".join([*named, *more])
 
 
 def _drift(drift: Drift | None) -> Iterable[Section]:
@@ -354,5 +356,5 @@ def _measured(results: Results) -> str:
         phrases.append("both directions" if both else "one direction")
         if not any(curve.over_velocity for curve in curves):
             pressures = [p.p_tp_pa / 1e5 for p in points if p.p_tp_pa is not None]
-            phrases += [f"chamber pressure {span(pressures)} bar"] if pressures else []
+            phrases += [f"piston-side pressure {span(pressures)} bar"] if pressures else []
     return ", ".join(phrases) + "."

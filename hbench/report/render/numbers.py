@@ -9,6 +9,9 @@ _WITH_UNIT = re.compile(
     r"|m?s|min|h|k?Hz|rad/s|dB|deg|J|kg|m?l/min(?:/bar| per bar)?|°C|K|nats)(?![\w/])"
     r"|\((?:N s/m|Pa s|ml/min per bar)\)"
 )
+_NEGATIVE = re.compile(r"(?<![\w.)-])-(?=\d)")
+_EXPONENT = re.compile(r"(?<=\d)[eE]([+-]?\d+)(?!\w)")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SYMMETRIC = 0.05  # of the half-width
 NONE = "–"  # in place of a number that does not exist
 
@@ -16,6 +19,16 @@ NONE = "–"  # in place of a number that does not exist
 def _minus(text: str) -> str:
     """Write a minus sign, and none before a zero."""
     return text.lstrip("-") if not text.strip("-0.") else text.replace("-", "−")
+
+
+def with_minus(text: str) -> str:
+    """Return a text with minus signs before its negative numbers in place of hyphens."""
+    return _NEGATIVE.sub("−", text)
+
+
+def with_powers(text: str) -> str:
+    """Return a text with powers of ten: ``1.25·10⁻⁵`` for ``1.25e-5``."""
+    return _EXPONENT.sub(lambda found: f"·10{str(int(found[1])).translate(_RAISED)}", text)
 
 
 def number(value: float | None, decimals: int = 1) -> str:

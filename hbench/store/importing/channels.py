@@ -101,11 +101,12 @@ def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], li
 
 
 def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> FileNote:
+    unit = "bar" if CHANNELS[key].unit == "Pa" else CHANNELS[key].unit
     text = (
-        f"{key}: clipped at {{limit}} {CHANNELS[key].unit} in {{count}} of {{samples}} samples: "
+        f"{key}: clipped at {{limit}} {unit} in {{count}} of {{samples}} samples: "
         "constant while other channels change"
     )
-    limit = float(values[samples][0])
+    limit = from_si(float(values[samples][0]), unit)
     return FileNote(name, text, {"limit": limit, "count": samples.sum(), "samples": len(samples)})
 
 

@@ -67,7 +67,7 @@ def _has_values(curve: EfficiencyCurve) -> bool:
 def _read(curves: list[EfficiencyCurve]) -> str:
     """Return how to read the points, and the bars and bands where there are any."""
     points = [point for curve in curves for point in curve.points]
-    return points_words(any(point.ci95 is not None for point in points)) + (
+    return points_words([point.ci95 for point in points if point.efficiency is not None]) + (
         f"\n{BANDS}" if any(point.u95 is not None for point in points) else ""
     )
 

@@ -29,7 +29,6 @@ LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where curves
 
 _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
 _BARS = "Points: means of the trials; bars: their 95 % Student intervals."
-_NO_BARS = "Points: means of the trials."
 _SINGLE = "Points: one trial each, so no interval."
 _SOME_SINGLE = " A point without a bar is a single trial."
 _UNDETERMINED = "Grey, dashed: a fit that does not determine all its parameters."
@@ -153,7 +152,7 @@ def _one_direction(
     curves: list[Curve],
     ranks: dict[LoadKey, int],
 ) -> Figure:
-    fitted = any(_is_drawn(fit) for curve in curves for fit in curve.fits[:1])
+    fitted = any(is_drawn(fit) for curve in curves for fit in curve.fits[:1])
     figure = style.new_figure(height_in=5.4 if fitted else 3.8)
     if fitted:
         axes, below = figure.subplots(2, sharex=True, height_ratios=(5, 2))
@@ -169,7 +168,7 @@ def _one_direction(
         _expanded(axes, curve, speed, sign * friction, look["color"])
         bars = axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
-        if below is not None and curve.fits and _is_drawn(curve.fits[0]):
+        if below is not None and curve.fits and is_drawn(curve.fits[0]):
             residual = sign * (friction - _at(curve.fits[0], v))
             aside = (rank - (len(curves) - 1) / 2) * _ASIDE * speed.max()
             bars = below.errorbar(
@@ -197,32 +196,42 @@ def _one_direction(
 
 def _read(curves: Sequence[Curve]) -> str:
     """Return how to read the points, the lines with their law, and the bands."""
-    fits = [fit for c in curves for fit in c.fits[:1] if _is_drawn(fit)]
-    laws = dict.fromkeys(law_words(fit.law) for fit in fits)
+    fits = [fit for curve in curves for fit in curve.fits[:1]]
+    laws = dict.fromkeys(law_words(fit.law) for fit in fits if is_drawn(fit))
     lines = f"Lines: fitted law ({', '.join(laws)})." if laws else ""
     bands = BANDS if any(map(_has_band, curves)) else ""
     of_fits = " ".join(filter(None, (lines, bands)))
-    dashed = _UNDETERMINED if any(fit.verdict != "determined" for fit in fits) else ""
-    without = any(determines_none(fit) for c in curves for fit in c.fits[:1])
-    none = _NO_LINE if without else ""
-    all_points = [point for curve in curves for point in curve.points]
-    points = points_words(any(point.ci95_n is not None for point in all_points))
-    if all(point.n == 1 for point in all_points):
-        points = _SINGLE
-    elif any(point.n == 1 for point in all_points):
-        points += _SOME_SINGLE
+    points = points_words([point.ci95_n for curve in curves for point in curve.points])
     hollow = "Hollow points: the load helps the motion." if any(map(load_helps, curves)) else ""
-    return "\n".join(filter(None, (points, of_fits, dashed, none, hollow)))
+    return "\n".join(filter(None, (points, of_fits, *undetermined_words(fits), hollow)))
 
 
-def _is_drawn(fit: Fit) -> bool:
+def is_drawn(fit: Fit) -> bool:
     """Return whether a fit is drawn; one through as many points as parameters shows nothing."""
     return bool(fit.line) and not determines_none(fit)
 
 
-def points_words(bars: bool) -> str:
-    """Return what the points are, and their ``bars`` if there are any."""
-    return _BARS if bars else _NO_BARS
+def line_look(fit: Fit, colour: str) -> dict[str, Any]:
+    """Return colour and dashes of a fit's line: grey and dashed unless it is determined."""
+    determined = fit.verdict == "determined"
+    return {
+        "color": colour if determined else style.QUIET,
+        "linestyle": "-" if determined else "--",
+        "zorder": 2,
+    }
+
+
+def undetermined_words(fits: Sequence[Fit]) -> list[str]:
+    """Return how fits are drawn that determine some of their parameters, or none."""
+    some = any(is_drawn(fit) and fit.verdict != "determined" for fit in fits)
+    return [_UNDETERMINED] * some + [_NO_LINE] * any(map(determines_none, fits))
+
+
+def points_words(intervals: Sequence[float | None]) -> str:
+    """Return what the points are, and their bars, by the intervals of their trials."""
+    if all(interval is None for interval in intervals):
+        return _SINGLE
+    return _BARS + (_SOME_SINGLE if None in intervals else "")
 
 
 def _has_band(curve: Curve) -> bool:
@@ -244,23 +253,17 @@ def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) ->
 
     A fit that is not determined is dashed and grey, and not extrapolated.
     """
-    for fit in filter(_is_drawn, curve.fits[:1]):
-        determined = fit.verdict == "determined"
-        drawn_in = colour if determined else style.QUIET
+    for fit in filter(is_drawn, curve.fits[:1]):
         who = f"_{fit.law}, {load_words(curve.f_load_n, curve.p_lr_ref_pa)}".removesuffix(", ")
-        inside: dict[str, Any] = {
-            "linestyle": "-" if determined else "--",
-            "zorder": 2,
-            "label": who,
-        }
-        outside = {**_EXTRAPOLATED, "label": f"{who}, extrapolated"}
-        beyond = fit.beyond if determined else ()
+        inside = {**line_look(fit, colour), "label": who}
+        outside = {**_EXTRAPOLATED, "color": colour, "label": f"{who}, extrapolated"}
+        beyond = fit.beyond if fit.verdict == "determined" else ()
         pieces = [(fit.line, inside), *((piece, outside) for piece in beyond)]
         for line, look in pieces:
             if line:
                 v, friction = np.array(line, dtype=float).T
                 speed = np.abs(v) if absolute else v
-                axes.plot(1e3 * speed, sign * friction, color=drawn_in, **look)
+                axes.plot(1e3 * speed, sign * friction, **look)
 
 
 def _speed_label(label: str, curves: Iterable[Curve]) -> str:

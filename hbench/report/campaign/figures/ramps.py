@@ -7,9 +7,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import KINDS, Comparison, Curve, Results
+from hbench.records import KINDS, Comparison, Curve, Fit, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.figures.friction import of_trials
+from hbench.report.campaign.figures.friction import (
+    is_drawn,
+    line_look,
+    of_trials,
+    undetermined_words,
+)
 from hbench.report.campaign.motion_rows import SIGNIFICANT, comparison_words, differs
 from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
@@ -54,7 +59,8 @@ def ramps(results: Results) -> dict[str, Figure]:
             names = (label, TITLES[direction], load_words(load, p_lr))
             title = ", ".join(filter(None, names))
             style.head(axes, f"Ramps, {title[0].lower()}{title[1:]}", results)
-            style.read_as(figure, _READ)
+            fits = [fit for curve in curves for fit in _lines(curve)]
+            style.read_as(figure, "\n".join((_READ, *undetermined_words(fits))))
             style.legend_above(figure, axes, columns=3)
             figures["-".join(filter(None, names))] = figure
     for panel in (0, 1):
@@ -64,6 +70,12 @@ def ramps(results: Results) -> dict[str, Figure]:
 
 def _analysis(curve: Curve) -> str:
     return KINDS[curve.kind].analysis
+
+
+def _lines(curve: Curve) -> list[Fit]:
+    """Return the fits of a ramp that are shown as lines."""
+    is_ramp = _analysis(curve) == "ramp_curve"
+    return [fit for fit in curve.fits if is_ramp and fit.law == "tustin"]
 
 
 def _drawing_order(curve: Curve) -> tuple[int, float]:
@@ -109,12 +121,10 @@ def _points(axes: Axes, curve: Curve, accelerations: list[float]) -> None:
     else:
         label += f" {short(curve.a_ref_m_s2)} m/s²" if curve.a_ref_m_s2 else ""
         look = style.series_style(accelerations.index(curve.a_ref_m_s2 or 0.0))
-        for fit in curve.fits:
-            if fit.line and fit.law == "tustin":
-                speed, force = np.abs(np.array(fit.line, dtype=float)).T
-                dashes = "-" if fit.converged else "--"
-                line = {"color": look["color"], "linewidth": 1, "zorder": 2}
-                axes.plot(1e3 * speed, force, dashes, label=f"_tustin, {label}", **line)
+        for fit in filter(is_drawn, _lines(curve)):
+            speed, force = np.abs(np.array(fit.line, dtype=float)).T
+            line = line_look(fit, str(look["color"])) | {"linewidth": 1}
+            axes.plot(1e3 * speed, force, label=f"_tustin, {label}", **line)
     friction = friction if curve.direction == "extend" else -friction
     bars = axes.errorbar(
         1e3 * np.abs(v), friction, interval, label=label, **{**style.SMALL_POINTS, **look}
