@@ -270,7 +270,8 @@ class CurvePoint:
     # points of a campaign.
     parts_n: dict[str, float] = field(default_factory=dict)
     trials_work_j: tuple[float | None, ...] = ()  # work of each trial's strokes, where known
-    sigma_drift_n: float | None = None  # of a significant drift; None without one
+    # of a significant drift, below 0 before the middle of the campaign; None without one
+    sigma_drift_n: float | None = None
     sigma_temperature_n: float | None = None  # of the reduction to a reference temperature
     temp_k: float | None = None  # of the oil, where the campaign's results take it; None: unknown
     trials_temp_k: tuple[float, ...] = ()  # of each trial; empty where one is not known

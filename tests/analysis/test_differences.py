@@ -125,6 +125,42 @@ def test_the_same_instruments_cancel_where_readings_agree_and_others_do_not(camp
     assert other.mean_n.p_holm == same.mean_n.p_holm
 
 
+def drifting(results, sigmas_n):
+    """Give the points of the first curve a significant drift, in friction and efficiency."""
+    curve, eta = results.curves[0], results.efficiency[0]
+    points = tuple(
+        replace(p, sigma_drift_n=float(s)) for p, s in zip(curve.points, sigmas_n, strict=True)
+    )
+    return replace(results, curves=(replace(curve, points=points),), efficiency=(eta,))
+
+
+def test_a_drift_within_each_campaign_is_part_of_u_and_common_instruments_do_not_cancel_it(
+    campaign,
+):
+    """Far above the other parts, U is 1.96 times the root sum of squares of both drifts."""
+    a, b = campaign(1), campaign(2)
+    (both,), _ = compared(drifting(a, 5 * [3e4]), drifting(b, 5 * [4e4]))
+    assert both.mean_n.u95 == pytest.approx(1.96 * 5e4, rel=1e-3)
+    assert both.points[0].friction_n.u95 == pytest.approx(1.96 * 5e4, rel=1e-3)
+    by_force = np.mean([eta.efficiency / p.f_test_n for p, eta in both_of(a)])
+    by_force_b = np.mean([eta.efficiency / p.f_test_n for p, eta in both_of(b)])
+    of_both = np.hypot(3e4 * by_force, 4e4 * by_force_b)
+    assert both.efficiency.u95 == pytest.approx(1.96 * of_both, rel=1e-3)
+    assert both.mean_n.ci95 == compared(a, b)[0][0].mean_n.ci95
+
+
+def both_of(results):
+    return zip(results.curves[0].points, results.efficiency[0].points, strict=True)
+
+
+def test_a_drift_cancels_in_the_mean_of_points_before_and_after_the_middle(campaign):
+    a, b = campaign(1), campaign(2)
+    (plain,), _ = compared(a, b)
+    (found,), _ = compared(drifting(a, [-20.0, 10.0, 0.0, 25.0, -15.0]), b)
+    assert found.mean_n.u95 == pytest.approx(plain.mean_n.u95)
+    assert found.points[0].friction_n.u95 > plain.points[0].friction_n.u95
+
+
 @pytest.mark.parametrize("same", [True, False])
 def test_few_degrees_of_freedom_of_an_instrument_widen_the_interval_as_g2b_says(campaign, same):
     """By hand, from the forces alone: two transducers, a load cell calibrated with four readings.

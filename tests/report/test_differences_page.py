@@ -11,8 +11,10 @@ from hbench.records import (
     CampaignDifferences,
     CurveDifference,
     Difference,
+    Drift,
     FrictionDifference,
     OilTemperature,
+    QualityCheck,
 )
 from hbench.report.comparison.figures import draw_differences, draw_pair
 from hbench.report.comparison.settings import settings_that_differ
@@ -124,6 +126,37 @@ def test_a_comparison_states_each_setting_that_differs(found):
     )
     text = differences_page(changed, ())
     assert re.search(r'<p class="verdict">[^<]*3 settings differ between A and B; ', text)
+
+
+def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_settings(found):
+    a, b = (
+        replace(found.a, details={"port": "sim", "plant": {"sha256": checksum}})
+        for checksum in (64 * "a", 64 * "b")
+    )
+    changed = replace(found, a=a, b=b)
+    assert settings_that_differ(changed) == ()
+    page = ordinary_spaces(differences_page(changed, ()))
+    identity = page[page.index('<dl class="identity"') : page.index("</dl>")]
+    assert f"A: plant file {12 * 'a'}…; B: plant file {12 * 'b'}…" in identity
+    assert "Simulated plants" not in differences_page(replace(changed, b=a), ())
+    own = replace(changed, b=replace(b, details={"port": "sim"}))
+    assert "B: the bench file" in ordinary_spaces(differences_page(own, ()))
+
+
+def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
+    check = QualityCheck("drift", "with care", 0.1, "%", 5.0, 15.0)
+    drift = Drift(
+        "time", "relative", 0.001, 0.5, -2.0, 50.0, None, None, None, 0.9, 6, 18, 72.0, 1.0, False
+    )
+
+    def text(drift):
+        quality = replace(found.qualities[0], checks=(replace(check, drift=drift),))
+        return differences_text(replace(found, qualities=(found.qualities[0], quality)))
+
+    hidden = "U contains no drift, and one of up to 52 % is possible: measure A again"
+    assert hidden in text(drift)
+    assert "does not separate a drift from speed: measure A again" in text(replace(drift, p=0.001))
+    assert "measure A again" not in text(replace(drift, separated=True))
 
 
 def test_the_page_states_the_oil_temperature_of_both_or_that_it_was_not_measured(found):

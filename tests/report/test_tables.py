@@ -23,7 +23,7 @@ from hbench.report.campaign.tables import (
     runs_csv,
 )
 from hbench.report.campaign.terminal import summary_text
-from hbench.report.render.numbers import with_minus
+from hbench.report.render.numbers import with_minus, without_powers
 from hbench.report.setting_words import value_words
 
 NUMBER = (int, float)
@@ -298,6 +298,7 @@ def test_factors_have_a_column_in_every_table_of_series(request, campaign, serie
 def test_settings_and_reasons_have_powers_of_ten_and_minus_signs():
     assert value_words("1.25e-5 V/(Pa s)") == "1.25·10⁻⁵ V/(Pa s)"
     assert value_words(6.5e-05) == "6.5·10⁻⁵"
+    assert without_powers("6.5·10⁻⁵ V; 1·10², 2 mm²") == "6.5e-5 V; 1e2, 2 mm²"
     assert value_words("-10 V") == "−10 V"
     assert value_words("20 mm^2") == "20 mm²"
     for kept in ("2026-01-05", "1e2-file", "NBR-70", "44dee5e123"):

@@ -7,7 +7,8 @@ Trials are independent, so a difference d = sum_i w_i m_i of means over trials h
 (Welch, Satterthwaite). For the instruments: if both campaigns were measured with the same ones,
 their errors are in both, and only the difference of the contributions counts; with different ones
 both contributions count. Their degrees of freedom are those of the uncertainty budget, combined
-with those of the trials by the same formula (JCGM 100, G.2b).
+with those of the trials by the same formula (JCGM 100, G.2b). A significant drift within a campaign
+has an independent part, ``sigma_drift_n`` of its points, with their weights and signs.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -48,11 +49,12 @@ def tested(
     dof: float,
     contributions: tuple[Contributions, Contributions] | None,
     same: bool,
+    drifts: Sequence[float] = (),
 ) -> Difference:
     """Return the difference with its interval and p value.
 
     ``contributions`` are the instruments' to a and to b, if known; ``same`` are the instruments of
-    both.
+    both. ``drifts`` are standard uncertainties by a drift within a and within b.
     """
     ci95 = student_factor(dof) * se
     return Difference(
@@ -62,7 +64,13 @@ def tested(
         ci95=float(ci95),
         u95=None
         if contributions is None
-        else _with_instruments(StandardUncertainty(se, dof), *contributions, same).expanded(),
+        else combined(
+            [
+                StandardUncertainty(se, dof),
+                *map(StandardUncertainty, drifts),
+                *_of_instruments(*contributions, same),
+            ]
+        ).expanded(),
         p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
     )
 
@@ -93,8 +101,7 @@ def weighted(terms: Iterable[tuple[float, Contributions]]) -> Contributions:
     return total
 
 
-def _with_instruments(
-    trials: StandardUncertainty, a: Contributions, b: Contributions, same: bool
-) -> StandardUncertainty:
+def _of_instruments(a: Contributions, b: Contributions, same: bool) -> list[StandardUncertainty]:
+    """Return the independent parts of the instruments' errors in a difference."""
     of_both = [weighted([(-1.0, a), (1.0, b)])] if same else [a, b]
-    return combined([trials, *(part for parts in of_both for part in parts.values())])
+    return [part for parts in of_both for part in parts.values()]

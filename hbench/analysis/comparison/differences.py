@@ -32,6 +32,7 @@ from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.student import satterthwaite
+from hbench.analysis.summary.drift import efficiency_drift
 from hbench.analysis.uncertainty.budget import errors_of, friction_contributions, with_dof
 from hbench.config.sensors import Instruments
 from hbench.records import (
@@ -188,11 +189,12 @@ def _friction(
     same: bool,
 ) -> Difference:
     """Return the difference of weighted sums of |F|."""
-    terms, sums, contributions = [], [], []
+    terms, sums, contributions, drifts = [], [], [], []
     for (curve, weights), side, known in zip((a, b), (-1.0, 1.0), instruments, strict=True):
         curve_terms = _terms(curve, weights)
         terms += [(side * w, trials) for w, trials in curve_terms]
         sums.append(sum(w * float(np.mean(trials)) for w, trials in curve_terms))
+        drifts.append(sum(w * (curve.points[i].sigma_drift_n or 0.0) for i, w in weights.items()))
         if known is not None:
             points = [
                 (w, friction_contributions(curve.points[i], curve.specimen, known))
@@ -205,7 +207,7 @@ def _friction(
     if error is None:
         return untested(mean_a, mean_b, NO_SCATTER)
     both = (contributions[0], contributions[1]) if len(contributions) == 2 else None
-    return tested(mean_a, mean_b, *error, both, same)
+    return tested(mean_a, mean_b, *error, both, same, drifts)
 
 
 def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
@@ -266,7 +268,12 @@ def _efficiency(
         for side, curve, known in zip((0, 1), (a[0], b[0]), instruments, strict=True)
     )
     both = (of_a, of_b) if of_a and of_b else None
-    return tested(mean_a, mean_b, se, dof, both, same)
+    drifts = [
+        sum(efficiency_drift(eta, point) for point, eta in (pair[side] for pair in pairs))
+        / len(pairs)
+        for side in (0, 1)
+    ]
+    return tested(mean_a, mean_b, se, dof, both, same, drifts)
 
 
 def _with_efficiency(

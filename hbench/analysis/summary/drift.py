@@ -183,7 +183,7 @@ def with_drift(
 
     def widened(curve: Curve) -> Curve:
         deviations = [deviation(point) for point in curve.points]
-        points = (_wider(p, abs(d)) for p, d in zip(curve.points, deviations, strict=True))
+        points = (_wider(p, d) for p, d in zip(curve.points, deviations, strict=True))
         fits = (_wider_fit(fit, curve, np.array(deviations), weights) for fit in curve.fits)
         return replace(curve, points=tuple(points), fits=tuple(fits))
 
@@ -201,13 +201,20 @@ def efficiency_with_drift(
     def widened(point: EfficiencyPoint, measured: CurvePoint) -> EfficiencyPoint:
         if point.efficiency is None or point.u95 is None or not measured.sigma_drift_n:
             return point
-        sigma = abs(point.efficiency / measured.f_test_n) * measured.sigma_drift_n
+        sigma = efficiency_drift(point, measured)
         return replace(point, u95=float(np.hypot(point.u95, NORMAL_95 * sigma)))
 
     return tuple(
         replace(eta, points=tuple(map(widened, eta.points, curve.points)))
         for eta, curve in zip(efficiencies, curves, strict=True)
     )
+
+
+def efficiency_drift(point: EfficiencyPoint, measured: CurvePoint) -> float:
+    """Return u(eta) of a significant drift, with the sign of the friction's; 0 without one."""
+    if point.efficiency is None or measured.sigma_drift_n is None:
+        return 0.0
+    return abs(point.efficiency / measured.f_test_n) * measured.sigma_drift_n
 
 
 def _wider(point: CurvePoint, sigma_n: float) -> CurvePoint:

@@ -102,7 +102,7 @@ def friction_budget_table(results: Results) -> Table:
             trials = stdev(point.trials_n) / sqrt(point.n)
             sigmas = {name: abs(part) for name, part in point.parts_n.items()} | {"trials": trials}
             if point.sigma_drift_n is not None:
-                sigmas["drift"] = point.sigma_drift_n
+                sigmas["drift"] = abs(point.sigma_drift_n)
             ranked = sorted(sigmas, key=lambda name: -sigmas[name])
             combined = hypot(*sigmas.values())
             if combined == 0:

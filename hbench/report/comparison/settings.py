@@ -12,7 +12,7 @@ from hbench.report.setting_words import key_words, value_words
 _HEAD = ("Section", "Setting", "A", "B")
 _LONGEST = 80  # letters of a value
 SERIAL = ("specimen", "serial")
-_SEED = "seed"
+_SEED, _PLANT = "seed", "plant"
 _HASH = re.compile(r"[0-9a-f]{40,}")
 
 
@@ -21,7 +21,8 @@ def settings_that_differ(differences: CampaignDifferences) -> tuple[tuple[str, s
 
     Compared are the bench file and schedule as the campaigns state them, firmware, software, the
     origin of the data, and the areas of the cylinders. A setting of one campaign alone is a dash
-    in the other. The cylinder's serial number and the seed of simulated noise are no settings.
+    in the other. The cylinder's serial number, the seed of simulated noise and the simulated plant,
+    which stands for the cylinder, are no settings.
     """
     a, b = (
         dict(_settings(provenance, curves))
@@ -54,6 +55,18 @@ def settings_words(differences: CampaignDifferences) -> str:
     return f"{len(settings)} settings differ between A and B; they are listed below."
 
 
+def plants_words(differences: CampaignDifferences) -> str:
+    """State that the simulated plants differ; empty if they are equal or none is simulated."""
+    plants = [
+        _short(str((each.details.get(_PLANT) or {}).get("sha256", "")))
+        for each in (differences.a, differences.b)
+    ]
+    if plants[0] == plants[1]:
+        return ""
+    a, b = (f"plant file {checksum}…" if checksum else "the bench file's" for checksum in plants)
+    return f"Not the same, as two cylinders would not be. A: {a}; B: {b}."
+
+
 def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tuple[str, str], str]]:
     yield ("campaign", "schedule"), provenance.name
     yield ("campaign", "origin of the data"), provenance.source
@@ -70,7 +83,7 @@ def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tup
             if (section, path) != SERIAL:
                 yield (key_words(section), path or "value"), value
     for name, value in provenance.details.items():
-        for path, text in _flat(value) if name != _SEED else ():
+        for path, text in _flat(value) if name not in (_SEED, _PLANT) else ():
             yield ("run", ", ".join(filter(None, (key_words(name), path)))), text
     for name, version in provenance.software.items():
         yield ("software", name), version

@@ -22,6 +22,7 @@ from hbench.report.comparison.cells import (
 )
 from hbench.report.comparison.settings import (
     SERIAL,
+    plants_words,
     settings_table,
     settings_that_differ,
     settings_words,
@@ -37,6 +38,7 @@ from hbench.report.json_documents.values import json_value
 from hbench.report.oil_words import range_words
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
+from hbench.report.render.numbers import without_powers
 from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.comparison/1"
@@ -77,7 +79,7 @@ def differences_text(differences: CampaignDifferences) -> str:
             lines += [*table_lines(table), ""]
     strokes = [_SET_UP] if differences.bands else []
     lines += [f"note: {note}" for note in (*strokes, *differences.notes)]
-    text = "\n".join(lines).rstrip()
+    text = without_powers("\n".join(lines).rstrip())
     for sign, plain in _PLAIN.items():
         text = text.replace(sign, plain)
     return text
@@ -240,10 +242,10 @@ _NONE_DIFFERS = (
 )
 _LONG = 12  # rows; a longer table starts folded
 _READ = (
-    "± is the half-width of the 95 % interval by the trials alone; U contains the errors of the "
-    "instruments too, and is a little smaller where more degrees of freedom make its coverage "
-    "factor smaller. Neither contains what mounting the cylinder again would change, nor a drift "
-    "that is alike in all trials."
+    "± is the half-width of the 95 % interval of the trials alone. U also contains the errors of "
+    "the instruments and any significant drift within a campaign; it is a little smaller where "
+    "more degrees of freedom make its coverage factor smaller. Neither contains a drift that is "
+    "not significant, nor what changes when the cylinder is mounted again."
 )
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "
@@ -275,10 +277,12 @@ def _method(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
 
 
 def _identity(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
-    """Return both campaigns, and whether they share instruments."""
+    """Return both campaigns, and whether they share simulated plant and instruments."""
+    plants = plants_words(differences)
     return (
         ("A", _name(differences, 0)),
         ("B", _name(differences, 1)),
+        *((("Simulated plants", plants),) if plants else ()),
         ("Instruments", _instruments(differences)),
         *_oil(differences),
     )

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from hbench.records import CampaignDifferences, Difference, Quality
+from hbench.records import CampaignDifferences, Difference
 from hbench.report.campaign.quality import missing_words
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
@@ -10,7 +10,7 @@ from hbench.report.comparison.tables import who
 from hbench.report.render.numbers import alike, half_width, number, significant, with_interval
 
 _FEW = 2  # curves that the verdict lists
-_DRIFT = "A drift is part of no interval: measure A again after B to confirm a difference."
+_CONFIRM = "measure A again after B to confirm a difference."
 
 
 def alarm(differences: CampaignDifferences) -> str:
@@ -34,19 +34,26 @@ def headline(differences: CampaignDifferences) -> str:
         if quality.grade == "with care"
     ]
     care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
-    drift = _DRIFT if any(map(_may_drift, differences.qualities)) else ""
     found = [band_verdict(differences)]
     if not found[0]:
         found = [_verdict(differences), _efficiency_verdict(differences)]
-    return " ".join(filter(None, (*found, _warmer(differences), care, drift)))
+    return " ".join(filter(None, (*found, _warmer(differences), care, _drift(differences))))
 
 
-def _may_drift(quality: Quality) -> bool:
-    """Return whether the runs' order does not separate a drift from friction."""
-    return any(
-        check.drift is not None and check.grade != "good" and not check.drift.separated
+def _drift(differences: CampaignDifferences) -> str:
+    """State the largest drift that the order of the runs does not separate; empty without one."""
+    mixed = [
+        check.drift
+        for quality in differences.qualities
         for check in quality.checks
-    )
+        if check.drift is not None and check.grade != "good" and not check.drift.separated
+    ]
+    if not mixed:
+        return ""
+    if any(drift.significant for drift in mixed):
+        return f"The order of the runs does not separate a drift from speed: {_CONFIRM}"
+    most = max(abs(drift.change_percent) + drift.change_percent_ci95 for drift in mixed)
+    return f"U contains no drift, and one of up to {number(most, 0)} % is possible: {_CONFIRM}"
 
 
 def _warmer(differences: CampaignDifferences) -> str:

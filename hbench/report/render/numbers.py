@@ -11,7 +11,9 @@ _WITH_UNIT = re.compile(
 )
 _NEGATIVE = re.compile(r"(?<![\w.)-])-(?=\d)")
 _EXPONENT = re.compile(r"(?<=\d)[eE]([+-]?\d+)(?!\w)")
+_TEN = re.compile(r"·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 _SYMMETRIC = 0.05  # of the half-width
 NONE = "–"  # in place of a number that does not exist
 
@@ -29,6 +31,11 @@ def with_minus(text: str) -> str:
 def with_powers(text: str) -> str:
     """Return a text with powers of ten: ``1.25·10⁻⁵`` for ``1.25e-5``."""
     return _EXPONENT.sub(lambda found: f"·10{str(int(found[1])).translate(_RAISED)}", text)
+
+
+def without_powers(text: str) -> str:
+    """Return the text of ``with_powers`` as a terminal shows it: ``1.25e-5``."""
+    return _TEN.sub(lambda found: f"e{found[1].translate(_LOWERED)}", text)
 
 
 def number(value: float | None, decimals: int = 1) -> str:
