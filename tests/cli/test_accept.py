@@ -62,3 +62,14 @@ def test_the_files_hold_each_decision(accept, tmp_path):
     assert int(suite.get("failures")) > 0 and suite.get("errors") == "1"
     assert cases[0].get("name").startswith("A.1: friction")
     assert suite.get("name").endswith("(simulated)")
+
+
+def test_the_table_states_how_a_speed_was_chosen_and_what_u_contains(accept):
+    """A limit without a speed is decided at the worst one; U of a ripple has no instruments."""
+    ripple = {"quantity": "speed_ripple", "max": "50 %"}
+    said = accept(MET, ripple).stdout
+    assert "U of speed ripple: of the trials alone" in said
+    assert "each series is decided at the speed with the lowest probability" in said
+    assert ", extending, load " in said or " extending, load " in said
+    one_speed = accept(MET | {"speed": "85 mm/s"}).stdout
+    assert "lowest probability" not in one_speed and "trials alone" not in one_speed

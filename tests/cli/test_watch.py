@@ -402,7 +402,7 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert dom.count('class="value signal"') == 1 and dom.count('class="value"') == 12
     assert re.search(r'id="decision"[^>]*>PASS<', dom)
     assert (
-        ordinary_spaces(chart["title"]) == "breakaway at 50.1 mm/s, extend"
+        ordinary_spaces(chart["title"]) == "breakaway at 50.1 mm/s, extending"
         and chart["unit"] == "bar"
     )
     assert chart["values"] == pytest.approx([1e-5 * value for value in values])
@@ -438,11 +438,11 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     checks = stored_checks(tmp_path)
     kept, first, second, third = map(ordinary_spaces, limits_checked(checks))
     assert kept == "Limits that were kept: 1 of 4."
-    assert first == "FAIL: 5.3: breakaway, extend: 3.00 ± 0.10 bar (95 %), limit at most 2 bar"
-    assert second.startswith("MARGINAL: breakaway, extend: ")
+    assert first == "FAIL: 5.3: breakaway, extending: 3.00 ± 0.10 bar (95 %), limit at most 2 bar"
+    assert second.startswith("MARGINAL: breakaway, extending: ")
     assert third == "NOT TESTED: breakaway: no runs; limit at most 4 bar"
     titles = [chart["title"] for chart in station_charts(["C"], [checks])]
-    assert titles == ["5.3: breakaway, extend", "breakaway, extend", "breakaway, extend"]
+    assert titles == ["5.3: breakaway, extending", "breakaway, extending", "breakaway, extending"]
     several = limits_checked(checks * 5)
     assert len(several) == 6 and several[-1].startswith("11 more") and limits_checked([]) == []
 

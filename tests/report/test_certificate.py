@@ -9,9 +9,10 @@ from html import unescape
 import pytest
 
 from hbench.analysis.conformity.certified import certified_values, why_not_certified
+from hbench.analysis.conformity.measured import measurements
 from hbench.config.conformity.certificate import Image, completed, parse_certificate, read_logo
 from hbench.errors import ConfigError
-from hbench.records.conformity.acceptance import Measurement
+from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.conformity.certified import Certified
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
@@ -115,6 +116,51 @@ def test_of_many_speeds_three_of_each_series_are_stated(sample_results, certific
     assert not all_speeds and len(speeds) == 4 * 3
     assert min(speeds) < 0.0081 and max(speeds) > 0.179
     assert "Of each series the lowest" in page_text(certificate())
+
+
+def test_the_points_of_the_statement_of_conformity_are_among_the_results(sample_results):
+    few, _ = certified_values(sample_results, None)
+    stated = {value.measurement.v_m_s for value in few}
+    every = measurements(sample_results, Requirement("friction", "N", None, None))
+    decided = next(each for each in every if each.v_m_s not in stated)
+    values, all_speeds = certified_values(sample_results, None, (decided,))
+    assert decided in [value.measurement for value in values] and not all_speeds
+    assert len(values) == len(few) + 2  # its friction and its efficiency
+
+
+def checks(certificate, *decisions):
+    """The certificate with a check for each quantity and decision; NOT TESTED has no value."""
+    made = tuple(
+        ConformityCheck(
+            Requirement(quantity, "N", None, 9.0, name=f"limit {number}"),
+            None if decision == "NOT TESTED" else Measurement(1.0, 0.1, v_m_s=speed),
+            1.0,
+            decision,
+        )
+        for number, (quantity, decision, speed) in enumerate(decisions)
+    )
+    return replace(certificate, acceptance=replace(certificate.acceptance, checks=made))
+
+
+def test_the_certificate_states_whether_all_limits_were_tested(certificate):
+    whole = checks(certificate(), ("friction", "PASS", None), ("drift", "FAIL", None))
+    assert "Limits tested: 2 of 2." in page_text(whole)
+    part = checks(certificate(), ("friction", "PASS", None), ("leakage", "NOT TESTED", None))
+    text = page_text(part)
+    assert "Limits tested: 1 of 2." in text and "apply to: limit 1: leakage." in text
+    assert "Not measured: breakaway; leakage." in text
+    none = page_text(replace(part, acceptance=None))
+    assert "Limits tested" not in none
+
+
+def test_what_a_probability_of_conformity_rests_on_is_beside_it(certificate):
+    plain = page_text(checks(certificate(), ("breakaway", "PASS", None)))
+    leak = page_text(checks(certificate(), ("leakage", "PASS", None)))
+    assert "That of a leakage holds for the bulk modulus" in leak and "That of a" not in plain
+    ripple = page_text(checks(certificate(), ("speed_ripple", "PASS", 0.02)))
+    assert "at the speed with the lowest probability" in ripple
+    assert "divided by the mean speed. Its U is that of the trials alone." in ripple
+    assert "at the speed with" not in plain
 
 
 def test_simulated_data_is_marked_on_each_page(certificate):

@@ -4,7 +4,7 @@ The coverage factor of a value is Student's factor for its effective degrees of 
 G.6.4), or 2 where the instruments' file says so (``expansion: k_2``).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from statistics import median_low
 from typing import Literal, get_args
@@ -22,16 +22,16 @@ _UNIT_LEAK_PA = 1.0  # difference of pressure at which the leak is its coefficie
 
 
 def certified_values(
-    results: Results, instruments: Instruments | None
+    results: Results, instruments: Instruments | None, decided: Iterable[Measurement] = ()
 ) -> tuple[tuple[Certified, ...], bool]:
     """Return the values of a certificate, and whether all measured speeds are among them.
 
-    Of more than ``MOST_POINTS`` steady points, each series keeps its lowest and highest speed and
-    the one next to the working speed. Errors of the instruments are in the uncertainty only where
-    ``instruments`` are known.
+    Of more than ``MOST_POINTS`` steady points, each series keeps its lowest and highest speed, the
+    one next to the working speed, and those of the ``decided`` measurements. Errors of the
+    instruments are in the uncertainty only where ``instruments`` are known.
     """
     forces = [_force(results, "friction", each, instruments) for each in _all(results, "friction")]
-    kept = _fewer(forces, results.headline.v_m_s)
+    kept = _fewer(forces, results.headline.v_m_s, {_point(each) for each in decided})
     speeds = {_point(each.measurement) for each in kept}
     efficiencies = [
         Certified("efficiency", each, _factor(each, instruments) if instruments else None)
@@ -101,17 +101,16 @@ def _leaks(results: Results) -> Iterator[Certified]:
             yield Certified("leakage", measured, None, leak=leak)
 
 
-def _fewer(points: list[Certified], working_m_s: float | None) -> list[Certified]:
+def _fewer(points: list[Certified], working_m_s: float | None, kept: set[tuple]) -> list[Certified]:
     if len(points) <= MOST_POINTS:
         return points
     of_series: dict[tuple, list[float]] = {}
     for each in points:
         of_series.setdefault(_series(each.measurement), []).append(each.measurement.v_m_s or 0.0)
-    kept = set()
     for series, speeds in of_series.items():
         working = median_low(speeds) if working_m_s is None else working_m_s
         nearest = min(speeds, key=lambda speed: abs(speed - working))
-        kept |= {(*series, speed) for speed in (min(speeds), nearest, max(speeds))}
+        kept = kept | {(*series, speed) for speed in (min(speeds), nearest, max(speeds))}
     return [each for each in points if _point(each.measurement) in kept]
 
 

@@ -70,6 +70,13 @@ class ConformityCheck:
     decision: Conformity
     reason: str = ""  # why not tested
 
+    @property
+    def at_worst_speed(self) -> bool:
+        """Whether the limit states no speed: the worst of the measured ones was decided."""
+        measured = self.measurement
+        has_speed = measured is not None and measured.v_m_s is not None
+        return has_speed and self.requirement.v_m_s is None
+
 
 @dataclass(frozen=True)
 class Acceptance:

@@ -7,11 +7,14 @@ from hbench.records import WordTable
 from hbench.records.conformity.acceptance import (
     Acceptance,
     ConformityCheck,
+    LimitQuantity,
     Measurement,
     Requirement,
 )
 from hbench.report.campaign.motion_rows import LEAKS
+from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, short, significant, with_interval
+from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 from hbench.untrusted_text import printable
@@ -31,6 +34,7 @@ RULES = {
     "guard_band": "guard band: a value passes if it is inside the limit by at least U",
 }
 
+_TRIALS_ALONE: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
 _STEPS = {
     "FAIL": "FAIL: check the zeros and the calibration of the instruments, then repeat the test; "
     "if it fails again, do not deliver the cylinder",
@@ -77,9 +81,21 @@ def acceptance_text(acceptance: Acceptance) -> str:
 
 
 def _legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
-    """Explain the symbol of the rod-side pressure where a series has it."""
+    """Explain the symbol of the rod-side pressure, speeds and parts of U where a check has them."""
+    alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
+    if alone:
+        yield f"U of {listed([QUANTITIES[q] for q in alone])}: of the trials alone"
+    if any(check.at_worst_speed for check in checks):
+        yield (
+            "speed: where a limit states none, each series is decided at the speed with the lowest "
+            "probability"
+        )
     if any("P_Lr" in series_words(c.requirement, c.measurement) for c in checks):
         yield "P_Lr: set pressure on the rod side of the load cylinder"
+
+
+def _measured(check: ConformityCheck, quantity: LimitQuantity) -> bool:
+    return check.requirement.quantity == quantity and check.measurement is not None
 
 
 def next_steps(checks: Sequence[ConformityCheck]) -> Iterator[str]:
@@ -155,7 +171,7 @@ def requirement_words(requirement: Requirement, measured: Measurement | None) ->
 def series_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write label, direction and load of the series; those required where nothing was measured."""
     series = measured or requirement
-    words = [series.label, series.direction]
+    words = [series.label, TITLES[series.direction].lower() if series.direction else ""]
     if series.f_load_n is not None:
         words.append(f"load {short(series.f_load_n)} N")
     if series.p_lr_ref_pa is not None:

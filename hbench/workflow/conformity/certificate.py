@@ -92,12 +92,12 @@ def _certificate(folder: Path, path: Path, today: date) -> Certificate:
         )
     specimen, test = completed(file, results.provenance.settings, str(path))
     instruments = campaign.setup().instruments
-    values, all_speeds = certified_values(results, instruments)
+    acceptance = None if file.limits is None else decided(results, path.parent / file.limits)
+    checks = () if acceptance is None else acceptance.checks
+    measured = [check.measurement for check in checks if check.measurement is not None]
+    values, all_speeds = certified_values(results, instruments, measured)
     if not values:
         raise DataError(f"{folder}: gets no certificate: none of its quantities was measured")
-    acceptance = None
-    if file.limits is not None:
-        acceptance = decided(results, path.parent / file.limits)
     return Certificate(
         file=file,
         issued=file.issued or today,

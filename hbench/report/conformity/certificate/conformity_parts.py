@@ -1,5 +1,7 @@
 """Parts with the statement of conformity, and with what was not tested."""
 
+from collections.abc import Iterator, Sequence
+
 from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
 from hbench.records.conformity.certified import CERTIFIED_QUANTITIES
 from hbench.report.conformity.certificate.certificate import Certificate
@@ -24,13 +26,25 @@ def conformity_part(certificate: Certificate) -> Part:
     table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({2, 4})))
     share = localized(certificate, short(100 * (acceptance.largest_uncertainty or 0.0)))
     rule = word(f"rule_{acceptance.rule}", share=share)
-    paragraphs = (word("decision_rule", rule=rule), word("applies"))
+    paragraphs = (word("decision_rule", rule=rule), " ".join(_remarks(certificate, acceptance)))
     decision = word("overall", decision=word(acceptance.decision), limits=_file(acceptance))
     if acceptance.product:
         decision += " " + word("of_product", product=acceptance.product)
     decision = " ".join(filter(None, (decision, _reservation(certificate))))
     title = word("conformity")
     return Part("conformity", title, tables=(table,), paragraphs=paragraphs, lead=decision)
+
+
+def _remarks(certificate: Certificate, acceptance: Acceptance) -> Iterator[str]:
+    """Yield what the statement applies to and rests on."""
+    word, measured = certificate.word, [c for c in acceptance.checks if c.measurement is not None]
+    yield word("applies")
+    if any(check.requirement.quantity == "leakage" for check in measured):
+        yield word("leak_conforms")
+    if any(check.at_worst_speed for check in measured):
+        yield word("worst_speed")
+    if any(c.requirement.name or c.measurement.label for c in measured if c.measurement):
+        yield word("names")
 
 
 def _reservation(certificate: Certificate) -> str:
@@ -102,16 +116,13 @@ def limit_words(certificate: Certificate, requirement: Requirement) -> str:
 def not_tested_part(certificate: Certificate) -> Part:
     """Return what was not measured, and how the campaign deviates from its plan."""
     word, results = certificate.word, certificate.results
-    complete, paragraphs = results.quality.completeness, []
+    complete, paragraphs = results.quality.completeness, list[str]()
+    if certificate.acceptance is not None:
+        paragraphs += _tested(certificate, certificate.acceptance.checks)
     measured = {value.quantity for value in certificate.values}
-    untested = [word(f"q_{key}") for key in CERTIFIED_QUANTITIES if key not in measured]
-    checks = certificate.acceptance.checks if certificate.acceptance is not None else ()
-    missing = [check for check in checks if check.decision == "NOT TESTED"]
-    untested += [quantity_words(certificate, c) for c in missing if c.measurement is None]
-    undecided = [quantity_words(certificate, c) for c in missing if c.measurement is not None]
-    for key, quantities in (("untested", untested), ("undecided", undecided)):
-        if quantities:
-            paragraphs.append(word(key, quantities="; ".join(dict.fromkeys(quantities))))
+    others = [word(f"q_{key}") for key in CERTIFIED_QUANTITIES if key not in measured]
+    if others:
+        paragraphs.append(word("not_measured", quantities="; ".join(others)))
     rejected = sum(not run.accepted for run in results.runs)
     deviations = []
     if complete.short_points:
@@ -125,3 +136,17 @@ def not_tested_part(certificate: Certificate) -> Part:
     if certificate.warnings:
         paragraphs.append(word("record_notes", notes="; ".join(certificate.warnings)))
     return Part("not_tested", word("not_tested"), paragraphs=tuple(paragraphs))
+
+
+def _tested(certificate: Certificate, checks: Sequence[ConformityCheck]) -> Iterator[str]:
+    """Yield how many limits were tested, those that were not, and those without a decision."""
+    word = certificate.word
+    count = len(dict.fromkeys(check.requirement for check in checks))
+    missing = [check for check in checks if check.decision == "NOT TESTED"]
+    untested = [quantity_words(certificate, c) for c in missing if c.measurement is None]
+    undecided = [quantity_words(certificate, c) for c in missing if c.measurement is not None]
+    yield word("tested", tested=count - len(untested), count=count)
+    if untested:
+        yield word("untested", quantities="; ".join(untested))
+    if undecided:
+        yield word("undecided", quantities="; ".join(dict.fromkeys(undecided)))

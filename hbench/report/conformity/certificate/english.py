@@ -1,0 +1,222 @@
+"""The certificate's words in English, by their keys."""
+
+ENGLISH = {
+    "title": "Test certificate",
+    "number": "Certificate no.",
+    "page": "page",
+    "of": "of",
+    "issued": "Date of issue",
+    "replaces": "Amends and replaces",
+    "end": "End of certificate",
+    "not_stated": "not stated",
+    # Marks
+    "simulated_short": "SIMULATED – NOT A CERTIFICATE",
+    "simulated": "Simulated. The virtual rig computed these numbers; no cylinder was measured. "
+    "This document shows the form only and certifies nothing.",
+    "imported": "The runs were logged on another bench and imported; the laboratory named "
+    "here evaluated them with hbench.",
+    # Parts
+    "laboratory": "Laboratory",
+    "customer": "Customer",
+    "specimen": "Specimen",
+    "test": "Test",
+    "conditions": "Conditions",
+    "instruments": "Instruments and traceability",
+    "method": "Method",
+    "friction": "Results: friction and efficiency at constant speed",
+    "breakaway": "Results: breakaway",
+    "leakage": "Results: leakage",
+    "uncertainty": "Uncertainty of measurement",
+    "conformity": "Statement of conformity",
+    "not_tested": "Not tested and deviations",
+    "remarks": "Remarks",
+    "data": "Raw data",
+    "statements": "Validity",
+    "signatures": "Authorised by",
+    # Facts
+    "name": "Name",
+    "address": "Address",
+    "contact": "Contact",
+    "accreditation": "Accreditation",
+    "not_accredited": "none for this test",
+    "order": "Order",
+    "object": "Object",
+    "cylinder": "hydraulic cylinder",
+    "serial": "Serial number",
+    "maker": "Maker",
+    "bore": "Bore",
+    "rod": "Rod",
+    "stroke": "Stroke",
+    "seals": "Seals",
+    "wear": "Condition",
+    "areas": "Areas",
+    "areas_mm2": "piston side {piston} mm², rod side {rod} mm²",
+    "received": "Received",
+    "test_number": "Test number",
+    "performed": "Date of the test",
+    "place": "Place of the test",
+    "operator": "Operator",
+    "mounting": "Mounting",
+    "runs": "Runs",
+    "runs_accepted": "{accepted} of {planned} accepted by screening",
+    "ambient": "Ambient",
+    "oil": "Oil",
+    "oil_temperature": "Oil temperature",
+    "oil_range": "{low} to {high} °C, mean {mean} °C, {place}",
+    "oil_not_measured": "not measured",
+    "temp_seal_k": "at the seal of the cylinder",
+    "temp_port_k": "at a port of the cylinder",
+    "temp_tank_k": "in the tank",
+    # Instruments
+    "instrument": "Instrument",
+    "force": "Load cell",
+    "pressure": "Pressure transducers",
+    "the_force": "the load cell",
+    "the_pressure": "the pressure transducers",
+    "tolerance": "Tolerance",
+    "of_reading": "{tolerance} % of reading",
+    "of_full_scale": "{tolerance} % of {full_scale}",
+    "certificate": "Certificate",
+    "calibrated": "Calibrated",
+    "due": "Due",
+    "overdue": "{date} (overdue)",
+    "traceable": "The calibrations above make the results traceable to the SI.",
+    "not_traceable": "Traceability to the SI is not stated. No calibration certificate is "
+    "recorded for these instruments: {instruments}.",
+    "no_instruments": "The errors of the instruments are not recorded.",
+    "expired": "Traceability to the SI is not given: the calibration was overdue on the day "
+    "of the test for {instruments}.",
+    # Method
+    "procedure": "Procedure of the laboratory: {method}.",
+    "method_steady": "Friction is the force of the chamber pressures on the areas of the "
+    "piston less the force of the load cell, both as means while the piston moves at "
+    "constant speed; it is positive against the motion. The equivalent pressure is friction "
+    "divided by the area that drives the motion. The hydro-mechanical efficiency is the "
+    "mechanical power delivered divided by that taken up; leakage is not part of it. Each "
+    "value is the mean of the accepted trials.",
+    "method_breakaway": "Breakaway is the largest friction while a slowly rising force pushes "
+    "the piston after the longest rest under load.",
+    "method_leakage": "Leakage is laminar and follows from the decay of the chamber pressures "
+    "with all valves closed, with the bulk modulus of the bench file.",
+    "method_speed_ripple": "The speed ripple is the standard deviation of the mean speeds over "
+    "0.1 s, divided by the mean speed. Its U is that of the trials alone.",
+    "method_drift": "The drift is the relative change of friction from the first run to the "
+    "last, by least squares over the start times of the runs. Its U is that of the trials "
+    "alone.",
+    "software": "Evaluated with hbench {version}; firmware of the bench: {firmware}.",
+    "external": "Results from external providers: {external}.",
+    "no_external": "No results from external providers are recorded.",
+    "no_sampling": "No sampling plan and no adjustment of the item are recorded.",
+    # Results
+    "series": "Series",
+    "direction": "Direction",
+    "extend": "extending",
+    "retract": "retracting",
+    "load": "Load (N)",
+    "back_pressure": "Back pressure (bar)",
+    "speed": "Speed (mm/s)",
+    "friction_u": "Friction ± U (N)",
+    "pressure_u": "Equivalent pressure ± U (bar)",
+    "efficiency_u": "Efficiency ± U (%)",
+    "breakaway_u": "Breakaway ± U (N)",
+    "dwell": "Rest (s)",
+    "k": "k",
+    "leak": "Leak",
+    "leakage_u": "Leakage ± U (ml/min per bar)",
+    "across_piston": "across the piston",
+    "piston_side_out": "from the piston side outwards",
+    "rod_side_out": "from the rod side outwards",
+    "fewer": "Of each series the lowest and the highest speed, the one next to the working "
+    "speed and those of the statement of conformity are stated. All other points are in "
+    "results.json of the campaign.",
+    "p_lr": "Back pressure: set pressure on the rod side of the load cylinder.",
+    "at_back_pressure": "back pressure {pressure} bar",
+    "no_load": "At a load of 0 N the cylinder moves little more than the friction of the load "
+    "side: the efficiency there is not that of operation under load.",
+    # Uncertainty
+    "gum": "U is the expanded uncertainty according to JCGM 100 (GUM): the combined standard "
+    "uncertainty of the trials and of the instruments multiplied by the stated coverage factor "
+    "k, for a coverage probability of approximately 95 %. k is Student's factor for the "
+    "effective degrees of freedom, or 2 where the bench file sets it. U contains no "
+    "contribution from the long-term behaviour of the specimen.",
+    "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
+    "of the instruments are not known and are not part of it, so that it is no complete "
+    "uncertainty according to JCGM 100.",
+    "leak_interval": "U of the leakage is the half-width of the 95 % confidence interval of "
+    "its fit; no coverage factor is stated for it. It does not contain the uncertainties of "
+    "the bulk modulus and of the dead volumes: a bulk modulus that is 10 % too low in the "
+    "bench file makes the leakage 11 % too high.",
+    # Conformity
+    "overall": "Decision on the specimen: {decision} (limits of {limits}).",
+    "of_product": "Product: {product}.",
+    "decision_rule": "Decision rule: {rule}",
+    "rule_simple": "simple acceptance (JCGM 106, 8.2): the measured value decides.",
+    "rule_shared_risk": "shared risk: the measured value decides where U is at most {share} % "
+    "of the limit.",
+    "rule_guard_band": "guard band (JCGM 106, 8.3.2; ILAC-G8): a value passes if it is inside "
+    "the limit by at least U.",
+    "applies": "The statement applies to the quantities in the table. “Conforms” is the "
+    "probability of conformity (JCGM 106, 7).",
+    "leak_conforms": "That of a leakage holds for the bulk modulus and the dead volumes of the "
+    "bench file.",
+    "worst_speed": "Where a limit states no speed, each series is decided at the speed with "
+    "the lowest probability of conformity.",
+    "names": "The names of series and limits are those of the schedule and of the limits.",
+    "quantity": "Quantity",
+    "measured": "Measured ± U",
+    "limit": "Limit",
+    "conforms": "Conforms (%)",
+    "decision": "Decision",
+    "PASS": "PASS",
+    "FAIL": "FAIL",
+    "MARGINAL": "MARGINAL",
+    "NOT TESTED": "NOT TESTED",
+    "q_friction": "friction",
+    "q_breakaway": "breakaway",
+    "q_efficiency": "efficiency",
+    "q_leakage": "leakage",
+    "q_speed_ripple": "speed ripple",
+    "q_drift": "drift of friction",
+    "at_pressure": "{leak} at {pressure} bar",
+    "at_speed": "at {speed} mm/s",
+    "after_rest": "after {dwell} s at rest",
+    "at_most": "at most {high} {unit}",
+    "at_least": "at least {low} {unit}",
+    "between": "{low} to {high} {unit}",
+    "no_limits": "No statement of conformity was asked for.",
+    # Not tested
+    "tested": "Limits tested: {tested} of {count}.",
+    "untested": "Nothing was measured that these limits apply to: {quantities}.",
+    "not_measured": "Not measured: {quantities}.",
+    "undecided": "Measured, but not decided, because U is too large for the decision rule or "
+    "not known: {quantities}.",
+    "short": "{points} of {of} operating points have fewer accepted trials than planned.",
+    "rejected": "{runs} runs were rejected by screening and do not count.",
+    "care": "The data are rated “with care” (of good, with care, poor) for: {checks}.",
+    "check_complete": "completeness",
+    "check_runs_accepted": "accepted runs",
+    "check_trials_per_point": "trials per point",
+    "check_repeatability": "repeatability",
+    "check_drift": "drift during the test",
+    "check_zeros": "zeros of the sensors",
+    "check_zero_drift": "drift of the zeros",
+    "check_plausible_signs": "signs of friction",
+    "check_instruments": "uncertainty of the instruments",
+    "no_deviations": "No deviations from the schedule.",
+    "record_notes": "Notes of the record: {notes}",
+    # Data
+    "campaign": "Campaign",
+    "logs": "Logs",
+    "logs_count": "{count} files",
+    "logs_sha256": "SHA-256 of the logs",
+    "record_sha256": "SHA-256 of campaign.yaml",
+    "verify": "Verify",
+    # Validity
+    "only_item": "The results relate only to the item tested, as it was received, and to the "
+    "conditions stated.",
+    "in_full": "This certificate shall not be reproduced except in full without the approval "
+    "of the laboratory.",
+    "customer_data": "Data of the specimen and of the order are as stated by the customer "
+    "or recorded in the bench file; the laboratory has not verified them.",
+    "date_signature": "Date, signature",
+}

@@ -1,0 +1,217 @@
+"""The certificate's words in German, by their keys."""
+
+GERMAN = {
+    "title": "Prüfzertifikat",
+    "number": "Zertifikat Nr.",
+    "page": "Seite",
+    "of": "von",
+    "issued": "Ausstellungsdatum",
+    "replaces": "Ändert und ersetzt",
+    "end": "Ende des Zertifikats",
+    "not_stated": "nicht angegeben",
+    "simulated_short": "SIMULIERT – KEIN ZERTIFIKAT",
+    "simulated": "Simuliert. Der virtuelle Prüfstand hat diese Zahlen berechnet; kein Zylinder "
+    "wurde gemessen. Das Dokument zeigt nur die Form und bescheinigt nichts.",
+    "imported": "Die Läufe wurden auf einem anderen Prüfstand aufgezeichnet und importiert; "
+    "das hier genannte Labor hat sie mit hbench ausgewertet.",
+    "laboratory": "Labor",
+    "customer": "Auftraggeber",
+    "specimen": "Prüfling",
+    "test": "Prüfung",
+    "conditions": "Bedingungen",
+    "instruments": "Messmittel und Rückführung",
+    "method": "Verfahren",
+    "friction": "Ergebnisse: Reibung und Wirkungsgrad bei konstanter Geschwindigkeit",
+    "breakaway": "Ergebnisse: Losbrechkraft",
+    "leakage": "Ergebnisse: Leckage",
+    "uncertainty": "Messunsicherheit",
+    "conformity": "Konformitätsaussage",
+    "not_tested": "Nicht Geprüftes und Abweichungen",
+    "remarks": "Bemerkungen",
+    "data": "Rohdaten",
+    "statements": "Gültigkeit",
+    "signatures": "Freigegeben durch",
+    "name": "Name",
+    "address": "Anschrift",
+    "contact": "Kontakt",
+    "accreditation": "Akkreditierung",
+    "not_accredited": "keine für diese Prüfung",
+    "order": "Auftrag",
+    "object": "Gegenstand",
+    "cylinder": "Hydraulikzylinder",
+    "serial": "Seriennummer",
+    "maker": "Hersteller",
+    "bore": "Kolben-Ø",
+    "rod": "Stangen-Ø",
+    "stroke": "Hub",
+    "seals": "Dichtungen",
+    "wear": "Zustand",
+    "areas": "Flächen",
+    "areas_mm2": "Kolbenseite {piston} mm², Stangenseite {rod} mm²",
+    "received": "Eingang",
+    "test_number": "Prüfnummer",
+    "performed": "Datum der Prüfung",
+    "place": "Ort der Prüfung",
+    "operator": "Prüfer",
+    "mounting": "Einbau",
+    "runs": "Läufe",
+    "runs_accepted": "{accepted} von {planned} nach Sichtung verwendet",
+    "ambient": "Umgebung",
+    "oil": "Öl",
+    "oil_temperature": "Öltemperatur",
+    "oil_range": "{low} bis {high} °C, Mittel {mean} °C, {place}",
+    "oil_not_measured": "nicht gemessen",
+    "temp_seal_k": "an der Dichtung des Zylinders",
+    "temp_port_k": "an einem Anschluss des Zylinders",
+    "temp_tank_k": "im Tank",
+    "instrument": "Messmittel",
+    "force": "Kraftaufnehmer",
+    "pressure": "Druckaufnehmer",
+    "the_force": "Kraftaufnehmer",
+    "the_pressure": "Druckaufnehmer",
+    "tolerance": "Toleranz",
+    "of_reading": "{tolerance} % vom Messwert",
+    "of_full_scale": "{tolerance} % von {full_scale}",
+    "certificate": "Kalibrierschein",
+    "calibrated": "Kalibriert",
+    "due": "Fällig",
+    "overdue": "{date} (überfällig)",
+    "traceable": "Durch die genannten Kalibrierungen sind die Ergebnisse auf das SI zurückgeführt.",
+    "not_traceable": "Die Rückführung auf das SI ist nicht angegeben; ohne verzeichneten "
+    "Kalibrierschein: {instruments}.",
+    "expired": "Die Rückführung auf das SI ist nicht gegeben; am Tag der Prüfung überfällig "
+    "kalibriert: {instruments}.",
+    "no_instruments": "Die Abweichungen der Messmittel sind nicht verzeichnet.",
+    "procedure": "Verfahren des Labors: {method}.",
+    "method_steady": "Die Reibung ist die Kraft der Kammerdrücke auf die Kolbenflächen "
+    "abzüglich der Kraft am Kraftaufnehmer, beide als Mittel, während sich der Kolben mit "
+    "konstanter Geschwindigkeit bewegt; sie ist positiv gegen die Bewegung. Der "
+    "äquivalente Druck ist die Reibung geteilt durch die treibende Fläche. Der "
+    "hydraulisch-mechanische Wirkungsgrad ist die abgegebene mechanische Leistung geteilt "
+    "durch die aufgenommene, ohne Leckage. Jeder Wert ist das Mittel der verwendeten "
+    "Wiederholungen.",
+    "method_breakaway": "Die Losbrechkraft ist die größte Reibung, während nach der "
+    "längsten Ruhezeit unter Last eine langsam steigende Kraft den Kolben schiebt.",
+    "method_leakage": "Die Leckage ist laminar und folgt aus dem Abfall der Kammerdrücke bei "
+    "geschlossenen Ventilen, mit dem Kompressionsmodul der Prüfstandsdatei.",
+    "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der mittleren "
+    "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit. Ihr U ist das "
+    "der Wiederholungen allein.",
+    "method_drift": "Die Drift ist die relative Änderung der Reibung vom ersten bis zum "
+    "letzten Lauf, nach kleinsten Quadraten über den Anfangszeiten der Läufe. Ihr U ist das "
+    "der Wiederholungen allein.",
+    "software": "Ausgewertet mit hbench {version}; Firmware des Prüfstands: {firmware}.",
+    "external": "Ergebnisse externer Anbieter: {external}.",
+    "no_external": "Ergebnisse externer Anbieter sind nicht verzeichnet.",
+    "no_sampling": "Ein Stichprobenplan und eine Justierung des Gegenstands sind nicht "
+    "verzeichnet.",
+    "series": "Reihe",
+    "direction": "Richtung",
+    "extend": "ausfahrend",
+    "retract": "einfahrend",
+    "load": "Last (N)",
+    "back_pressure": "Gegendruck (bar)",
+    "speed": "Geschw. (mm/s)",
+    "friction_u": "Reibung ± U (N)",
+    "pressure_u": "Äquivalenter Druck ± U (bar)",
+    "efficiency_u": "Wirkungsgrad ± U (%)",
+    "breakaway_u": "Losbrechkraft ± U (N)",
+    "dwell": "Ruhe (s)",
+    "k": "k",
+    "leak": "Leckage",
+    "leakage_u": "Leckage ± U (ml/min je bar)",
+    "across_piston": "über den Kolben",
+    "piston_side_out": "von der Kolbenseite nach außen",
+    "rod_side_out": "von der Stangenseite nach außen",
+    "fewer": "Angegeben sind von jeder Reihe die niedrigste und die höchste Geschwindigkeit, "
+    "die der Arbeitsgeschwindigkeit nächste und die der Konformitätsaussage. Alle anderen "
+    "Punkte enthält results.json der Kampagne.",
+    "p_lr": "Gegendruck: eingestellter Druck auf der Stangenseite des Lastzylinders.",
+    "at_back_pressure": "Gegendruck {pressure} bar",
+    "no_load": "Bei 0 N Last überwindet der Zylinder kaum mehr als die Reibung der Lastseite: "
+    "der Wirkungsgrad ist dort nicht der eines Betriebs unter Last.",
+    "gum": "U ist die erweiterte Messunsicherheit nach JCGM 100 (GUM): die kombinierte "
+    "Standardunsicherheit der Wiederholungen und der Messmittel, multipliziert mit dem "
+    "angegebenen Erweiterungsfaktor k, für eine Überdeckungswahrscheinlichkeit von etwa 95 %. "
+    "k ist der Studentfaktor der effektiven Freiheitsgrade, oder 2, wo die Prüfstandsdatei "
+    "dies vorgibt. Ein Anteil für die Langzeitstabilität des "
+    "Prüflings ist nicht enthalten.",
+    "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
+    "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
+    "vollständige Messunsicherheit nach JCGM 100.",
+    "leak_interval": "U der Leckage ist die halbe Breite des 95-%-Vertrauensintervalls der "
+    "Anpassung; ein Erweiterungsfaktor wird dafür nicht angegeben. Die Unsicherheiten des "
+    "Kompressionsmoduls und der Totvolumina sind nicht enthalten: Ein in der Prüfstandsdatei "
+    "um 10 % zu niedriger Kompressionsmodul macht die Leckage um 11 % zu hoch.",
+    "overall": "Entscheidung über den Prüfling: {decision} (Grenzwerte aus {limits}).",
+    "of_product": "Produkt: {product}.",
+    "decision_rule": "Entscheidungsregel: {rule}",
+    "rule_simple": "einfache Annahme (JCGM 106, 8.2): Der Messwert entscheidet.",
+    "rule_shared_risk": "geteiltes Risiko: Der Messwert entscheidet, wenn U höchstens "
+    "{share} % des Grenzwerts beträgt.",
+    "rule_guard_band": "Schutzabstand (JCGM 106, 8.3.2; ILAC-G8): Ein Wert besteht, wenn er "
+    "mindestens um U innerhalb des Grenzwerts liegt.",
+    "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
+    "Wahrscheinlichkeit der Konformität (JCGM 106, 7).",
+    "leak_conforms": "Die einer Leckage gilt für Kompressionsmodul und Totvolumina der "
+    "Prüfstandsdatei.",
+    "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "
+    "Geschwindigkeit mit der kleinsten Wahrscheinlichkeit der Konformität entschieden.",
+    "names": "Die Namen von Reihen und Grenzwerten sind die des Prüfplans und der Grenzwerte.",
+    "quantity": "Größe",
+    "measured": "Messwert ± U",
+    "limit": "Grenzwert",
+    "conforms": "Konform (%)",
+    "decision": "Entscheidung",
+    "PASS": "BESTANDEN",
+    "FAIL": "NICHT BESTANDEN",
+    "MARGINAL": "GRENZFALL",
+    "NOT TESTED": "NICHT GEPRÜFT",
+    "q_friction": "Reibung",
+    "q_breakaway": "Losbrechen",
+    "q_efficiency": "Wirkungsgrad",
+    "q_leakage": "Leckage",
+    "q_speed_ripple": "Ungleichförmigkeit",
+    "q_drift": "Drift der Reibung",
+    "at_pressure": "{leak} bei {pressure} bar",
+    "at_speed": "bei {speed} mm/s",
+    "after_rest": "nach {dwell} s Ruhe",
+    "at_most": "höchstens {high} {unit}",
+    "at_least": "mindestens {low} {unit}",
+    "between": "{low} bis {high} {unit}",
+    "no_limits": "Eine Konformitätsaussage wurde nicht verlangt.",
+    "tested": "Geprüfte Grenzwerte: {tested} von {count}.",
+    "untested": "Nichts gemessen wurde, wofür diese Grenzwerte gelten: {quantities}.",
+    "not_measured": "Nicht gemessen: {quantities}.",
+    "undecided": "Gemessen, aber nicht entschieden, weil U für die Entscheidungsregel zu groß "
+    "oder nicht bekannt ist: {quantities}.",
+    "short": "{points} von {of} Betriebspunkten haben weniger verwendete Wiederholungen als "
+    "geplant.",
+    "rejected": "{runs} Läufe wurden bei der Sichtung verworfen und zählen nicht.",
+    "care": "Die Daten sind „mit Vorsicht zu verwenden“ (Stufen: gut, mit Vorsicht, schlecht) "
+    "wegen: {checks}.",
+    "check_complete": "Vollständigkeit",
+    "check_runs_accepted": "verwendete Läufe",
+    "check_trials_per_point": "Wiederholungen je Punkt",
+    "check_repeatability": "Wiederholbarkeit",
+    "check_drift": "Drift während der Prüfung",
+    "check_zeros": "Nullpunkte der Sensoren",
+    "check_zero_drift": "Drift der Nullpunkte",
+    "check_plausible_signs": "Vorzeichen der Reibung",
+    "check_instruments": "Unsicherheit der Messmittel",
+    "no_deviations": "Keine Abweichungen vom Prüfplan.",
+    "record_notes": "Hinweise der Aufzeichnung (englisch): {notes}",
+    "campaign": "Kampagne",
+    "logs": "Messdateien",
+    "logs_count": "{count} Dateien",
+    "logs_sha256": "SHA-256 der Messdateien",
+    "record_sha256": "SHA-256 von campaign.yaml",
+    "verify": "Nachrechnen",
+    "only_item": "Die Ergebnisse beziehen sich nur auf den geprüften Gegenstand, wie er "
+    "eingegangen ist, und auf die angegebenen Bedingungen.",
+    "in_full": "Dieses Zertifikat darf ohne Genehmigung des Labors nur vollständig "
+    "vervielfältigt werden.",
+    "customer_data": "Angaben zu Prüfling und Auftrag sind die des Auftraggebers oder der "
+    "Prüfstandsdatei; das Labor hat sie nicht überprüft.",
+    "date_signature": "Datum, Unterschrift",
+}
