@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from hbench.records.bands import Band, BandTrend
+from hbench.records.conformity.acceptance import Measurement
 from hbench.records.flow import Curve, EfficiencyCurve, RunPlan
 from hbench.records.summary import HeadlineSeries, ImplausiblePoint, PointTrials
 
@@ -19,6 +20,7 @@ SeriesRecord = TypeVar(
     HeadlineSeries,
     ImplausiblePoint,
     PointTrials,
+    Measurement,
 )
 
 
@@ -30,6 +32,8 @@ def differs_in_rod_pressure(series: Iterable[SeriesRecord]) -> bool:
             key: tuple = each.kind, each.label
         elif isinstance(each, Band):
             key = each.kind, each.label, each.f_load_n
+        elif isinstance(each, Measurement):
+            key = each.label, each.direction, each.f_load_n
         else:
             key = each.kind, each.label, each.direction, each.f_load_n, each.a_ref_m_s2
         pressures[key].add(each.p_lr_ref_pa)

@@ -1,6 +1,7 @@
 """Pages in a real browser: no errors, no overflow, links that work, points that tell, print."""
 
 import re
+from dataclasses import replace
 from urllib.parse import unquote_to_bytes
 
 import numpy as np
@@ -179,6 +180,22 @@ def test_a_certificates_tables_are_lists_on_a_phone(browser, certificate, tmp_pa
     )
     assert heads and all(len(head) > 2 for head in heads)
     assert browser.errors == []
+
+
+def test_no_column_of_a_certificate_is_hidden_on_a_screen(browser, certificate, tmp_path):
+    """German heads are long; the series have labels, too."""
+    made = certificate(language="de")
+    labelled = tuple(
+        replace(each, measurement=replace(each.measurement, label="no load"))
+        for each in made.values
+    )
+    page = tmp_path / "certificate.html"
+    page.write_text(certificate_page(replace(made, values=labelled)))
+    browser.open(page, width=1000)
+    scrollers = "[...document.querySelectorAll('.scroll')]"
+    assert browser.run(f"{scrollers}.map(s => s.scrollWidth - s.clientWidth)") == [0] * browser.run(
+        f"{scrollers}.length"
+    )
 
 
 def test_an_aborted_campaign_has_its_alarm_on_the_first_screen_of_a_phone(browser, pages):

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
 from hbench.records.conformity.certified import CERTIFIED_QUANTITIES
+from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.layout import (
     GridTable,
@@ -22,7 +23,9 @@ def conformity_part(certificate: Certificate) -> Part:
     if acceptance is None:
         return Part("conformity", word("conformity"), paragraphs=(word("no_limits"),))
     keys = ("quantity", "series", "measured", "limit", "conforms", "decision")
-    rows = tuple(_decision_row(certificate, check) for check in acceptance.checks)
+    measured = [check.measurement for check in acceptance.checks if check.measurement is not None]
+    back = differs_in_rod_pressure(measured)  # otherwise the tables of results have it
+    rows = tuple(_decision_row(certificate, check, back) for check in acceptance.checks)
     table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({2, 4})))
     share = localized(certificate, short(100 * (acceptance.largest_uncertainty or 0.0)))
     rule = word(f"rule_{acceptance.rule}", share=share)
@@ -60,13 +63,17 @@ def _file(acceptance: Acceptance) -> str:
     return f"{printable(acceptance.limits)}, SHA-256 {acceptance.limits_sha256[:12]}…"
 
 
-def _decision_row(certificate: Certificate, check: ConformityCheck) -> tuple[str, ...]:
+def _decision_row(
+    certificate: Certificate, check: ConformityCheck, with_back_pressure: bool
+) -> tuple[str, ...]:
     word, measured, unit = certificate.word, check.measurement, check.requirement.unit
     series = measured or check.requirement
     load = "" if series.f_load_n is None else f"{short(series.f_load_n)} N"
     direction = word(series.direction) if series.direction else ""
-    back = "" if series.p_lr_ref_pa is None else short(from_si(series.p_lr_ref_pa, "bar"))
-    pressure = word("at_back_pressure", pressure=localized(certificate, back)) if back else ""
+    pressure = ""
+    if series.p_lr_ref_pa is not None and (with_back_pressure or measured is None):
+        back = localized(certificate, short(from_si(series.p_lr_ref_pa, "bar")))
+        pressure = word("at_back_pressure", pressure=back)
     where = filter(None, (series.label, direction, localized(certificate, load), pressure))
     text, percent = NONE, NONE
     if measured is not None:
@@ -119,8 +126,10 @@ def not_tested_part(certificate: Certificate) -> Part:
     complete, paragraphs = results.quality.completeness, list[str]()
     if certificate.acceptance is not None:
         paragraphs += _tested(certificate, certificate.acceptance.checks)
-    measured = {value.quantity for value in certificate.values}
-    others = [word(f"q_{key}") for key in CERTIFIED_QUANTITIES if key not in measured]
+    stated: set[str] = {value.quantity for value in certificate.values}
+    if certificate.acceptance is not None:
+        stated |= {check.requirement.quantity for check in certificate.acceptance.checks}
+    others = [word(f"q_{key}") for key in CERTIFIED_QUANTITIES if key not in stated]
     if others:
         paragraphs.append(word("not_measured", quantities="; ".join(others)))
     rejected = sum(not run.accepted for run in results.runs)
@@ -145,8 +154,7 @@ def _tested(certificate: Certificate, checks: Sequence[ConformityCheck]) -> Iter
     missing = [check for check in checks if check.decision == "NOT TESTED"]
     untested = [quantity_words(certificate, c) for c in missing if c.measurement is None]
     undecided = [quantity_words(certificate, c) for c in missing if c.measurement is not None]
-    yield word("tested", tested=count - len(untested), count=count)
-    if untested:
-        yield word("untested", quantities="; ".join(untested))
+    why = [word("untested", quantities="; ".join(untested))] if untested else []
+    yield " ".join((word("tested", tested=count - len(untested), count=count), *why))
     if undecided:
         yield word("undecided", quantities="; ".join(dict.fromkeys(undecided)))

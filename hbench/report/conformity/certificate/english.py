@@ -161,7 +161,7 @@ ENGLISH = {
     "bench file.",
     "worst_speed": "Where a limit states no speed, each series is decided at the speed with "
     "the lowest probability of conformity.",
-    "names": "The names of series and limits are those of the schedule and of the limits.",
+    "names": "Names of series and limits are those of the schedule and of the file of limits.",
     "quantity": "Quantity",
     "measured": "Measured ± U",
     "limit": "Limit",
@@ -186,13 +186,13 @@ ENGLISH = {
     "no_limits": "No statement of conformity was asked for.",
     # Not tested
     "tested": "Limits tested: {tested} of {count}.",
-    "untested": "Nothing was measured that these limits apply to: {quantities}.",
+    "untested": "Not measured for the others: {quantities}.",
     "not_measured": "Not measured: {quantities}.",
     "undecided": "Measured, but not decided, because U is too large for the decision rule or "
     "not known: {quantities}.",
     "short": "{points} of {of} operating points have fewer accepted trials than planned.",
     "rejected": "{runs} runs were rejected by screening and do not count.",
-    "care": "The data are rated “with care” (of good, with care, poor) for: {checks}.",
+    "care": "The data are rated “with care” (grades: good, with care, poor); reason: {checks}.",
     "check_complete": "completeness",
     "check_runs_accepted": "accepted runs",
     "check_trials_per_point": "trials per point",

@@ -134,8 +134,7 @@ GERMAN = {
     "Standardunsicherheit der Wiederholungen und der Messmittel, multipliziert mit dem "
     "angegebenen Erweiterungsfaktor k, für eine Überdeckungswahrscheinlichkeit von etwa 95 %. "
     "k ist der Studentfaktor der effektiven Freiheitsgrade, oder 2, wo die Prüfstandsdatei "
-    "dies vorgibt. Ein Anteil für die Langzeitstabilität des "
-    "Prüflings ist nicht enthalten.",
+    "dies vorgibt. Die Langzeitstabilität des Prüflings ist nicht enthalten.",
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
@@ -150,14 +149,14 @@ GERMAN = {
     "rule_shared_risk": "geteiltes Risiko: Der Messwert entscheidet, wenn U höchstens "
     "{share} % des Grenzwerts beträgt.",
     "rule_guard_band": "Schutzabstand (JCGM 106, 8.3.2; ILAC-G8): Ein Wert besteht, wenn er "
-    "mindestens um U innerhalb des Grenzwerts liegt.",
+    "mindestens um U innerhalb liegt.",
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
     "Wahrscheinlichkeit der Konformität (JCGM 106, 7).",
     "leak_conforms": "Die einer Leckage gilt für Kompressionsmodul und Totvolumina der "
     "Prüfstandsdatei.",
     "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "
     "Geschwindigkeit mit der kleinsten Wahrscheinlichkeit der Konformität entschieden.",
-    "names": "Die Namen von Reihen und Grenzwerten sind die des Prüfplans und der Grenzwerte.",
+    "names": "Namen von Reihen und Grenzwerten wie in ihren Dateien.",
     "quantity": "Größe",
     "measured": "Messwert ± U",
     "limit": "Grenzwert",
@@ -181,15 +180,15 @@ GERMAN = {
     "between": "{low} bis {high} {unit}",
     "no_limits": "Eine Konformitätsaussage wurde nicht verlangt.",
     "tested": "Geprüfte Grenzwerte: {tested} von {count}.",
-    "untested": "Nichts gemessen wurde, wofür diese Grenzwerte gelten: {quantities}.",
+    "untested": "Für die übrigen nicht gemessen: {quantities}.",
     "not_measured": "Nicht gemessen: {quantities}.",
     "undecided": "Gemessen, aber nicht entschieden, weil U für die Entscheidungsregel zu groß "
     "oder nicht bekannt ist: {quantities}.",
     "short": "{points} von {of} Betriebspunkten haben weniger verwendete Wiederholungen als "
     "geplant.",
     "rejected": "{runs} Läufe wurden bei der Sichtung verworfen und zählen nicht.",
-    "care": "Die Daten sind „mit Vorsicht zu verwenden“ (Stufen: gut, mit Vorsicht, schlecht) "
-    "wegen: {checks}.",
+    "care": "Die Daten sind „mit Vorsicht zu verwenden“ (Stufen: gut, mit Vorsicht, schlecht); "
+    "Grund: {checks}.",
     "check_complete": "Vollständigkeit",
     "check_runs_accepted": "verwendete Läufe",
     "check_trials_per_point": "Wiederholungen je Punkt",
@@ -205,7 +204,7 @@ GERMAN = {
     "logs": "Messdateien",
     "logs_count": "{count} Dateien",
     "logs_sha256": "SHA-256 der Messdateien",
-    "record_sha256": "SHA-256 von campaign.yaml",
+    "record_sha256": "SHA-256 campaign.yaml",
     "verify": "Nachrechnen",
     "only_item": "Die Ergebnisse beziehen sich nur auf den geprüften Gegenstand, wie er "
     "eingegangen ist, und auf die angegebenen Bedingungen.",
