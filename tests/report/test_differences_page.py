@@ -137,7 +137,7 @@ def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_set
     assert settings_that_differ(changed) == ()
     page = ordinary_spaces(differences_page(changed, ()))
     identity = page[page.index('<dl class="identity"') : page.index("</dl>")]
-    assert f"A: plant file {12 * 'a'}…; B: plant file {12 * 'b'}…" in identity
+    assert f"A: plant file {12 * 'a'}; B: plant file {12 * 'b'}." in identity
     assert "Simulated plants" not in differences_page(replace(changed, b=a), ())
     own = replace(changed, b=replace(b, details={"port": "sim"}))
     assert "B: the bench file" in ordinary_spaces(differences_page(own, ()))
@@ -153,7 +153,7 @@ def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
         quality = replace(found.qualities[0], checks=(replace(check, drift=drift),))
         return differences_text(replace(found, qualities=(found.qualities[0], quality)))
 
-    hidden = "U contains no drift, and one of up to 52 % is possible: measure A again"
+    hidden = "A drift of up to 52 % within a campaign is possible, and no part of U: measure A"
     assert hidden in text(drift)
     assert "does not separate a drift from speed: measure A again" in text(replace(drift, p=0.001))
     assert "measure A again" not in text(replace(drift, separated=True))

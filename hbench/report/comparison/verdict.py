@@ -53,7 +53,8 @@ def _drift(differences: CampaignDifferences) -> str:
     if any(drift.significant for drift in mixed):
         return f"The order of the runs does not separate a drift from speed: {_CONFIRM}"
     most = max(abs(drift.change_percent) + drift.change_percent_ci95 for drift in mixed)
-    return f"U contains no drift, and one of up to {number(most, 0)} % is possible: {_CONFIRM}"
+    hidden = f"A drift of up to {number(most, 0)} % within a campaign is possible"
+    return f"{hidden}, and no part of U: {_CONFIRM}"
 
 
 def _warmer(differences: CampaignDifferences) -> str:
