@@ -139,7 +139,8 @@ def test_where_all_have_failed_the_page_says_why(tmp_path):
 
 def test_the_terminal_gets_ascii_and_json_the_verdicts(found):
     text = fleet_text(found)
-    assert text.isascii() and "outlier" in text and "drifts" in text
+    assert text.isascii() and "outlier" in text and "drift or step" in text
+    assert " drifts" in fleet_text(replace(found, charts=()))
     document = json.loads(fleet_json(found))
     assert document["schema"] == "hbench.fleet/1"
     assert [one["outlier"] for one in document["worst"]].count(True) == 3

@@ -135,7 +135,7 @@ def capability_table(fleet: Fleet) -> WordTable:
                 str(each.n),
                 limit_words(each.requirement),
                 f"{significant(from_si(each.series.value, unit), 4)} {unit}",
-                significant(from_si(each.sigma, unit), 2),
+                f"{significant(from_si(each.sigma, unit), 2)} {unit}",
                 with_ends(each.cpk.value, each.cpk.low, each.cpk.high or each.cpk.value),
                 str(each.outside),
             )
@@ -148,7 +148,10 @@ def capability_notes(fleet: Fleet) -> Iterator[str]:
     """Yield a reservation on Cpk, and the limits that have none, with the reason."""
     stepped = any(chart.step is not None and chart.step.real for chart in fleet.charts)
     if fleet.capabilities and stepped:
-        yield "s contains the steps of the mean: Cpk is that of all campaigns, not of the last."
+        yield (
+            "s, the standard deviation of the campaigns, contains the steps of the mean: Cpk is "
+            "that of all campaigns together, not of the latest."
+        )
     for name, reason in fleet.without_capability:
         yield f"No Cpk for the limit of {name}: {reason}."
 

@@ -9,8 +9,10 @@ _METHOD = (
         "Numbers",
         "Each number is that of the campaign's report. Where a direction has several loads, it is "
         "the mean over them, provided that all of them have the number; its interval is as wide "
-        "as the mean of theirs, as if their errors were the same. Half band, middle and energy of "
-        "a cycle are those at the median of the campaign's pressures.",
+        "as the mean of theirs, as if their errors were the same. A fitted parameter without a "
+        "standard error, such as one at a bound, is left out, so that a number can have fewer "
+        "campaigns than the fleet. Half band, middle and energy of a cycle are those at the "
+        "median of the campaign's pressures.",
     ),
     (
         "Compared",

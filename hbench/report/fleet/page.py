@@ -50,13 +50,16 @@ from hbench.report.render.word_tables import Cell, Table
 _AT = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
 _FEW = f"Histograms are drawn from {FEWEST_CAMPAIGNS} campaigns on."
 _PRECISION = "Repeatability and reproducibility"
+_CORRECTED = (
+    "p is corrected for the number of values: among many of them, a deviation of some σ is common."
+)
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
 _INTERVALS = (
     "Intervals are those of 95 %. They include the stated errors of the instruments, which the "
     "campaigns of a bench have in common: smaller differences between them can be significant. "
-    "So a value has at least three digits."
+    "Values therefore have at least three digits."
 )
 _AT_MEDIAN = "Half band, middle and energy are those at the median pressure of a campaign."
 
@@ -104,7 +107,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
         if not fleet.outliers:
             few = "These deviate most, but none of them significantly (p at least 0.05)."
-        few += " p counts that these are the largest of all values, so that some σ can be chance."
+        few += f" {_CORRECTED}"
         none = () if all_shown else (few,)
         title = "Outliers" if all_shown else "Largest deviations"
         yield Section(title, none, tables=(_worst(fleet),), anchor="worst")

@@ -10,6 +10,8 @@ from hbench.records import (
     Fleet,
     FleetCampaign,
     FleetNumber,
+    Quantity,
+    Side,
     Spread,
     Suspect,
     Trend,
@@ -36,6 +38,7 @@ from hbench.report.fleet.verdict import (
     decision_words,
     finding_sentences,
     fleet_verdict,
+    stepped_numbers,
 )
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import (
@@ -200,6 +203,7 @@ def trend_table(fleet: Fleet) -> WordTable:
     span = float(max(fleet.compared - 1, 1))
     if fleet.by_date and fleet.first is not None and fleet.last is not None:
         span = (fleet.last - fleet.first).total_seconds() / 86_400
+    stepped = stepped_numbers(fleet)
     for spread in fleet.spreads:
         if spread.trend is not None:
             p = spread.trend.p_holm
@@ -209,12 +213,18 @@ def trend_table(fleet: Fleet) -> WordTable:
                     change_words(spread, spread.trend),
                     _slope(spread, spread.trend, span),
                     "< 0.0001" if p < 1e-4 else significant(p, 2),
-                    "drifts" if spread.trend.real else "not significant",
+                    _trend_verdict(spread, spread.trend, stepped),
                 )
             )
     unit = "a day" if fleet.by_date else "a campaign"
     head = ("Number", "Change over the span", f"Slope {unit}", "p (Holm)", "Verdict")
     return WordTable("Drifts", head, tuple(rows))
+
+
+def _trend_verdict(spread: Spread, trend: Trend, stepped: set[tuple[Quantity, Side]]) -> str:
+    if not trend.real:
+        return "not significant"
+    return "drift or step" if (spread.quantity, spread.direction) in stepped else "drifts"
 
 
 def worst_table(fleet: Fleet, most: int) -> WordTable:

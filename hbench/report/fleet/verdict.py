@@ -17,6 +17,10 @@ from hbench.report.fleet.names import (
 from hbench.report.render.numbers import alike, half_width, significant, with_ends
 from hbench.report.render.symbols import capital
 
+_NO_OUTLIER = (
+    "No campaign is an outlier: no deviation from the fleet's median is significant after the "
+    "correction for the number of values."
+)
 _NAMED = 3  # steps, outliers and drifts in a sentence
 
 
@@ -105,7 +109,7 @@ def finding_sentences(fleet: Fleet) -> Iterator[str]:
         more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
         some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}: "
         some += f"{'; '.join(names[:_NAMED])}{more}."
-        yield some if fleet.outliers else "No campaign is an outlier."
+        yield some if fleet.outliers else _NO_OUTLIER
     else:
         yield "Outliers are not identified: that takes at least 10 campaigns of the same kind."
     drifts = [
