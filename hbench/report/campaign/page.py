@@ -213,7 +213,8 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
     if drawings := figures.get("ramps"):
         table = page_motions.comparison_table(results)
         differing = sum(map(differs, results.motions.comparisons))
-        said = f"{differing} of {len(table.rows)} differences are significant."
+        verb = "is" if differing == 1 else "are"
+        said = f"{differing} of {len(table.rows)} differences {verb} significant."
         subsections = (
             (
                 Section(

@@ -192,6 +192,12 @@ def _contradictions(points: Sequence[ImplausiblePoint]) -> str:
     )
 
 
+def grade_words(quality: Quality) -> str:
+    """Write the grade of the data, and what the worst checks found."""
+    worst = [_reason(check) for check in quality.checks if check.grade == quality.grade]
+    return f"data rated '{quality.grade}'; {'; '.join(worst)}"
+
+
 def _reason(check: QualityCheck) -> str:
     """Write what a check found, for a sentence."""
     if check.name == "instruments" and check.value is not None:

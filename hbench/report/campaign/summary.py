@@ -336,7 +336,7 @@ def _breakaway(series: HeadlineSeries) -> Cell:
 
 
 def _trials(estimate: HeadlineNumber | None) -> str:
-    return "" if estimate is None or estimate.ci95 is None else f"±{significant(estimate.ci95, 2)}"
+    return "" if estimate is None or estimate.ci95 is None else f"±{half_width(estimate.ci95)}"
 
 
 def _measured(results: Results) -> str:

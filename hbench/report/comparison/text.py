@@ -217,8 +217,9 @@ def _settings_section(differences: CampaignDifferences) -> Section:
 
 def _counted(what: str, differences: Sequence[Difference]) -> str:
     real = sum(difference.real for difference in differences)
+    verb = "is" if real == 1 else "are"
     return (
-        f"{real} of {len(differences)} differences {what} are significant. "
+        f"{real} of {len(differences)} differences {what} {verb} significant. "
         "comparison.json contains each."
     )
 

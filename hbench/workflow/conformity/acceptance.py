@@ -7,7 +7,7 @@ from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.loading import file_sha256, read_yaml
 from hbench.records import Results
 from hbench.records.conformity.acceptance import Acceptance
-from hbench.report.campaign.quality import missing_words
+from hbench.report.campaign.quality import grade_words, missing_words
 from hbench.report.conformity.acceptance_document import acceptance_json
 from hbench.report.conformity.text import junit_xml
 from hbench.store.campaign.folder import load_campaign, write_results
@@ -37,7 +37,7 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
     settings = results.provenance.settings
     notes = []
     if results.quality.grade != "good":
-        notes.append(f"the quality of the data is {results.quality.grade!r}; see hbench report")
+        notes.append(grade_words(results.quality))
     if missing := missing_words(results.quality.completeness):
         notes.append(missing)
     checks = conformity_checks(
