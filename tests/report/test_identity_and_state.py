@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from hbench.analysis.identification.steady_curves import laws_along_curves
-from hbench.records import Fit, IdentifiedLaw
+from hbench.records import Fit, IdentifiedLaw, QualityCheck
 from hbench.report.campaign.page import report_document
+from hbench.report.campaign.quality import quality_verdict
 from hbench.report.identification.text import parameter_words
 from hbench.report.render.document import page
 from hbench.report.render.markdown import markdown
@@ -62,6 +63,20 @@ def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
     assert text.index('class="alarm"') < text.index('class="banner') < text.index("<h2")
     running = replace(broken, runs=small.runs)
     assert report_document(running, ()).alarm.startswith("INCOMPLETE CAMPAIGN: 56 of 96")
+
+
+def test_the_alarm_alone_states_that_the_numbers_are_those_of_the_completed_runs(small):
+    completeness = replace(
+        small.quality.completeness, planned=96, not_completed=tuple(map(str, range(40)))
+    )
+    complete = QualityCheck("complete", "poor", 58.0, "%", 100.0, 80.0, count=56, of=96)
+    quality = replace(
+        small.quality, grade="poor", completeness=completeness, checks=(complete,), implausible=()
+    )
+    made = report_document(replace(small, quality=quality), ())
+    assert "are those of the completed runs" in made.alarm
+    assert "completed runs" not in made.verdict and "The data is poor." in made.verdict
+    assert "The numbers below are those of the completed runs." in quality_verdict(quality)
 
 
 def test_an_identified_law_is_drawn_along_the_measured_speeds(small):

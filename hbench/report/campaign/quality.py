@@ -129,7 +129,8 @@ def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
 def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     """Return the verdict in a few sentences; an incomplete campaign is reported first.
 
-    Without ``count_runs`` it is not, where a page's alarm counts the completed runs.
+    Without ``count_runs`` it is not, where a page's alarm counts the completed runs and states
+    that the numbers are theirs.
     """
     worst = [check for check in quality.checks if check.grade == quality.grade]
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
@@ -141,8 +142,9 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     elif quality.grade == "with care":
         verdict = f"Use the data with care. {reasons}."
     elif all(check.name == "complete" or _is_without_trial(check) for check in worst):
-        why = f"{reasons}. " if reasons else ""
-        verdict = f"The data is poor. {why}The numbers below are those of the {other}."
+        why = f"{reasons}." if reasons else ""
+        numbers = f"The numbers below are those of the {other}." if count_runs else ""
+        verdict = " ".join(filter(None, ("The data is poor.", why, numbers)))
     else:
         verdict = f"The data is poor; do not rely on the numbers below. {reasons}."
     return " ".join(filter(None, (incomplete, verdict, _contradictions(quality.implausible))))

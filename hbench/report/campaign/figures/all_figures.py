@@ -68,7 +68,7 @@ def draw_all(results: Results) -> tuple[Drawing, ...]:
                             _slug(kind.name, suffix, label), {sketch.name for sketch in sketches}
                         )
                         heading = " ".join(figure.axes[0].get_title("left").split())
-                        title = ", ".join(filter(None, (label, heading)))
+                        title = ", ".join(filter(None, (heading, label)))
                         sketches.append(Sketch(name, kind.section, title, kind.caption, figure))
     return draw_sketches(sketches)
 
