@@ -31,6 +31,11 @@ def test_a_speed_that_was_missed_is_shown_beside_its_reference(small):
     np.testing.assert_allclose(reference.y, 50.0)
 
 
+def test_crosses_are_explained_only_where_there_are_some(small):
+    figure = traces(rejected(small, 1, "not_steady: x"))["not_steady"]
+    assert "Crosses" not in figure.get_supxlabel()
+
+
 def test_a_run_without_a_logged_velocity_shows_that_of_its_position(small):
     (speed, _) = series_of(traces(rejected(small, 1, "not_steady: x"))["not_steady"])
     np.testing.assert_allclose(speed.y, 50.0)
@@ -49,6 +54,9 @@ def test_records_at_a_limit_are_crossed(small, code, channel, label, scale):
     figure = traces(rejected(small, 1, f"{code}: x", **{channel: values}, **flags))[code]
     (line,) = series_of(figure)
     assert line.label == label
+    legend = figure.legends[0].get_texts()[0].get_text()
+    assert legend == f"${label[0]}_{{{label[2:]}}}$"  # with an index below the line
+    assert "Crosses: at a limit." in figure.get_supxlabel()
     np.testing.assert_allclose(line.y, values * scale)
     crosses = [one for one in figure.axes[0].lines if one.get_marker() == "x"]
     assert len(crosses) == 1 and min(crosses[0].get_xdata()) > 0.5

@@ -18,6 +18,7 @@ from hbench.report.render.numbers import short
 MOST_RUNS = 4  # of a reason; the table has them all
 MOST_REASONS = 8
 _MOST_SAMPLES = 600  # of a trace; a longer log is thinned
+_SYMBOL = re.compile(r"(\w)_(\w+)")
 _FLAGS = ("sensor_saturated", "valve_saturated")  # reasons with marked records
 # Of a sensor at its limit, by its SI unit: label of the axis, and its unit per SI unit.
 _SENSOR_AXES = {
@@ -64,7 +65,9 @@ def _figure(results: Results, code: str, runs: list[ScreenedRun]) -> Figure:
     all_axes[-1].set_xlabel("Time (s)")
     style.head(all_axes[0], f"Rejected: {code.replace('_', ' ')}", results)
     more = f"{len(runs)} runs; the first {len(shown)}" if len(runs) > len(shown) else "All runs"
-    style.read_as(figure, f"{more} of this reason. Grey: steady window. Crosses: at a limit.")
+    grey = " Grey: steady window." if any(run.means is not None for run in shown) else ""
+    crosses = " Crosses: at a limit." if code in _FLAGS else ""
+    style.read_as(figure, f"{more} of this reason.{grey}{crosses}")
     style.legend_above(figure, all_axes[0])
     return figure
 
@@ -105,7 +108,8 @@ def _trace(
     for number, line in enumerate(lines):
         look: dict[str, Any] = {"color": style.QUIET, "linestyle": "--"} if line.dashed else {}
         look = {"color": _LINES[number % len(_LINES)], "linewidth": 1.0, **look}
-        label = f"{mark}{line.label}, run {style.safe(plan.run)}" if mark else line.label
+        shown = _SYMBOL.sub(r"$\1_{\2}$", line.label)  # the index is set below the line
+        label = f"{mark}{shown}, run {style.safe(plan.run)}" if mark else shown
         axes.plot(*_broken(run.t_s[::step], line.values[::step]), label=label, **look)
     flagged = getattr(run, code) if code in _FLAGS else None
     if flagged is not None and flagged.any() and lines:
