@@ -437,7 +437,7 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     path.write_text(json.dumps(content | {"checks": [check, marginal, untested, failed]}))
     checks = stored_checks(tmp_path)
     kept, first, second, third = map(ordinary_spaces, limits_checked(checks))
-    assert kept == "Limits that were kept: 1 of 4."
+    assert kept == "Limits met: 1 of 4."
     assert first == "FAIL: 5.3: breakaway, extending: 3.00 ± 0.10 bar (95 %), limit at most 2 bar"
     assert second.startswith("MARGINAL: breakaway, extending: ")
     assert third == "NOT TESTED: breakaway: no runs; limit at most 4 bar"

@@ -139,6 +139,27 @@ def test_figures_are_inside_their_cards_and_a_wide_one_scrolls_on_a_phone(browse
     assert browser.run(f"{canvas}.scrollWidth") >= 700 > 400 > browser.run(f"{canvas}.clientWidth")
 
 
+def test_how_to_read_a_figure_is_in_its_caption_on_a_phone_and_in_the_figure_elsewhere(
+    browser, pages
+):
+    browser.open(pages["campaign"])
+    count = browser.run("document.querySelectorAll('svg .read-as').length")
+    assert count >= 5 and count == browser.run(
+        "document.querySelectorAll('figcaption .read-as').length"
+    )
+
+    def shown(where):
+        notes = f"[...document.querySelectorAll('{where} .read-as')]"
+        return browser.run(f"{notes}.filter(n => getComputedStyle(n).display != 'none').length")
+
+    assert (shown("svg"), shown("figcaption")) == (count, 0)
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    assert (shown("svg"), shown("figcaption")) == (count, 0)
+    browser.ask("Emulation.setEmulatedMedia", media="")
+    browser.width(400)
+    assert (shown("svg"), shown("figcaption")) == (0, count)
+
+
 def test_paper_omits_numbers_that_files_contain_and_nothing_else(browser, pages):
     browser.open(pages["diagnosis"])
     parts = "[...document.querySelectorAll('details')]"

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from hbench.parallel.forked import map_forked
 from hbench.report.render.figure_text import alternative_text, data_csv, point_notes
-from hbench.report.render.series import DrawnSeries, series_of
+from hbench.report.render.series import DrawnSeries, series_of, without_math
 from hbench.report.render.style import RC, WIDTH_IN
 
 PNG_DPI = 200
@@ -39,6 +39,7 @@ class Drawing:
     wide: bool = False  # over the page's whole width
     csv: bytes = b""  # its data
     seen: str = ""  # its text alternative
+    read: str = ""  # how to read it, which the figure has in small letters
 
 
 class Sketch(NamedTuple):
@@ -63,7 +64,8 @@ def _draw_sketch(sketch: Sketch) -> Drawing:
     csv = data_csv(series).encode() if series else b""
     wide = figure.get_figwidth() > WIDTH_IN
     seen = alternative_text(title, series)
-    return Drawing(name, section, title, caption, svg, png, wide, csv, seen)
+    read = without_math(figure.get_supxlabel())
+    return Drawing(name, section, title, caption, svg, png, wide, csv, seen, read)
 
 
 def figure_files(drawings: Iterable[Drawing]) -> dict[str, bytes]:

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 from markupsafe import Markup
 
 from hbench.report.render.figures import POINT, Drawing
-from hbench.report.render.style import DARK
+from hbench.report.render.style import DARK, READ_AS
 
 _SVG = "{http://www.w3.org/2000/svg}"
 _HREF = "{http://www.w3.org/1999/xlink}href"
@@ -25,6 +25,8 @@ def inline(drawing: Drawing, number: int) -> Markup:
             for child in parent.findall(f"{_SVG}{name}"):
                 parent.remove(child)
     for element in root.iter():
+        if element.get("id") == READ_AS:
+            element.set("class", READ_AS)  # on a narrow screen the caption has it
         _make_local(element, f"f{number}-")
     points = any(group.get("class") == POINT for group in root.iter(f"{_SVG}g"))
     for name in ("width", "height", "version"):

@@ -124,9 +124,12 @@ def simulated(axes: Axes, results: Measured) -> None:
         axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
 
 
+READ_AS = "read-as"  # name of this note in the SVG
+
+
 def read_as(figure: Figure, note: str) -> None:
     """Write below the axes how to read the figure, such as the meaning of its bars."""
-    figure.supxlabel(note, x=0.01, ha="left", fontsize=8.5, color=QUIET)
+    figure.supxlabel(note, x=0.01, ha="left", fontsize=8.5, color=QUIET).set_gid(READ_AS)
 
 
 def legend_above(figure: Figure, axes: Axes, title: str = "", columns: int = 4) -> None:

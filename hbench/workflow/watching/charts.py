@@ -48,7 +48,7 @@ def limits_checked(checks: Sequence[ConformityCheck]) -> list[str]:
         unit_kept(f"{c.decision}: {check_words(c.requirement, c.measurement)}: {_measured(c)}")
         for c in others
     ]
-    kept = f"Limits that were kept: {len(checks) - len(words)} of {len(checks)}."
+    kept = f"Limits met: {len(checks) - len(words)} of {len(checks)}."
     more = [f"{len(words) - _MOST} more; see hbench accept"] if len(words) > _MOST else []
     return [*([kept] if checks else []), *words[:_MOST], *more]
 
