@@ -29,6 +29,7 @@ from hbench.store.campaign.live_file import LIVE, SCHEMA
 from hbench.store.campaign.stored_acceptance import stored_checks
 from hbench.workflow.watching import live, watch
 from hbench.workflow.watching.charts import limits_checked, station_charts
+from tests.support.report.browser import Browser
 from tests.support.report.spaces import ordinary_spaces
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
@@ -489,3 +490,28 @@ def test_a_header_is_read_without_the_runs(sample):
 def test_a_station_without_a_campaign_waits(tmp_path):
     with watched(tmp_path / "nothing", workflow.Station) as page:
         assert page.state()["state"] == "nothing" and page.state()["cylinders"] == []
+
+
+def test_a_station_is_printed_with_all_its_cylinders(sample, tmp_path, require_tool):
+    """On the screen the list of 14 cylinders scrolls, and its title says so."""
+    folder = tmp_path / "station"
+    for number in range(14):
+        shutil.copytree(sample, folder / f"HC-{number:02d}")
+    browser = Browser(require_tool("chromium"), tmp_path / "profile")
+    try:
+        with watched(folder, workflow.Station) as page:
+            browser.ask("Page.navigate", url=f"http://127.0.0.1:{page.port}/")
+            deadline = time.monotonic() + PATIENCE_S
+            rows = "document.querySelectorAll('#cylinders tr').length"
+            while browser.run(rows) < 14 and time.monotonic() < deadline:
+                time.sleep(0.2)
+            hidden = (
+                "(l => l.scrollHeight - l.clientHeight)"
+                "(document.querySelector('#cylinders').closest('.list'))"
+            )
+            hint = "getComputedStyle(document.querySelector('#history-title'), '::after').content"
+            assert browser.run(hidden) > 0 and "scroll for more" in browser.run(hint)
+            browser.ask("Emulation.setEmulatedMedia", media="print")
+            assert browser.run(hidden) == 0 and browser.run(hint) == "none"
+    finally:
+        browser.close()
