@@ -153,6 +153,23 @@ def test_the_certificate_states_whether_all_limits_were_tested(certificate):
     assert "Limits tested" not in none and "Not measured: breakaway; leakage." in none
 
 
+def test_a_back_pressure_is_with_a_decision_unless_the_tables_of_results_have_it(certificate):
+    made = checks(certificate(), ("friction", "PASS", 0.02), ("speed_ripple", "PASS", 0.02))
+    tables = {value.measurement.p_lr_ref_pa for value in made.values}
+    for pressures, shown in (
+        ((min(tables), min(tables)), False),
+        ((min(tables), 777e5), True),  # not in the tables
+        ((min(tables), max(tables)), True),  # two of one series
+    ):
+        each = tuple(
+            replace(check, measurement=replace(check.measurement, p_lr_ref_pa=pressure))
+            for check, pressure in zip(made.acceptance.checks, pressures, strict=True)
+        )
+        again = replace(made, acceptance=replace(made.acceptance, checks=each))
+        rows = content(again).parts["conformity"].tables[0].rows
+        assert any("back pressure" in cell for row in rows for cell in row) == shown
+
+
 def test_what_a_probability_of_conformity_rests_on_is_beside_it(certificate):
     plain = page_text(checks(certificate(), ("breakaway", "PASS", None)))
     leak = page_text(checks(certificate(), ("leakage", "PASS", None)))

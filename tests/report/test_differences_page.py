@@ -153,7 +153,7 @@ def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
         quality = replace(found.qualities[0], checks=(replace(check, drift=drift),))
         return differences_text(replace(found, qualities=(found.qualities[0], quality)))
 
-    hidden = "A drift of up to 52 % within a campaign is possible, and no part of U: measure A"
+    hidden = "A drift of up to 52 % within a campaign is possible and is not part of U: measure A"
     assert hidden in text(drift)
     assert "does not separate a drift from speed: measure A again" in text(replace(drift, p=0.001))
     assert "measure A again" not in text(replace(drift, separated=True))

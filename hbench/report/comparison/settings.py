@@ -64,7 +64,7 @@ def plants_words(differences: CampaignDifferences) -> str:
     if plants[0] == plants[1]:
         return ""
     a, b = (f"plant file {checksum}" if checksum else "the bench file's" for checksum in plants)
-    return f"Not the same, as two cylinders would not be. A: {a}; B: {b}."
+    return f"They differ, as two cylinders would. A: {a}; B: {b}."
 
 
 def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tuple[str, str], str]]:

@@ -54,7 +54,7 @@ def _drift(differences: CampaignDifferences) -> str:
         return f"The order of the runs does not separate a drift from speed: {_CONFIRM}"
     most = max(abs(drift.change_percent) + drift.change_percent_ci95 for drift in mixed)
     hidden = f"A drift of up to {number(most, 0)} % within a campaign is possible"
-    return f"{hidden}, and no part of U: {_CONFIRM}"
+    return f"{hidden} and is not part of U: {_CONFIRM}"
 
 
 def _warmer(differences: CampaignDifferences) -> str:

@@ -24,7 +24,10 @@ def conformity_part(certificate: Certificate) -> Part:
         return Part("conformity", word("conformity"), paragraphs=(word("no_limits"),))
     keys = ("quantity", "series", "measured", "limit", "conforms", "decision")
     measured = [check.measurement for check in acceptance.checks if check.measurement is not None]
-    back = differs_in_rod_pressure(measured)  # otherwise the tables of results have it
+    stated = {value.measurement.p_lr_ref_pa for value in certificate.values}  # in their tables
+    back = differs_in_rod_pressure(measured) or any(
+        each.p_lr_ref_pa not in stated for each in measured
+    )
     rows = tuple(_decision_row(certificate, check, back) for check in acceptance.checks)
     table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({2, 4})))
     share = localized(certificate, short(100 * (acceptance.largest_uncertainty or 0.0)))
