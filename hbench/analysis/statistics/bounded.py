@@ -1,7 +1,8 @@
-"""Least squares within bounds: scipy's trust region plus an active-set step.
+"""Least squares within bounds: damped Gauss-Newton or trust-region steps, then an active set.
 
-The trust-region method stays strictly inside the bounds, so its solution is near an active bound,
-never on it. Here the parameters near a bound are fixed to it, the others are solved again, and
+Levenberg-Marquardt steps are fast. From a start where they do not converge, scipy's trust region
+searches instead. It stays strictly inside the bounds, so its solution is near an active bound,
+never on it. So the parameters near a bound are fixed to it, the others are solved again, and
 parameters that the data does not hold there are released: moved beyond the bound, a held parameter
 must change the curve by more than rounding.
 """
@@ -103,8 +104,6 @@ def descend(
 
     The search ends when the relative change of cost or step is below ``tolerance``. Without free
     parameters it has converged. A parameter whose effect is rounding keeps its value at the start.
-    With a larger ``tolerance`` than the default, the start is assumed to be near the solution:
-    Levenberg-Marquardt steps, which are much faster, are tried first.
     """
     movable = np.ones(len(start), dtype=bool)
     movable[list(fixed)] = False
@@ -137,18 +136,16 @@ def _search(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
     """Search over the free parameters; the others stay as in ``x``. Return ``x`` and success."""
-    from scipy.optimize import least_squares  # slow import
-
     if not free.any() or not np.isfinite(sum_of_squares(problem, x)):
         return x, not free.any()
     if np.linalg.norm(problem.residual(x)) <= _EXACT * rounding(problem, x):
         return x, True
     if _offset(problem, x, free) <= _STATIONARY:  # where the search would not end
         return x, True
-    if tolerance > _TOLERANCE:
-        x, converged = _levenberg_marquardt(problem, x, free, tolerance)
-        if converged:
-            return x, True
+    near, converged = _levenberg_marquardt(problem, x, free, tolerance)
+    if converged:
+        return near, True
+    from scipy.optimize import least_squares  # slow import
 
     def with_free(values: np.ndarray) -> np.ndarray:
         y = x.astype(values.dtype)
