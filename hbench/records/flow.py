@@ -335,6 +335,8 @@ class Fit:
     # an active bound, and where the data does not determine it.
     covariance: dict[str, dict[str, float | None]] = field(default_factory=dict)
     dof: int | None = None  # degrees of freedom of the covariance: points less parameters
+    # Errors of predictions at each point [N] by fits without its speed; nan at the ends.
+    held_out_n: tuple[float, ...] = ()
 
     @property
     def correlation(self) -> dict[str, dict[str, float | None]]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hbench.analysis.fitting.fit import JOINT_LAWS, fit_law, fits
-from hbench.analysis.fitting.selection import select, select_joint
+from hbench.analysis.fitting.selection import select, select_joint, with_held_out
 from hbench.config.fitting import Fitting
 from hbench.config.setup import ANYWHERE, Reach
 from hbench.records import Curve, JointFit
@@ -13,8 +13,9 @@ from hbench.records import Curve, JointFit
 
 def fitted(curve: Curve, how: Fitting, reach: Reach = ANYWHERE) -> Curve:
     """Return the curve with its fits and the selection among them."""
-    with_fits = replace(curve, fits=fits(curve, how, reach))
-    return replace(with_fits, selection=select(with_fits, how) if with_fits.fits else None)
+    of_laws = (with_held_out(fit, [curve], how) for fit in fits(curve, how, reach))
+    with_fits = replace(curve, fits=tuple(of_laws))
+    return replace(with_fits, selection=select(with_fits))
 
 
 def joint_fits(
@@ -38,7 +39,8 @@ def joint_fits(
 def _joint(
     curves: Sequence[Curve], names: Sequence[str], how: Fitting, reach: Reach = ANYWHERE
 ) -> JointFit:
-    fits_of_laws = tuple(fit_law(JOINT_LAWS[name], curves, how, reach=reach) for name in names)
+    of_laws = (fit_law(JOINT_LAWS[name], curves, how, reach=reach) for name in names)
+    fits_of_laws = tuple(with_held_out(fit, curves, how) for fit in of_laws)
     points = [p for curve in curves for p in curve.points if p.p_tr_pa is not None]
     return JointFit(
         kind=curves[0].kind,
@@ -46,5 +48,5 @@ def _joint(
         curves=len(curves),
         points=len(points),
         fits=fits_of_laws,
-        selection=select_joint(curves, fits_of_laws, how),
+        selection=select_joint(curves, fits_of_laws),
     )

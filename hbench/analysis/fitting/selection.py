@@ -8,7 +8,9 @@ laws of all loads, a speed is held out of all curves together and counts once, s
 law's form recur at every load.
 """
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,31 +25,48 @@ _LEAST_SPEEDS = 7  # five held out, and enough others for five parameters
 _TIE = 1e-6  # of a mean squared error: refits end within this of one another
 
 
-def select(curve: Curve, how: Fitting) -> Selection | None:
+def with_held_out(fit: Fit, curves: Sequence[Curve], how: Fitting) -> Fit:
+    """Return a fit to ``curves`` with its law's errors at held-out points; nan at the ends.
+
+    A fit without parameters, without pressures that its law needs, or to a curve with too few
+    speeds is returned as it is.
+    """
+    if not fit.parameters or min(len(curve.points) for curve in curves) < _LEAST_SPEEDS:
+        return fit
+    law = {**CURVE_LAWS, **JOINT_LAWS}[fit.law]
+    data, speed_ranks = fit_points(curves, how.weights), _speed_ranks(curves)
+    if law.pressures and not np.isfinite(data.inputs).all():
+        return fit
+    start = np.array([p.value for p in fit.parameters.values()])
+    errors = np.full(len(speed_ranks), np.nan)
+    for rank in range(1, speed_ranks.max() + 1):
+        out = speed_ranks == rank
+        solution = estimate_parameters(law, data.subset(~out), how, {}, start).solution
+        errors[out] = law.model(data.inputs[:, out], solution.x) - data.friction_n[out]
+    return replace(fit, held_out_n=tuple(errors.tolist()))
+
+
+def select(curve: Curve) -> Selection | None:
     """Compare the laws fitted to a curve; None if there are not two, or too few speeds."""
-    if len(curve.points) < _LEAST_SPEEDS:
-        return None
-    return _compare(_errors_of_curve_laws([curve], how), [curve])
+    return _compare(_errors_of_curve_laws([curve]), [curve])
 
 
-def select_joint(curves: Sequence[Curve], joint: Sequence[Fit], how: Fitting) -> Selection | None:
+def select_joint(curves: Sequence[Curve], joint: Sequence[Fit]) -> Selection | None:
     """Compare joint laws of all loads with laws that have separate parameters for each curve."""
-    if min(len(curve.points) for curve in curves) < _LEAST_SPEEDS:
-        return None
     if any(point.p_tr_pa is None for curve in curves for point in curve.points):
         return None
-    errors = _errors_of_curve_laws(curves, how)
-    errors |= {fit.law: _held_out(fit, curves, how) for fit in joint if fit.parameters}
+    errors = _errors_of_curve_laws(curves)
+    errors |= {fit.law: np.array(fit.held_out_n) for fit in joint if fit.held_out_n}
     return _compare(errors, curves)
 
 
-def _errors_of_curve_laws(curves: Sequence[Curve], how: Fitting) -> dict[str, np.ndarray]:
-    names = [fit.law for fit in curves[0].fits if all(f.parameters for f in curves[0].fits)]
+def _errors_of_curve_laws(curves: Sequence[Curve]) -> dict[str, np.ndarray]:
+    """Return the errors of the laws that have held-out errors in all ``curves``."""
+    by_law: dict[str, list[tuple[float, ...]]] = defaultdict(list)
+    for fit in (fit for curve in curves for fit in curve.fits if fit.held_out_n):
+        by_law[fit.law].append(fit.held_out_n)
     return {
-        name: np.concatenate(
-            [_held_out(fit, [c], how) for c in curves for fit in c.fits if fit.law == name]
-        )
-        for name in names
+        law: np.concatenate(errors) for law, errors in by_law.items() if len(errors) == len(curves)
     }
 
 
@@ -55,19 +74,6 @@ def _speed_ranks(curves: Sequence[Curve]) -> np.ndarray:
     """Return the rank of each point's speed in its curve; 0 for the ends, never held out."""
     ranks = [np.arange(len(curve.points)) for curve in curves]
     return np.concatenate([np.where(rank == rank[-1], 0, rank) for rank in ranks])
-
-
-def _held_out(fit: Fit, curves: Sequence[Curve], how: Fitting) -> np.ndarray:
-    """Return the errors [N] of predictions at held-out points; nan at the ends."""
-    law = {**CURVE_LAWS, **JOINT_LAWS}[fit.law]
-    data, speed_ranks = fit_points(curves, how.weights), _speed_ranks(curves)
-    start = np.array([p.value for p in fit.parameters.values()])
-    errors = np.full(len(speed_ranks), np.nan)
-    for rank in range(1, speed_ranks.max() + 1):
-        out = speed_ranks == rank
-        solution = estimate_parameters(law, data.subset(~out), how, {}, start).solution
-        errors[out] = law.model(data.inputs[:, out], solution.x) - data.friction_n[out]
-    return errors
 
 
 def _compare(errors: Mapping[str, np.ndarray], curves: Sequence[Curve]) -> Selection | None:

@@ -136,11 +136,13 @@ def _search(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
     """Search over the free parameters; the others stay as in ``x``. Return ``x`` and success."""
-    if not free.any() or not np.isfinite(sum_of_squares(problem, x)):
+    residual = problem.residual(x)
+    if not free.any() or not np.isfinite(residual @ residual):
         return x, not free.any()
-    if np.linalg.norm(problem.residual(x)) <= _EXACT * rounding(problem, x):
+    jacobian = problem.derivatives(x)
+    if np.linalg.norm(residual) <= _EXACT * _rounding(jacobian, problem.scale):
         return x, True
-    if _offset(problem, x, free) <= _STATIONARY:  # where the search would not end
+    if _offset(problem, residual, jacobian, free) <= _STATIONARY:  # where the search would not end
         return x, True
     near, converged = _levenberg_marquardt(problem, x, free, tolerance)
     if converged:
@@ -164,16 +166,18 @@ def _search(
         max_nfev=_EVALUATIONS,
     )
     x = with_free(result.x)
+    offset = _offset(problem, result.fun, problem.derivatives(x), free)
     exact = np.linalg.norm(result.fun) <= _rounding(result.jac, problem.scale[free])
-    return x, bool(result.status > 0 or exact or _offset(problem, x, free) <= _CONVERGED)
+    return x, bool(result.status > 0 or exact or offset <= _CONVERGED)
 
 
-def _offset(problem: Problem, x: np.ndarray, free: np.ndarray) -> float:
+def _offset(
+    problem: Problem, residual: np.ndarray, jacobian: np.ndarray, free: np.ndarray
+) -> float:
     """Return the largest cosine between the residual and a free parameter's effect on it.
 
     It is zero at a minimum. Parameters whose effect is rounding are left out.
     """
-    residual, jacobian = problem.residual(x), problem.derivatives(x)
     length = np.linalg.norm(jacobian, axis=0)
     has_effect = free & (length * problem.scale > _rounding(jacobian, problem.scale))
     along = np.abs(residual @ jacobian)[has_effect] / length[has_effect]

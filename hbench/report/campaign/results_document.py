@@ -92,7 +92,7 @@ LAYOUTS: Layouts = {
     },
     Fit: all_fields(
         Fit,
-        without=("line", "beyond", "covariance"),
+        without=("line", "beyond", "covariance", "held_out_n"),
         covariances="covariances",
         verdict="verdict",
         undetermined="undetermined",
