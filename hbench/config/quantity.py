@@ -44,7 +44,7 @@ QuantityText = Annotated[str, BeforeValidator(_as_text)]
 class ConfigSection(BaseModel):
     """Section of a configuration file: refuses unknown keys, and is frozen."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 Length = Annotated[float, quantity("mm", gt=0, le=20)]
