@@ -7,7 +7,9 @@ import subprocess
 import sys
 
 import pytest
+import typer
 
+from hbench.cli.main import app
 from tests.support import commands
 
 
@@ -37,11 +39,17 @@ def test_help_tells_what_a_command_does(hbench, command):
     assert not command or "Example: hbench" in done.stdout
 
 
-def test_help_loads_nothing_heavy():
-    code = "import sys; import hbench.cli.main; print(*sys.modules)"
+@pytest.mark.parametrize("command", ["", *typer.main.get_command(app).commands])
+def test_the_help_of_every_command_loads_nothing_heavy(command):
+    code = (
+        "import atexit, sys; atexit.register(lambda: print(*sys.modules, file=sys.stderr)); "
+        f"sys.argv = ['hbench', *{command!r}.split(), '--help']; "
+        "from hbench.cli.main import main; main()"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    heavy = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic"}
-    assert not heavy & set(done.stdout.split())
+    assert f"Usage: hbench {command}".rstrip() in done.stdout
+    heavy = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic", "yaml"}
+    assert "typer" in (loaded := set(done.stderr.split())) and not heavy & loaded
 
 
 def test_linear_algebra_has_one_thread_unless_the_user_sets_a_number(hbench, monkeypatch):
