@@ -39,7 +39,8 @@ class Information(NamedTuple):
 def covariance_of_all(info: Information) -> np.ndarray:
     """Return C (p, p), made regular by a prior of a hundred typical sizes."""
     j = info.jacobian * info.scale / np.sqrt(max(info.variance, 1e-300))
-    j = np.pad(j, ((0, max(len(info.x) - len(j), 0)), (0, 0)))  # points may be fewer than parameters
+    missing = max(len(info.x) - len(j), 0)  # points may be fewer than parameters
+    j = np.pad(j, ((0, missing), (0, 0)))
     _, s, directions = np.linalg.svd(j, full_matrices=False)
     inverse = (directions.T / (s**2 + _PRIOR**-2)) @ directions
     return inverse * np.outer(info.scale, info.scale)
