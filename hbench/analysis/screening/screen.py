@@ -200,7 +200,7 @@ def _steadiness(
     known = np.zeros(0) if run.v_m_s is None else run.v_m_s[window]
     known = known[np.isfinite(known)]
     if len(known) > 1:
-        swing = np.std(known, ddof=1)
+        swing = float(np.std(known, ddof=1))
         limit = max(rules.speed_oscillation, rules.speed_oscillation_relative * abs(v_ref))
         if exceeds(swing, limit):
             yield (

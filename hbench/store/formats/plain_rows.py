@@ -1,6 +1,7 @@
 """Rows of a text without quotes: split on demand, and converted to numbers by whole columns."""
 
 from collections.abc import Iterator, Sequence
+from itertools import repeat
 
 import numpy as np
 
@@ -34,13 +35,14 @@ class PlainRows:
 
         A blank cell after the last one does not count.
         """
-        separator, width = self._separator, self._width
-        for row, line in enumerate(self._lines):
-            count = len(line.split()) if separator is None else line.count(separator) + 1
-            if count != width:
-                cells = line.split(separator)
-                if count != width + 1 or cells[-1].strip():
-                    yield row, cells
+        if (separator := self._separator) is None:
+            counts, width = map(len, map(str.split, self._lines)), self._width
+        else:
+            counts, width = map(str.count, self._lines, repeat(separator)), self._width - 1
+        for row in np.flatnonzero(np.fromiter(counts, int, len(self._lines)) != width).tolist():
+            cells = self._lines[row].split(separator)
+            if len(cells) != self._width + 1 or cells[-1].strip():
+                yield row, cells
 
     def numbers(self, positions: Sequence[int], decimal: str) -> np.ndarray:
         """Return columns (k, n) as floats, an empty cell as NaN; ``decimal`` is the point or comma.
@@ -48,20 +50,15 @@ class PlainRows:
         Raises ``ValueError`` if a cell is not a number. Each number is that of Python's ``float``,
         which also reads a few more notations.
         """
-        text = "\n".join(("", *self._lines, ""))
+        text = before = "\n".join(("", *self._lines, ""))
         if (mark := self._separator) is not None:
-            for empty in (
-                mark + mark,
-                mark + mark,
-                f"\n{mark}",
-                f"{mark}\n",
-            ):  # of three, one is left
-                if empty in text:
-                    text = text.replace(empty, f"{empty[0]}nan{empty[1]}")
+            twice = mark + mark  # replaced twice, since one of three marks is left
+            for empty in (twice, twice, f"\n{mark}", f"{mark}\n"):
+                text = text.replace(empty, f"{empty[0]}nan{empty[1]}")
         if decimal != ".":
             text = with_points(text, decimal)
         return np.loadtxt(
-            text.split("\n")[1:-1],
+            self._lines if text is before else text.split("\n")[1:-1],
             delimiter=self._separator,
             usecols=positions,
             comments=None,

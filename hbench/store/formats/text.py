@@ -166,12 +166,13 @@ def open_text(file: BinaryIO, source: str, layout: Format) -> TextTable:
 
 def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
     """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
-    numbers, texts = _lines_of_data(decoded(data), layout)
+    text = decoded(data)
+    numbers, texts = _lines_of_data(text, layout)
     top, above, below = _cells(texts, numbers, layout, source, _rows_above(layout))
     texts, numbers = texts[below:], numbers[below:]
     separator = _DELIMITERS.get(layout.separator)
     rows: list[list[str]] | PlainRows
-    if texts and (separator is None or not any('"' in text for text in texts)):
+    if texts and (separator is None or '"' not in text or not any('"' in t for t in texts)):
         first_row = top[0] if layout.header else texts[0].split(separator)
         rows = PlainRows(texts, separator, len(first_row))
     else:
@@ -247,11 +248,8 @@ def decoded(data: bytes) -> str:
 def _lines_of_data(text: str, layout: Format) -> tuple[list[int], list[str]]:
     """Return the numbers, from 1, and the texts of the lines that are not left out."""
     lines = text.splitlines()
-    numbers = [
-        number
-        for number, line in enumerate(lines, start=1)
-        if line and number > layout.preamble and not line.isspace()
-    ]
+    lengths = np.fromiter(map(len, map(str.strip, lines)), int, len(lines))
+    numbers = [n for n in (np.flatnonzero(lengths) + 1).tolist() if n > layout.preamble]
     if (mark := layout.comment) is not None:
         numbers = [n for n in numbers if not lines[n - 1].lstrip().startswith(mark)]
     return numbers, [lines[n - 1] for n in numbers]
