@@ -109,12 +109,9 @@ def unforked():
         yield
 
 
-NO_PICTURE = (
-    b'<svg xmlns="http://www.w3.org/2000/svg"/>',
-    b64decode(
-        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAAC0lEQVR4nGP4DwQA"
-        "CfsD/fteaysAAAAASUVORK5CYII="
-    ),
+NO_SVG = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
+NO_PNG = b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAAC0lEQVR4nGP4DwQACfsD/fteaysAAAAASUVORK5CYII="
 )
 
 
@@ -124,7 +121,8 @@ def undrawn(monkeypatch):
 
     Their names, captions and data are made as ever.
     """
-    monkeypatch.setattr("hbench.report.render.figures.render", lambda figure: NO_PICTURE)
+    monkeypatch.setattr("hbench.report.render.figures.as_svg", lambda figure: NO_SVG)
+    monkeypatch.setattr("hbench.report.render.figures.as_png", lambda figure: NO_PNG)
 
 
 @pytest.fixture

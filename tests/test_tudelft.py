@@ -81,7 +81,7 @@ def test_strokes_with_a_gap_in_the_log_are_left_out_with_the_reason(campaign):
 def test_the_report_shows_friction_against_pressure(campaign):
     results = campaign[0] / "results"
     assert "friction-pressure" in (results / "report.html").read_text()
-    assert (results / "figures" / "friction-pressure.png").stat().st_size > 10_000
+    assert (results / "figures" / "friction-pressure.svg").stat().st_size > 10_000
 
 
 def test_the_strokes_left_out_are_those_whose_lines_have_a_pause_in_the_file(campaign):

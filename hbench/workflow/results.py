@@ -85,7 +85,7 @@ def report(
     results = derive(load_campaign(folder), _fitting(fit_file), monte_carlo=monte_carlo)
     if speed_m_s is not None:
         results = at_working_speed(results, speed_m_s)
-    drawings = draw_all(results)
+    drawings = draw_all(results, png=form == "pdf")
     reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
     name = printable(folder.resolve().name)
     document = report_document(results, drawings, reconciled, name)

@@ -212,7 +212,7 @@ def test_page_and_figures_say_that_the_data_is_simulated(written):
     assert 'class="verdict"' in page
     for number, name in ((1, "Friction (N)"), (2, "Velocity (mm/s)")):
         assert re.search(rf"\b{number} of 2: {re.escape(name)} [^.]*\. Tustin: ", page)
-    drawn = {path.stem for path in (written / "figures").glob("*.png")}
+    drawn = {path.stem for path in (written / "figures").glob("*.svg")}
     curves = {name for name in drawn if name.startswith("steady-")}
     assert len(curves) == 4  # two loads in both directions, with the laws over the points
     assert len(drawn - curves) == 1 + len(LAWS) and page.count("<figure ") == len(drawn)

@@ -267,7 +267,7 @@ def small():
 
 @pytest.fixture(scope="session")
 def drawings(small):
-    return once("drawings-small", lambda: draw_all(small))
+    return once("drawings-small-png", lambda: draw_all(small, png=True))
 
 
 @pytest.fixture(scope="session")

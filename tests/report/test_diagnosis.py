@@ -37,7 +37,7 @@ from hbench.report.diagnosis.text import (
 )
 from hbench.report.render import style
 from hbench.report.render.document import BANNERS
-from hbench.report.render.figures import render
+from hbench.report.render.figures import as_svg
 from hbench.units import parse_unit
 from tests.support.reconcile import made_diagnosis as made
 
@@ -313,7 +313,7 @@ def test_a_figure_of_a_held_out_run_says_what_the_run_was_and_why_it_is_shown(na
 
 
 def test_figures_are_the_same_twice(named):
-    assert render(maps_figure(named)) == render(maps_figure(named))
+    assert as_svg(maps_figure(named)) == as_svg(maps_figure(named))
 
 
 def test_the_revised_model_reads_back_and_says_where_its_numbers_come_from(named, tmp_path):

@@ -110,14 +110,16 @@ def test_no_cell_of_a_figures_data_is_a_formula(small, start, undrawn):
     assert "HYPERLINK" in rows(own)[0]["series"]
 
 
-def test_the_files_of_a_figure_are_its_svg_its_png_and_its_data(drawings):
-    drawing = drawings[0]
-    files = figure_files([drawing, replace(drawing, name="bare", csv=b"")])
+def test_the_files_of_a_figure_are_its_svg_its_data_and_for_a_pdf_its_png(drawings):
+    pixels = replace(drawings[0], name="pixels", csv=b"")
+    drawing = replace(drawings[0], png=b"")
+    files = figure_files([drawing, replace(drawing, name="bare", csv=b""), pixels])
     assert files[f"figures/{drawing.name}.csv"] == drawing.csv
     assert set(files) == {
-        *(f"figures/{drawing.name}.{kind}" for kind in ("svg", "png", "csv")),
+        *(f"figures/{drawing.name}.{kind}" for kind in ("svg", "csv")),
         "figures/bare.svg",
-        "figures/bare.png",
+        "figures/pixels.svg",
+        "figures/pixels.png",
     }
 
 

@@ -17,7 +17,7 @@ from hbench.records import WordTable
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.reconciled import reconciled_section
 from hbench.report.render.document import Document, Section, page
-from hbench.report.render.figures import Drawing, render
+from hbench.report.render.figures import Drawing, as_png, as_svg
 from hbench.report.render.markdown import markdown
 from hbench.report.render.pdf import pdf, sheets
 from hbench.store.campaign.stored_diagnosis import diagnoses
@@ -106,7 +106,7 @@ def test_no_text_of_a_stranger_is_markup_in_markdown(evil):
 def test_each_figure_of_a_pdf_has_its_own_caption_in_its_column_and_unprinted_parts_are_left_out():
     axes = Figure(figsize=(2, 1)).subplots()
     axes.plot([1, 2])
-    svg, png = render(axes.figure)
+    svg, png = as_svg(axes.figure), as_png(axes.figure)
     figures = tuple(Drawing(n, "s", n, "Same words.", svg, png) for n in ("One", "Two", "Three"))
     parts = (Section("Kept", ("a",)), Section("Gone", ("b",), folded=True, printed=False))
     (sheet,) = sheets(Document("t", "", (Section("S", drawings=figures, parts=parts),)))

@@ -44,7 +44,8 @@ def report(
     form: ReportFormat = typer.Option(
         ReportFormat.html,
         "--format",
-        help="html: one self-contained page; md: Markdown with its figures as files; pdf: A4.",
+        help="html: one self-contained page; md: Markdown with its figures as files; pdf: A4, with "
+        "its figures as PNG files.",
     ),
     speed: str | None = typer.Option(
         None,

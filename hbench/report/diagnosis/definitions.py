@@ -26,7 +26,7 @@ RUNS = (
 )
 NUMBERS = (
     "diagnosis.json and gaps_by_run.csv contain all numbers, also those of folded tables, which "
-    "are not printed. The folder figures has each figure as SVG, PNG and CSV."
+    "are not printed. The folder figures has each figure as SVG and its data as CSV."
 )
 NEXT_FILE = "next.yaml is the schedule that is proposed above."
 WHICH: tuple[Fact, ...] = (

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 from xml.etree import ElementTree
 
@@ -35,7 +36,7 @@ class Drawing:
     title: str
     caption: str
     svg: bytes
-    png: bytes
+    png: bytes = b""  # for a PDF only
     wide: bool = False  # over the page's whole width
     csv: bytes = b""  # its data
     seen: str = ""  # its text alternative
@@ -52,24 +53,28 @@ class Sketch(NamedTuple):
     figure: Figure
 
 
-def draw_sketches(sketches: Sequence[Sketch]) -> tuple[Drawing, ...]:
-    """Return the figures as drawings, each with its data and its text alternative."""
-    return tuple(map_forked(_draw_sketch, sketches))
+def draw_sketches(sketches: Sequence[Sketch], png: bool = False) -> tuple[Drawing, ...]:
+    """Return the figures as drawings, each with its data and its text alternative.
+
+    ``png`` draws them as PNG too, which takes as long as the SVG.
+    """
+    return tuple(map_forked(partial(_draw_sketch, png=png), sketches))
 
 
-def _draw_sketch(sketch: Sketch) -> Drawing:
+def _draw_sketch(sketch: Sketch, png: bool) -> Drawing:
     name, section, title, caption, figure = sketch
     series = series_of(figure)
-    svg, png = render(figure)
+    svg = as_svg(figure)
+    pixels = as_png(figure) if png else b""
     csv = data_csv(series).encode() if series else b""
     wide = figure.get_figwidth() > WIDTH_IN
     seen = alternative_text(title, series)
     read = without_math(figure.get_supxlabel())
-    return Drawing(name, section, title, caption, svg, png, wide, csv, seen, read)
+    return Drawing(name, section, title, caption, svg, pixels, wide, csv, seen, read)
 
 
 def figure_files(drawings: Iterable[Drawing]) -> dict[str, bytes]:
-    """Return the files of drawings, SVG, PNG and their data as CSV, by their paths."""
+    """Return the files of drawings, SVG, any PNG and their data as CSV, by their paths."""
     files = {}
     for drawing in drawings:
         for kind in ("svg", "png", "csv"):
@@ -78,21 +83,28 @@ def figure_files(drawings: Iterable[Drawing]) -> dict[str, bytes]:
     return files
 
 
-def render(figure: Figure) -> tuple[bytes, bytes]:
-    """Return ``figure`` as SVG and PNG; the same figure gives the same bytes.
+def as_svg(figure: Figure) -> bytes:
+    """Return ``figure`` as SVG; the same figure gives the same bytes.
 
-    In the SVG each point of a series shows its numbers under the pointer.
+    Each point of a series shows its numbers under the pointer.
     """
-    svg, png = io.BytesIO(), io.BytesIO()
+    svg = io.BytesIO()
     marked = [(series, series.points) for series in series_of(figure) if series.points is not None]
     for number, (_, points) in enumerate(marked):
         points.set_gid(f"series{number}")
     with rc_context(RC):
         FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Creator": None})
+    return _with_notes(svg.getvalue(), marked)
+
+
+def as_png(figure: Figure) -> bytes:
+    """Return ``figure``, already drawn as SVG, as PNG; the same figure gives the same bytes."""
+    png = io.BytesIO()
+    with rc_context(RC):
         figure.set_layout_engine("none")  # it is laid out; once more takes as long as drawing
         figure.set_dpi(PNG_DPI)
         FigureCanvasAgg(figure).print_png(png, metadata={"Software": None}, pil_kwargs=_PNG)
-    return _with_notes(svg.getvalue(), marked), png.getvalue()
+    return png.getvalue()
 
 
 def _with_notes(svg: bytes, marked: list[tuple[DrawnSeries, Line2D]]) -> bytes:

@@ -11,7 +11,7 @@ import pandas as pd
 
 
 def plain_figures(campaign: Path, folder: Path) -> int:
-    """Draw points with error bars in two panels, as SVG and PNG; return how many figures."""
+    """Draw points with error bars in two panels, as SVG; return how many figures."""
     curves = pd.read_csv(campaign / "results" / "curves.csv")
     count = len(list((campaign / "results" / "figures").glob("*.svg")))
     for number in range(count):
@@ -23,8 +23,7 @@ def plain_figures(campaign: Path, folder: Path) -> int:
                 )
         panels[0].legend()
         panels[1].set(xlabel="v (m/s)", ylabel="F (N)")
-        for kind in ("svg", "png"):
-            figure.savefig(folder / f"{number}.{kind}", dpi=200)
+        figure.savefig(folder / f"{number}.svg")
         plt.close(figure)
     return count
 

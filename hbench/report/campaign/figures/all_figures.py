@@ -55,8 +55,11 @@ class FigureKind:
     each_series: bool = False  # drawn for the steady runs of each label by itself
 
 
-def draw_all(results: Results) -> tuple[Drawing, ...]:
-    """Draw every figure that applies to ``results``, in the order of the page."""
+def draw_all(results: Results, png: bool = False) -> tuple[Drawing, ...]:
+    """Draw every figure that applies to ``results``, in the order of the page.
+
+    ``png`` draws them as PNG too.
+    """
     sketches: list[Sketch] = []
     for kind in FIGURES:
         for series, label in _series(results) if kind.each_series else [(results, "")]:
@@ -70,7 +73,7 @@ def draw_all(results: Results) -> tuple[Drawing, ...]:
                         heading = " ".join(figure.axes[0].get_title("left").split())
                         title = ", ".join(filter(None, (heading, label)))
                         sketches.append(Sketch(name, kind.section, title, kind.caption, figure))
-    return draw_sketches(sketches)
+    return draw_sketches(sketches, png)
 
 
 def _series(results: Results) -> Iterator[tuple[Results, str]]:
