@@ -50,6 +50,7 @@ def start_up() -> Iterator[Row]:
     ours = [*HBENCH, "--help"]
     yield Row("start-up: --help", ours, "python -c pass", python("-c", "pass"), 20.0, 4)
     yield Row("start-up: --help", ours, "import pandas", python("-c", "import pandas"), 0.5, 4)
+    yield Row("start-up: run --help", [*HBENCH, "run", "--help"], "hbench --help", ours, 1.3, 4)
 
 
 def campaign(schedule: str, folder: Path) -> Iterator[Row]:
@@ -61,7 +62,7 @@ def campaign(schedule: str, folder: Path) -> Iterator[Row]:
     yield Row(f"run, {runs} runs", again, "the bench itself", bench_s, 0.03)
     analyze = [*HBENCH, "analyze", made]
     plain = python(PLAIN / "plain_analysis.py", made)
-    yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 1.2)
+    yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 0.9)
     report = [*HBENCH, "report", made]
     call(report)
     plain = python(PLAIN / "plain_figures.py", made, folder)

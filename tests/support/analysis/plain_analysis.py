@@ -73,9 +73,9 @@ def plain_pipeline(folder):
 
 
 def load_yaml(path):
-    """The campaign's header and its plans."""
+    """The campaign's header and the plans of its steady runs."""
     content = yaml.load(path.read_text(), Loader=yaml.CSafeLoader)
-    starts = [item for item in content["runs"] if "plan" in item]
+    starts = [item for item in content["runs"] if item["plan"]["kind"] == "steady"]
     return content, [{"run": item["run"], **item["plan"]} for item in starts]
 
 
