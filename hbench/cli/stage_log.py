@@ -44,6 +44,18 @@ class StageLog:
                 lasted = self._clock() - self._began
                 self._write(f"still {self._stage}: {lasted:.0f} s{self._count}")
 
+    @contextmanager
+    def repeated(self) -> Iterator[None]:
+        """Repeat stages that last, in a thread that ends with the context."""
+        ended = threading.Event()
+        thread = threading.Thread(target=repeat_until, args=(self, ended.wait), daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()
+
     def due_s(self) -> float:
         """Return the seconds until the next line is due."""
         return self._last + _EVERY_S - self._clock()
@@ -66,7 +78,7 @@ def repeat_until(log: StageLog, wait: Callable[[float], bool]) -> None:
 def stage_log(path: Path) -> Iterator[StageLog]:
     """Write a log to ``path``, in place of an earlier one, with the end or the error as last line.
 
-    A thread repeats stages that last. Raises ``DataError`` where the file cannot be written.
+    Raises ``DataError`` where the file cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -74,16 +86,11 @@ def stage_log(path: Path) -> Iterator[StageLog]:
     except OSError as error:
         raise DataError(f"{path}: cannot be written: {error.strerror}") from error
     with stream:
-        log, ended = StageLog(stream), threading.Event()
-        thread = threading.Thread(target=repeat_until, args=(log, ended.wait), daemon=True)
-        thread.start()
-        last = "finished"
+        log, last = StageLog(stream), "finished"
         try:
             yield log
         except BaseException as error:
             last = f"ended by {type(error).__name__}: {error}".rstrip(": ")
             raise
         finally:
-            ended.set()
-            thread.join()
             log.stage(last)

@@ -61,14 +61,17 @@ class AcceptanceCriteria:
     def threshold(self, null_scores: np.ndarray, families: int) -> float:
         """Return the score to exceed, from the largest scores (n,) of a family of candidates.
 
-        The ``null_scores`` are of null data sets. One in 20 rounds without a missing effect has a
-        higher score in any of its ``families`` (Bonferroni). The tail above the median is taken as
-        exponential, as a gain in ln L has it (Wilks).
+        The ``null_scores`` are of null data sets. In one of 20 rounds without a missing effect a
+        null score exceeds that of any of the ``families`` (Bonferroni). The tail above the median
+        is taken as exponential, as a gain in ln L has it (Wilks), with the mean of the k scores
+        there: P(excess > t) = (1 + t / (k mean))^-k, the predictive distribution.
         """
         median = float(np.median(null_scores))
-        above = null_scores[null_scores > median]
-        tail = float(above.mean()) - median if len(above) else 0.0
-        return max(self.score, median + tail * float(np.log(0.5 * families / _FALSE)))
+        above = null_scores[null_scores > median] - median
+        if not len(above):
+            return self.score
+        odds = (0.5 * families / _FALSE) ** (1 / len(above))
+        return max(self.score, median + float(above.sum()) * (odds - 1))
 
     def accepts(self, candidate: Candidate) -> bool:
         """Return whether a candidate exceeds its own threshold and meets the other criteria."""

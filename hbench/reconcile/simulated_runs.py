@@ -11,7 +11,7 @@ from hbench.reconcile.hypothesis import Hypothesis
 from hbench.records import Run, RunPlan
 
 _SEED = 20_011  # of the sensors' noise
-_FEW = 2  # simulations that run in this process
+_FEW = 3  # simulations that take less time in this process than the start of others
 
 _Task = tuple[int, Bench, Plant, tuple[RunPlan, ...]]
 

@@ -10,7 +10,7 @@ from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.candidates import EvaluatedCandidate
+from hbench.reconcile.candidates import CRITERIA, EvaluatedCandidate
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.evidence import Priors
@@ -150,6 +150,34 @@ def lacking(force_test):
 
 def search_of(candidates):
     return CampaignSearch(SimpleNamespace(tolerances={}), np.arange(40), candidates)
+
+
+@pytest.mark.parametrize("families", [1, 6, 21])
+def test_one_in_twenty_rounds_of_nulls_exceeds_the_threshold_in_any_family(families):
+    """Exponential scores, whose scale their own 50 draws determine to a fifth."""
+    rng, rounds = np.random.default_rng(3), 1000
+    above = 0
+    for _ in range(rounds):
+        drawn = 10 * rng.exponential(size=(families, 51))
+        above += any(one[0] > CRITERIA.threshold(one[1:], families) for one in drawn)
+    assert above / rounds == pytest.approx(0.05, abs=0.02)
+
+
+def test_a_score_far_above_few_nulls_needs_no_more(monkeypatch):
+    """Fifty where a score is near the threshold, ten where it is three times as large."""
+    after, _ = lacking(np.random.default_rng(4).standard_normal(40))
+    search, counts = search_of(("end_cushion",)), []
+    score_of = CampaignSearch.score_of
+
+    def counted(self, model, added, name, signs):
+        counts.append(len(signs))
+        return score_of(self, model, added, name, signs)
+
+    monkeypatch.setattr(CampaignSearch, "score_of", counted)
+    few = search.null_threshold(after, (), ["end_cushion"], 100.0, families=2)
+    all_of_them = search.null_threshold(after, (), ["end_cushion"], 6.0, families=2)
+    assert counts == [10, 10, 50]
+    assert few < 100 / 3 and all_of_them < 100 / 3
 
 
 def test_an_effect_that_few_points_hold_is_judged_by_what_it_leaves():

@@ -54,7 +54,10 @@ def reconcile(
 
         log.stage(f"reading {campaign}")
         try:
-            diagnosis = workflow.reconcile(campaign, model, counted, series, material / 100, stage)
+            with log.repeated():
+                diagnosis = workflow.reconcile(
+                    campaign, model, counted, series, material / 100, stage
+                )
         finally:
             progress.close()
         log.stage("drawing the figures and writing the page")
