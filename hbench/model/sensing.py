@@ -4,24 +4,15 @@ import numpy as np
 
 from hbench.model.compiled import inlined
 from hbench.model.noise import normal
-from hbench.model.parameters import PlantParameters
-from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, forces
+from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, MassForces, X
 from hbench.model.sensors import FRACTION, N_CHANNELS, SensorParameters
 
 
 @inlined
-def sensed(
-    state: np.ndarray,
-    levels: np.ndarray,
-    par: PlantParameters,
-    values: np.ndarray,
-    work: np.ndarray,
-) -> None:
+def sensed(state: np.ndarray, on_masses: MassForces, values: np.ndarray) -> None:
     """Write the sensed quantities at this moment into ``values``, SI, in ``SENSORS`` order.
 
     The last one is the acceleration of the moving masses.
-
-    ``work`` is scratch of the plant's ``new_work``.
     """
     values[0] = state[X]
     values[1] = state[P_TP]
@@ -29,7 +20,6 @@ def sensed(
     values[3] = state[P_LP]
     values[4] = state[P_LR]
     values[5] = state[P_S]
-    on_masses = forces(state, levels, par, work[3])
     values[6] = on_masses.applied
     values[7] = on_masses.acceleration
 
@@ -60,7 +50,5 @@ def convert(
 def _word(counts: float, sensors: SensorParameters, noise: np.ndarray) -> float:
     if sensors.noise > 0.0:
         counts += sensors.noise * normal(noise)
-    if sensors.whole:
-        counts = np.floor(counts + 0.5)
     counts = min(max(counts, 0.0), sensors.top)
-    return np.floor(FRACTION * counts + 0.5)
+    return FRACTION / sensors.parts * np.floor(sensors.parts * counts + 0.5)

@@ -29,7 +29,7 @@ class SensorParameters(NamedTuple):
     zero: Channels  # counts at 0
     top: float  # largest code
     noise: float  # standard deviation of a tick's mean, in counts
-    whole: bool  # a tick's mean is a whole count: quantised, with nothing that dithers
+    parts: float  # of a count in a tick's mean: FRACTION, or 1 where nothing dithers the rounding
     # The auxiliary input: counts per K of the oil in the tank, or per m/s^2; 0: there is no sensor.
     aux_per_unit: float = 0.0
     aux_zero: float = 0.0  # counts at 0
@@ -63,7 +63,7 @@ def sensor_parameters(sensors: Sensors) -> SensorParameters:
         zero=tuple(counts_per_volt * volts for _, volts in scalings),
         top=float(2**adc.bits - 1),
         noise=sqrt(variance / adc.oversampling),
-        whole=adc.quantised and not adc.noisy,
+        parts=1.0 if adc.quantised and not adc.noisy else float(FRACTION),
         aux_per_unit=aux_per_unit,
         aux_zero=aux_zero,
         aux_is_acceleration=accelerometer is not None,
@@ -72,7 +72,7 @@ def sensor_parameters(sensors: Sensors) -> SensorParameters:
 
 def ideal_sensors() -> SensorParameters:
     """Return sensors that read SI."""
-    return SensorParameters((1.0,) * N_CHANNELS, (0.0,) * N_CHANNELS, 0.0, 0.0, False)
+    return SensorParameters((1.0,) * N_CHANNELS, (0.0,) * N_CHANNELS, 0.0, 0.0, 1.0)
 
 
 def sensor_gains(sensors: Sensors) -> dict[str, tuple[float, float]]:

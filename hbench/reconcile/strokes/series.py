@@ -27,7 +27,7 @@ from hbench.config.scaling import scaled
 from hbench.config.stroke_model import StrokePlant
 from hbench.model.effects.catalogue import EFFECTS, changed_by, read_effects
 from hbench.model.parameters import PlantParameters
-from hbench.model.sensors import N_CHANNELS, SensorParameters
+from hbench.model.sensors import SensorParameters, ideal_sensors
 from hbench.reconcile.gaps.gap_map import GapMap, by_point, gap_map, gaps, point_of
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, effect_coefficients
 from hbench.reconcile.linearised import Columns
@@ -48,7 +48,6 @@ _NEGLIGIBLE_N = 1e-9  # change of force by a typical size
 _LEAST_SHARE = 0.1  # of a coefficient's larger change; a smaller change is set to zero
 _MAGNITUDES = {"coulomb", "stiction", "stribeck_force", "viscous"}  # of friction
 _LAWS = {"friction", "sensors"}  # of effects that can act on a stroke's forces
-_IDEAL_SENSORS = SensorParameters((1.0,) * N_CHANNELS, (0.0,) * N_CHANNELS, 0.0, 0.0, False)
 
 
 @dataclass(frozen=True)
@@ -225,7 +224,7 @@ class MeasuredStrokes:
     def _residuals(self, hypothesis: Hypothesis, pairs: Sequence[StrokePair]) -> list[WindowedRun]:
         plant = hypothesis.plant(self.plant)
         par = plant_with_test_cylinder(plant)
-        sensors = changed_by("sensors", _IDEAL_SENSORS, read_effects(plant.effects))
+        sensors = changed_by("sensors", ideal_sensors(), read_effects(plant.effects))
         return [pair_residuals(pair, par, sensors) for pair in pairs]
 
     def _values(self, hypothesis: Hypothesis) -> np.ndarray:
