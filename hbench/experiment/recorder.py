@@ -1,6 +1,6 @@
 """Recorder of a board's log: sorts its records into runs and journals each run."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from typing import Any
@@ -130,8 +130,7 @@ class Recorder:
 
     def feed(self, words: np.ndarray) -> None:
         """Sort records in order: ``words`` (n, words of a record)."""
-        edges = np.flatnonzero(np.diff(words[:, _RUN])) + 1
-        for piece in np.split(words, edges) if len(words) else ():
+        for piece in _split(words):
             number = int(piece[0, _RUN])
             self.begin(number)
             if number != self._number:
@@ -231,6 +230,14 @@ class Recorder:
                 "Repeat them with --resume. Where the log ran over, use a faster line (--baud) or "
                 "a lower controllers.log_rate.",
             )
+
+
+def _split(words: np.ndarray) -> Sequence[np.ndarray]:
+    """Return the records of each run: mostly all records are of one."""
+    runs = words[:, _RUN]
+    if len(runs) == 0 or (runs == runs[0]).all():
+        return [words] if len(runs) else []
+    return np.split(words, np.flatnonzero(np.diff(runs)) + 1)
 
 
 def _ending(plan: RunPlan, flags: int) -> str:

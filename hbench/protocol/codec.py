@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -33,25 +34,27 @@ def pack(fields: Sequence[tuple[str, str]], values: Mapping[str, Any]) -> bytes:
 
 def unpack(fields: Sequence[tuple[str, str]], payload: bytes) -> dict[str, Any]:
     """Return the fields of a payload by name. Raises ``ValueError`` for a wrong length."""
+    fixed, tail = _layout(tuple(fields))
+    excess = len(payload) - fixed.size
+    if excess < 0 or (excess > 0 and not tail):
+        raise ValueError(f"payload of {len(payload)} octets, {fixed.size} expected")
+    numbers = iter(fixed.unpack_from(payload))
     values: dict[str, Any] = {}
-    offset = 0
     for name, kind in fields:
         if kind in _TAILS:
-            dtype = np.dtype(_TAILS[kind])
-            rest = payload[offset:]
-            if len(rest) % dtype.itemsize:
-                raise ValueError(f"{name}: {len(rest)} octets, not a multiple of {dtype.itemsize}")
-            values[name], offset = np.frombuffer(rest, dtype), len(payload)
-            continue
-        size = struct.calcsize("<" + _FORMATS[kind])
-        if offset + size > len(payload):
-            raise ValueError(f"payload of {len(payload)} octets ends before field {name}")
-        (value,) = struct.unpack_from("<" + _FORMATS[kind], payload, offset)
-        values[name] = _text(value) if kind == "text16" else value
-        offset += size
-    if offset != len(payload):
-        raise ValueError(f"payload of {len(payload)} octets, {offset} expected")
+            values[name] = np.frombuffer(payload[fixed.size :], tail)
+        else:
+            value = next(numbers)
+            values[name] = _text(value) if kind == "text16" else value
     return values
+
+
+@cache
+def _layout(fields: tuple[tuple[str, str], ...]) -> tuple[struct.Struct, str]:
+    """Return the layout of a payload's fixed part, and the type of an array after it, or ""."""
+    kinds = [kind for _, kind in fields]
+    tail = _TAILS[kinds.pop()] if kinds and kinds[-1] in _TAILS else ""
+    return struct.Struct("<" + "".join(_FORMATS[kind] for kind in kinds)), tail
 
 
 def _text(octets: bytes) -> str:

@@ -124,11 +124,11 @@ def start_text(
             for segment in fields["motion"]["segments"]
         ]
     fields["specimen"] = {k: v for k, v in fields["specimen"].items() if v is not None}
-    text = _dump(fields)
-    lines = [f"- run: '{check_run_id(plan.run, 'campaign')}'", f"  plan: {text}"]
+    fields = _printable(fields)
+    lines = [f"- run: '{check_run_id(plan.run, 'campaign')}'", f"  plan: {_dump(fields)}"]
     if origin is not None:
         lines.append(f"  from: {_dump(dict(origin))}")
-    start = {"at": at.isoformat(), "plan_sha256": content_checksum(parse_yaml(text))}
+    start = {"at": at.isoformat(), "plan_sha256": content_checksum(fields)}
     if after_rejection:
         start["after_rejection"] = after_rejection
     lines.append(f"  start: {_dump(start)}")
