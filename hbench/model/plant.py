@@ -103,8 +103,8 @@ def forces(
     friction_l = friction(v, state, Z_L, p_lp, p_lr, level_l, par.load.friction, rates) + more_l
     test = pressure_force(p_tp, p_tr, par.test) + end_stop_force(x, v, par.test, par.end_stop)
     load = pressure_force(p_lp, p_lr, par.load) - end_stop_force(x, v, par.load, par.end_stop)
-    mass = par.mass_test_kg + par.mass_load_kg
-    acceleration = (test - load - friction_t - friction_l) / mass
+    per_mass = 1.0 / (par.mass_test_kg + par.mass_load_kg)  # once: a product takes less time
+    acceleration = (test - load - friction_t - friction_l) * per_mass
     applied = load + friction_l + par.mass_load_kg * acceleration
     return MassForces(friction_t, friction_l, applied, acceleration)
 
@@ -145,9 +145,21 @@ def derivatives(
     out: np.ndarray,
 ) -> None:
     """Write the time derivative of ``state`` under the commands ``u`` into ``out``."""
+    _derivatives(state, u, forces(state, levels, par, out), par, out)
+
+
+@inlined
+def _derivatives(
+    state: np.ndarray,
+    u: np.ndarray,
+    on_masses: MassForces,
+    par: PlantParameters,
+    out: np.ndarray,
+) -> None:
+    """Write all of ``derivatives`` that ``forces`` has not written into ``out``."""
     x, v = state[X], state[V]
     out[X] = v
-    out[V] = forces(state, levels, par, out).acceleration
+    out[V] = on_masses.acceleration
 
     test, load = par.test, par.load
     v_tp, v_tr = extending_volumes(x, test)
@@ -173,6 +185,7 @@ def derivatives(
 def step(
     state: np.ndarray,
     u: np.ndarray,
+    on_masses: MassForces,
     levels: np.ndarray,
     par: PlantParameters,
     dt: float,
@@ -181,20 +194,24 @@ def step(
     """Advance ``state`` in place by ``dt`` [s]: Runge-Kutta of third order
     (Ralston's), in the law's number of substeps.
 
+    ``on_masses`` is ``forces(state, levels, par, work[0])``, which the sensors need as well;
     ``work`` is from ``new_work``. Commands and levels are held.
     """
-    slope, total, trial = work[0], work[1], work[2]
+    k_1, k_2, k_3, trial = work[0], work[1], work[2], work[3]
     h = dt / par.substeps
-    for _ in range(par.substeps):
+    for substep in range(par.substeps):
         for i in range(n_states(par)):
-            trial[i], total[i] = state[i], 0.0
-        for weight, reach in ((2.0, 0.5), (3.0, 0.75), (4.0, 0.0)):
-            derivatives(trial, u, levels, par, slope)
-            for i in range(n_states(par)):
-                total[i] += weight * slope[i]
-                trial[i] = state[i] + reach * h * slope[i]
+            trial[i] = state[i]
+        for stage, reach in enumerate((0.5, 0.75, 0.0)):
+            k = work[stage]
+            if substep + stage > 0:
+                on_masses = forces(trial, levels, par, k)
+            _derivatives(trial, u, on_masses, par, k)
+            if stage < 2:
+                for i in range(n_states(par)):
+                    trial[i] = state[i] + reach * h * k[i]
         for i in range(n_states(par)):
-            state[i] += h / 9.0 * total[i]
+            state[i] += h / 9.0 * (2.0 * k_1[i] + 3.0 * k_2[i] + 4.0 * k_3[i])
             if abs(state[i]) < _FADED:
                 state[i] = 0.0
         hold_slipped(state, Z_T, par.test.friction)

@@ -9,6 +9,7 @@ from hbench.model.noise import new_noise
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import (
     TICK_S,
+    MassForces,
     V,
     drawn_flow,
     forces,
@@ -61,27 +62,28 @@ def _run(
     scatter: bool,
     work: np.ndarray,
 ) -> None:
-    _observe(states[0], levels, par, outputs[0], work[3])
+    on_masses = forces(states[0], levels, par, work[0])
+    _observe(states[0], on_masses, par, outputs[0], work[3])
     for i in range(len(commands)):
         for k in range(n_states(par)):
             states[i + 1, k] = states[i, k]
-        step(states[i + 1], commands[i], levels, par, TICK_S, work)
+        step(states[i + 1], commands[i], on_masses, levels, par, TICK_S, work)
         if scatter:
             update_levels(levels, states[i + 1, V], noise, par)
-        _observe(states[i + 1], levels, par, outputs[i + 1], work[3])
+        on_masses = forces(states[i + 1], levels, par, work[0])
+        _observe(states[i + 1], on_masses, par, outputs[i + 1], work[3])
 
 
 @inlined
 def _observe(
     state: np.ndarray,
-    levels: np.ndarray,
+    on_masses: MassForces,
     par: PlantParameters,
     output: np.ndarray,
     rates: np.ndarray,
 ) -> None:
     """Write the trajectory's last four fields."""
-    moment = forces(state, levels, par, rates)
-    output[0] = moment.friction_test
-    output[1] = moment.friction_load
-    output[2] = moment.applied
+    output[0] = on_masses.friction_test
+    output[1] = on_masses.friction_load
+    output[2] = on_masses.applied
     output[3] = drawn_flow(state, par, rates)

@@ -9,7 +9,7 @@ from typing import Protocol
 from hbench.config.bench import Bench, Plant
 from hbench.model.compiled import compiled
 from hbench.model.effects.applied import oil_temperature
-from hbench.model.plant import TICK_S, V, step
+from hbench.model.plant import TICK_S, V, forces, step
 from hbench.model.scatter import update_levels
 from hbench.model.sensing import convert, sensed
 from hbench.model.simulated_bench import VOLTS_PER_CODE, new_simulated_bench
@@ -42,9 +42,10 @@ def _next_words(first, bench):
     if not first:
         for valve in range(3):
             u[valve] = codes[valve] * VOLTS_PER_CODE
-        step(state, u, levels, par, TICK_S, work)
+        on_masses = forces(state, levels, par, work[0])
+        step(state, u, on_masses, levels, par, TICK_S, work)
         update_levels(levels, state[V], noise, par)
-    sensed(state, levels, par, values, work)
+    sensed(state, forces(state, levels, par, work[0]), values)
     convert(values, oil_temperature(state, par, par.effects), sensors, noise, words)
 
 

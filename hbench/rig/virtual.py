@@ -13,7 +13,7 @@ from numba.extending import intrinsic
 from hbench.config.bench import Bench, Plant
 from hbench.model.compiled import compiled
 from hbench.model.effects.applied import oil_temperature
-from hbench.model.plant import P_S, TICK_S, V, step
+from hbench.model.plant import P_S, TICK_S, V, forces, step
 from hbench.model.scatter import update_levels
 from hbench.model.sensing import convert, sensed
 from hbench.model.simulated_bench import VOLTS_PER_CODE, new_simulated_bench
@@ -59,12 +59,13 @@ def _advance(ticks, poll_ticks, tick, firmware, bench):
     words, codes, state, levels, noise, par, sensors, values, u, work = bench
     last = tick + ticks
     while tick < last:
-        sensed(state, levels, par, values, work)
+        on_masses = forces(state, levels, par, work[0])
+        sensed(state, on_masses, values)
         convert(values, oil_temperature(state, par, par.effects), sensors, noise, words)
         _call_tick(call_tick, core, words.ctypes.data, codes.ctypes.data)
         for valve in range(3):
             u[valve] = codes[valve] * VOLTS_PER_CODE
-        step(state, u, levels, par, TICK_S, work)
+        step(state, u, on_masses, levels, par, TICK_S, work)
         update_levels(levels, state[V], noise, par)
         tick += 1
         if tick % poll_ticks == 0 and _call_poll(call_poll, core) > 0:

@@ -13,7 +13,7 @@ from hbench.control.sampled import Pi
 from hbench.model.compiled import compiled
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters, PlantParameters
-from hbench.model.plant import P_LP, P_LR, TICK_S, V, initial_state, new_work, step
+from hbench.model.plant import P_LP, P_LR, TICK_S, V, forces, initial_state, new_work, step
 
 _SETTLE_S = 1.0  # at rest under load, before the motion
 
@@ -102,4 +102,5 @@ def _run(
             error = references[k, i] - outputs[k, i]
             sums[i] += TICK_S * error
             u[i] = loops[i, 0] * (loops[i, 1] * error + sums[i])
-        step(state, u, levels, par, TICK_S, work)
+        on_masses = forces(state, levels, par, work[0])
+        step(state, u, on_masses, levels, par, TICK_S, work)

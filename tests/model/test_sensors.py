@@ -3,7 +3,7 @@ import pytest
 
 from hbench.config.sensors import TemperatureSensor
 from hbench.model.noise import new_noise
-from hbench.model.plant import initial_state, new_work
+from hbench.model.plant import forces, initial_state, new_work
 from hbench.model.sensing import convert, sensed
 from hbench.model.sensors import N_SENSED, SENSORS, sensor_gains, sensor_parameters
 
@@ -121,5 +121,5 @@ def test_sensors_see_the_state(par):
     state = initial_state(par, 0.1, 15 * BAR, 15 * BAR)
     state[:6] = 0.17, 0.05, 78 * BAR, 28 * BAR, 13 * BAR, 9 * BAR
     values = np.zeros(N_SENSED)
-    sensed(state, np.ones(3), par, values, new_work(par))
+    sensed(state, forces(state, np.ones(3), par, new_work(par)[0]), values)
     assert values[:6] == pytest.approx([0.17, 78 * BAR, 28 * BAR, 13 * BAR, 9 * BAR, 150 * BAR])

@@ -29,6 +29,7 @@ from hbench.model.plant import (
     Z_T,
     V,
     X,
+    forces,
     n_states,
     new_work,
     step,
@@ -147,12 +148,13 @@ def _simulate(
             memory[1 + j] = inputs[1 + j, k]
         for _ in range(ticks):
             state[P_S] = inputs[0, k]
-            sensed(state, levels, par, values, work)
+            on_masses = forces(state, levels, par, work[0])
+            sensed(state, on_masses, values)
             memory[0] += gain * (state[V] - memory[0])
             for j in range(N_CHANNELS):
                 out[j, k] += values[j] / ticks
             out[N_CHANNELS, k] += memory[0] / ticks
-            step(state, memory[1:], levels, par, TICK_S, work)
+            step(state, memory[1:], on_masses, levels, par, TICK_S, work)
 
 
 def _means(session: Session, model: BalanceModel, names: tuple[str, ...]) -> np.ndarray:
