@@ -176,12 +176,13 @@ class CampaignSearch(CandidateEvaluator):
         """Return the given and the refitted model; if not better, the given one and the reason.
 
         The second refit has the scatter of the first, in which the given model's gaps have no part.
+        For this scatter the columns at the given model do.
         """
         start = self.measured.start
         names = [f"/{path}" for path in nuisances(self.measured.plant)]
         names += [".".join(which) for which in self.measured.tolerances]
         given = linearise(self.measured, start, self.measured.columns(start, names))
-        first = self.refit(given, ())
+        first = self.refit(given, (), renewed=())
         first = linearise(self.measured, first.hypothesis, first.columns)
         refitted = self.refit(first, ())
         held_out = np.setdiff1d(np.arange(len(given.gap_map.points)), self.train)
