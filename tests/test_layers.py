@@ -23,6 +23,7 @@ ROWS = (
 LARGEST_FOLDER = 16  # Python files besides __init__.py
 MAY_OPEN_FILES = {
     "model/compiled.py",  # hashes the model's own source for its cache
+    "model/compiled_cache.py",  # keeps the compiled model
     "protocol/generate.py",  # a developer's tool: writes the firmware's generated sources
 }
 FILES = sorted(path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py")

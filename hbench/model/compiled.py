@@ -35,7 +35,7 @@ _OTHERS = (
     Path(friction_laws.__file__),  # the order of its laws gives their numbers
     _FOLDER.parent / "analysis" / "identification" / "driven_law.py",  # inlined along logs
 )
-_CACHE = str(_FOLDER / "__pycache__" / f"compiled-{cache_key(_FOLDER, _OTHERS, OWN_EFFECTS)}")
+_CACHE = f"compiled-{cache_key(_FOLDER, _OTHERS, OWN_EFFECTS)}"
 _OPTIONS = {"forceinline": True, "error_model": "numpy", "nogil": True, "_nrt": False}
 
 
@@ -48,14 +48,13 @@ def compiled(function: Callable) -> Any:
     """
     import numba  # takes 0.4 s, and most commands compile nothing
 
+    from hbench.model.compiled_cache import keep_on_disk
+
     while _waiting:
         _inline(_waiting.pop())
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = _CACHE
-    try:
-        return numba.njit(cache=True, **_OPTIONS)(function)
-    finally:
-        numba.config.CACHE_DIR = before
+    dispatcher = numba.njit(**_OPTIONS)(function)
+    keep_on_disk(dispatcher, function, _CACHE, _FOLDER)
+    return dispatcher
 
 
 def inlined(function: Callable) -> Callable:

@@ -1,0 +1,98 @@
+"""Compiled functions on disk; whatever happened to them there, a command runs.
+
+Numba keeps them in a folder. A power cut or a full disk damages files in it, and the folder of an
+installed package may be write-protected. Numba would then end each further call with an error, take
+a cache that knows nothing of edited models, or execute a damaged function.
+"""
+
+import os
+import pickle
+from collections.abc import Callable
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import (
+    CompileResultCacheImpl,
+    FunctionCache,
+    IndexDataCacheFile,
+    UserProvidedCacheLocator,
+)
+
+_DIGEST = sha256().digest_size
+
+
+def keep_on_disk(dispatcher: Any, function: Callable, name: str, package: Path) -> None:
+    """Let a compiled function be kept in the folder ``name`` of a cache.
+
+    The cache is that of the ``package``, or the user's where that is write-protected. Without
+    either, each process compiles the function.
+    """
+    before = numba.config.CACHE_DIR
+    try:
+        for folder in (package / "__pycache__", *_users()):
+            numba.config.CACHE_DIR = str(folder / name)
+            with suppress(RuntimeError):  # numba found no writable folder
+                dispatcher._cache = _Cache(function)
+                return
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def _users() -> list[Path]:
+    with suppress(RuntimeError):  # no home
+        return [Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "hbench"]
+    return []
+
+
+class _InOneFolder(CompileResultCacheImpl):
+    """Numba's serialization, without the other folders that numba would choose."""
+
+    _locator_classes = [UserProvidedCacheLocator]
+
+
+class _CheckedFiles(IndexDataCacheFile):
+    """The files of a function: an index by signature, and machine code with a checksum.
+
+    What is damaged counts as missing.
+    """
+
+    def _load_index(self) -> dict:
+        try:
+            return super()._load_index()
+        except Exception:  # whatever pickle makes of any bytes
+            return {}
+
+    def _save_data(self, name: str, data: Any) -> None:
+        content = self._dump(data)
+        with self._open_for_write(self._data_path(name)) as file:
+            file.write(sha256(content).digest() + content)
+
+    def _load_data(self, name: str) -> Any:
+        data = Path(self._data_path(name)).read_bytes()
+        digest, content = data[:_DIGEST], data[_DIGEST:]
+        if sha256(content).digest() != digest:
+            raise OSError(f"{name}: is damaged")  # the caller takes the file for missing
+        return pickle.loads(content)
+
+
+class _Cache(FunctionCache):
+    """Numba's cache of a function, with these files; a disk that refuses them is no error."""
+
+    _impl_class = _InOneFolder
+
+    def __init__(self, function: Callable):
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, stamp)
+
+    def load_overload(self, *signature: Any) -> Any:
+        with suppress(OSError):
+            return super().load_overload(*signature)
+        return None
+
+    def save_overload(self, *compiled: Any) -> None:
+        with suppress(OSError):
+            super().save_overload(*compiled)
