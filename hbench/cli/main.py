@@ -1,6 +1,5 @@
 """The application: commands, signals, and the one place that reports errors."""
 
-import io
 import os
 import signal
 import sys
@@ -26,6 +25,7 @@ from hbench.cli.commands import (
     simulate,
     watch,
 )
+from hbench.cli.standard_streams import open_standard_streams
 from hbench.errors import HbenchError
 from hbench.parallel.one_thread import ONE_THREAD
 from hbench.untrusted_text import printable
@@ -90,17 +90,11 @@ def _limit_threads() -> None:
         os.environ.setdefault(name, number)
 
 
-def _escape_unprintable_text() -> None:
-    """Let stdout escape characters that its encoding lacks, as stderr does; paths contain any."""
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")
-
-
 def main() -> None:
     """Run the command line; exit with the codes of ``ExitCode``, 130 when interrupted."""
+    open_standard_streams()
     _end_as_by_ctrl_c()
     _limit_threads()
-    _escape_unprintable_text()
     try:
         app()
     except HbenchError as error:

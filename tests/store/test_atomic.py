@@ -1,5 +1,8 @@
 import errno
 import os
+import subprocess
+import sys
+from contextlib import suppress
 
 import pytest
 
@@ -58,3 +61,32 @@ def test_a_file_in_the_way_of_a_folder_is_named(tmp_path):
     (tmp_path / "runs").write_text("not a folder")
     with pytest.raises(DataError, match="001.dat: "):
         atomic.write_atomic(tmp_path / "runs" / "001.dat", b"")
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from hbench.store.files.atomic import write_files
+
+data = sys.argv[2].encode() * 300_000
+for _ in range(40):
+    write_files(Path(sys.argv[1]), {"one": data, "below/two": data})
+"""
+
+
+def test_two_processes_write_the_same_files_one_after_the_other(tmp_path):
+    both = [
+        subprocess.Popen([sys.executable, "-c", WRITER, tmp_path, name], stderr=subprocess.PIPE)
+        for name in "ab"
+    ]
+    seen = set()
+    while any(process.poll() is None for process in both):
+        with suppress(FileNotFoundError):
+            data = (tmp_path / "one").read_bytes()
+            assert len(data) == 300_000 and len(set(data)) == 1
+            seen.add(data[:1])
+    for process in both:
+        _, told = process.communicate()
+        assert process.returncode == 0, told.decode()
+    assert seen == {b"a", b"b"}
+    assert not list(tmp_path.rglob(".*"))

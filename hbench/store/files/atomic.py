@@ -10,6 +10,11 @@ from typing import IO
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import check_inside
 
+try:
+    import fcntl
+except ImportError:  # Windows has no such lock
+    fcntl = None  # type: ignore[assignment]
+
 
 def make_folder(path: Path) -> None:
     """Create a folder and its missing parents, and flush their entries to disk.
@@ -107,11 +112,33 @@ def move_files(source: Path, destination: Path) -> None:
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write files, named by their paths below ``folder``, each atomically.
 
-    Raises ``DataError``, also for a path that leads out of ``folder``.
+    Waits while another process does this in the same folder. Raises ``DataError``, also for a path
+    that leads out of ``folder``.
     """
-    for name, data in files.items():
-        check_inside(folder, (folder / name).parent)
-        write_atomic(folder / name, data)
+    with _only_writer(folder):
+        for name, data in files.items():
+            check_inside(folder, (folder / name).parent)
+            write_atomic(folder / name, data)
+
+
+@contextmanager
+def _only_writer(folder: Path) -> Iterator[None]:
+    """Wait for other processes that write files of a folder: all use the same temporary names."""
+    handle = None
+    try:
+        make_folder(folder)
+        if fcntl:
+            with suppress(PermissionError):  # a folder of others, in which files may be written
+                handle = os.open(folder, os.O_RDONLY)
+                with suppress(OSError):  # a file system without locks
+                    fcntl.flock(handle, fcntl.LOCK_EX)
+    except OSError as error:
+        raise _refused(folder, error) from error
+    try:
+        yield
+    finally:
+        if handle is not None:
+            os.close(handle)
 
 
 def remove_files(folder: Path, names: Iterable[str]) -> None:

@@ -1,0 +1,46 @@
+"""A closed or full terminal ends no measurement; a result that is not written is an error."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hbench.store.campaign.folder import load_campaign
+from tests.support import ROOT
+
+FULL = Path("/dev/full")
+needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full")
+
+
+def hbench(*arguments, redirections: str) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "hbench", *map(str, arguments)]
+    return subprocess.run(
+        ["sh", "-c", f'exec "$@" {redirections}', "sh", *command], capture_output=True, text=True
+    )
+
+
+@needs_full
+def test_a_result_that_a_full_disk_does_not_take_is_an_error():
+    done = hbench(
+        "run", ROOT / "configs" / "demo.yaml", "--check", "--json", redirections=">/dev/full"
+    )
+    assert done.returncode == 4
+    assert (
+        done.stderr.splitlines()[-2] == "error: stdout: can't be written: No space left on device"
+    )
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "redirections", [pytest.param("2>/dev/full", marks=needs_full), "2>&-", "<&- >&- 2>&-"]
+)
+def test_a_measurement_goes_on_where_nothing_takes_its_messages(
+    quick_schedule, tmp_path, redirections
+):
+    folder = tmp_path / "campaign"
+    done = hbench("run", quick_schedule(), "-o", folder, redirections=redirections)
+    assert done.returncode == 0
+    campaign = load_campaign(folder)
+    assert not campaign.warnings and not campaign.damaged()
+    assert len(campaign.done) == len(campaign.entries) > 0
