@@ -34,7 +34,7 @@ from hbench.reconcile.nuisance import standard_deviation
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import revision
 from hbench.reconcile.search import CampaignSearch, SearchResult, silent
-from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Undecided
+from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Proposal, Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects
 from hbench.reconcile.separation.separability import Separation, with_remaining_noise
 from hbench.reconcile.verdict import (
@@ -158,7 +158,7 @@ def _assembled(
         for each in last.evaluated
         if each.candidate in last.ambiguous and each.model
     }
-    proposal = None
+    proposal = Proposal(None, None, ())
     if rivals and task.experiments:
         task.stage("searching for the experiment that separates the effects best")
         proposal = task.experiments.propose(_undecided(result, rivals, train))
@@ -189,8 +189,8 @@ def _assembled(
         effects=_added_effects(result, estimates, held_out),
         alternatives=last.ambiguous,
         rest=unexplained,
-        next_experiment=proposal[0] if proposal else None,
-        next_schedule=proposal[1] if proposal else None,
+        next_experiment=proposal.words,
+        next_schedule=proposal.schedule,
         gap_heldout=gap_table(balances, simulated, held_out_points),
         gap_train=gap_table(balances, simulated, frozenset(points) - held_out_points),
         gap_runs=gaps_of_runs([run.plan for run in runs], balances, simulated, held_out_points),
@@ -208,6 +208,7 @@ def _assembled(
         notes=(
             *_oscillations(measured),
             *notes,
+            *proposal.notes,
             *([] if task.instruments else [_ASSUMED]),
         ),
         unnamed=_unnamed_laws(result, estimates, held_out),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from hbench.config.bench import Bench, Plant
 from hbench.config.scaling import scaled
+from hbench.errors import ConfigError
 from hbench.experiment.closed_loop import record_plans
 from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.gaps.gap_map import point_of
@@ -24,8 +25,8 @@ def simulator(
 ) -> Callable[[Sequence[Hypothesis], Sequence[RunPlan]], list[tuple[Run, ...] | str]]:
     """Return a function that simulates plans with hypotheses of ``plant``.
 
-    For a hypothesis with which the board stops, or takes far longer than expected, it returns the
-    reason as text.
+    For a hypothesis with which the bench can't rest, the board stops, or takes far longer than
+    expected, it returns the reason as text.
     One trial of each operating point gives the mean: friction has no scatter from stroke to stroke.
     ``report`` receives the number of completed simulations and the total. ``spread`` maps over many
     simulations; pass ``map`` to run them in sequence.
@@ -51,7 +52,10 @@ def simulator(
 
 def _simulate(task: _Task) -> tuple[int, tuple[Run, ...] | str]:
     number, bench, plant, plans = task
-    recorded = record_plans(bench, plans, plant, seed=_SEED)
+    try:
+        recorded = record_plans(bench, plans, plant, seed=_SEED)
+    except ConfigError as error:  # the supply of a hypothesis does not hold the load at rest
+        return number, error.message
     return number, recorded.stopped or recorded.runs
 
 

@@ -1,10 +1,14 @@
 """Experiments that separate the effects of an ambiguous set, on the shipped bench."""
 
+import re
+
 import numpy as np
 import pytest
+import yaml
 
 from hbench.config.schedule import parse_schedule
-from hbench.experiment.plan import plan_runs
+from hbench.experiment import closed_loop
+from hbench.experiment.plan import plan_runs, run_seconds
 from hbench.reconcile.hypothesis import typical_size
 from hbench.reconcile.separation.next_experiment import (
     ExperimentLibrary,
@@ -15,6 +19,7 @@ from hbench.reconcile.separation.next_experiment import (
 )
 from hbench.reconcile.separation.planned_runs import linearised_runs, simulated_runs
 from hbench.reconcile.separation.separability import Separation
+from hbench.rig import virtual
 from tests.support.reconcile.rounds import plans_of
 
 STEADY = {
@@ -104,7 +109,8 @@ def test_a_mass_and_a_lag_of_friction_are_separated_by_slow_reversals(bench, cam
     """Neither more of the same nor closed valves help: these have no acceleration."""
     rivals = inertias(campaign)
     assert not separation(rivals).distinguishable
-    words, schedule = library(bench).propose(rivals)
+    words, schedule, notes = library(bench).propose(rivals)
+    assert not notes
     assert "triangle runs 'slow'" in words
     assert {"added_mass", "friction_lag"} <= set(words.split())
     assert "bench" not in schedule  # no such file lies beside it: --bench names one
@@ -124,12 +130,14 @@ def test_where_no_experiment_of_the_bench_helps_none_is_proposed(bench, campaign
     limits = bench.limits.model_copy(update={"speed_max": 0.01})
     slow = bench.model_copy(update={"limits": limits})
     rivals = inertias(campaign)
-    assert library(slow).propose(rivals) is None
+    words, schedule, (note,) = library(slow).propose(rivals)
+    assert words is None and schedule is None
+    assert "hold runs" in note and "limits.speed_max" in note  # as they go to their start
 
 
 def test_without_a_schedule_the_proposal_contains_the_experiment_alone(bench, campaign):
     rivals = inertias(campaign)
-    words, schedule = library(bench, {}).propose(rivals)
+    words, schedule, _ = library(bench, {}).propose(rivals)
     assert [each["label"] for each in schedule["experiments"]] == ["slow"]
     assert "contains" in words
 
@@ -148,7 +156,7 @@ def test_experiments_are_proposed_that_show_effects_which_the_runs_do_not(bench,
     """Runs that only extend do not show what differs between the directions; reversals do."""
     compared = Separation(*campaign)
     hidden = set(EFFECTS) - detectable(compared, EFFECTS)
-    words, schedule = library(bench).reveal(compared, EFFECTS)
+    words, schedule, _ = library(bench).reveal(compared, EFFECTS)
     added = schedule["experiments"][1:]
     assert schedule["experiments"][0] == EXTENDING and added
     runs = simulated_runs(bench, bench, plans_of(bench, schedule))
@@ -158,4 +166,49 @@ def test_experiments_are_proposed_that_show_effects_which_the_runs_do_not(bench,
     assert {name for name in EFFECTS if name in named} == {"direction_asymmetry"} <= seen & hidden
     assert {name for name in EFFECTS if name in never} == hidden - {"direction_asymmetry"}
     assert "hbench run next.yaml --bench" in words
-    assert library(bench).reveal(compared, sorted(set(EFFECTS) - hidden)) is None  # all are seen
+    seen = sorted(set(EFFECTS) - hidden)
+    assert library(bench).reveal(compared, seen) == (None, None, ())
+
+
+class Counted(virtual.VirtualRig):
+    """A rig that keeps the time of the bench at which each was closed."""
+
+    ended_s: list[float] = []
+
+    def close(self):
+        self.ended_s.append(self.now())
+        super().close()
+
+
+def test_experiments_that_crawl_cost_a_bounded_time_and_are_reported(bench, campaign, monkeypatch):
+    """A supply of 8 bar never brings the piston to the start of a run with p_lr at 15 bar."""
+    monkeypatch.setattr(virtual, "VirtualRig", Counted)
+    monkeypatch.setattr(Counted, "ended_s", [])
+    monkeypatch.setattr(closed_loop, "LONGEST_S", 0.0)  # the board stops after 20 s in a return
+    limits = bench.limits.model_copy(update={"speed_error": 1.0})
+    patient = bench.model_copy(update={"limits": limits})
+    supply = bench.supply.model_copy(update={"pressure": 8e5})
+    weak = bench.model_copy(update={"supply": supply})
+    given = ExperimentLibrary(patient, weak, bench.instruments, SCHEDULE)
+    expected_s = [
+        sum(run_seconds(plans_of(bench, {"name": "one", "experiments": [each]}), bench).values())
+        for each in yaml.safe_load(SHORT)["experiments"]
+    ]
+    both = given.propose(inertias(campaign)), given.reveal(Separation(*campaign), EFFECTS)
+    for proposal in both:
+        assert [re.match("Not compared .*: (.*) runs '", note)[1] for note in proposal.notes] == [
+            "steady",
+            "triangle",
+        ]
+        assert all("the simulation was ended after" in note for note in proposal.notes)
+    for took_s, most_s in zip(Counted.ended_s, 2 * expected_s, strict=True):
+        assert took_s < closed_loop.LONGEST * most_s + 0.5
+
+
+def test_a_model_that_can_not_rest_is_reported_as_a_simulation_that_ended_early(bench, campaign):
+    supply = bench.supply.model_copy(update={"pressure": 5e5})
+    weak = bench.model_copy(update={"supply": supply})
+    given = ExperimentLibrary(bench, weak, bench.instruments, SCHEDULE)
+    words, _, notes = given.propose(inertias(campaign))
+    assert words is None and len(notes) == 3
+    assert all("it has 2 to 5 bar" in note for note in notes)

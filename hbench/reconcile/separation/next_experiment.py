@@ -12,7 +12,7 @@ which effects of a typical size become detectable that the campaign's runs do no
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,8 +37,15 @@ from hbench.report.render.symbols import listed
 
 _LIBRARY = "discriminate.yaml"
 _TRIALS = 3
+_NOT_COMPARED = "Not compared as a next experiment: {}. Their simulation ended early ({})."
 
-Proposal = tuple[str, dict[str, Any]]  # in words, and as a schedule
+
+class Proposal(NamedTuple):
+    """Proposed experiments, in words and as a schedule; None where none helps."""
+
+    words: str | None
+    schedule: dict[str, Any] | None
+    notes: tuple[str, ...]  # experiments that were not compared
 
 
 @dataclass(frozen=True)
@@ -61,40 +68,40 @@ class ExperimentLibrary:
     schedule: Mapping[str, Any]  # as in its file; empty: unknown
     bench_file: str = "BENCH"
 
-    def propose(self, undecided: Undecided) -> Proposal | None:
-        """Return the experiment that separates the effects best, in words and as a schedule.
+    def propose(self, undecided: Undecided) -> Proposal:
+        """Return the experiment that separates the effects best.
 
-        The schedule is the campaign's with this experiment. None where the effects are not
-        distinguishable with any of the experiments.
+        The schedule is the campaign's with this experiment. No experiment is proposed where the
+        effects are not distinguishable with any of them.
         """
         before = separation(undecided)
         best, chosen = before, None
-        for experiment in _experiments():
-            runs = self._runs(experiment, undecided.model.hypothesis)
-            after = separation(self._with_runs(undecided, runs)) if runs else before
+        simulated, notes = self._simulated(undecided.model.hypothesis)
+        for experiment, runs in simulated:
+            after = separation(self._with_runs(undecided, runs))
             if after.distinguishable and after.order > best.order:
                 best, chosen = after, experiment
         if chosen is None:
-            return None
+            return Proposal(None, None, notes)
         name = f"Distinguish {' and '.join(undecided.rivals)}"
-        return self._words(chosen, undecided, before, best), self._schedule(name, [chosen])
+        words = self._words(chosen, undecided, before, best)
+        return Proposal(words, self._schedule(name, [chosen]), notes)
 
-    def reveal(self, compared: Separation, effects: Sequence[str]) -> Proposal | None:
-        """Return the experiments that show more of some effects, in words and as a schedule.
+    def reveal(self, compared: Separation, effects: Sequence[str]) -> Proposal:
+        """Return the experiments that show more of some effects.
 
         Each is the one that shows most of the effects that neither the campaign nor those before
-        it show at a typical size. None where no experiment shows another one.
+        it show at a typical size. None is proposed where no experiment shows another one.
         """
         model = compared.model
         known = Undecided(model, compared.points, (), dict.fromkeys(effects, model.hypothesis))
         hidden = set(effects) - detectable(compared, effects)
+        simulated, notes = self._simulated(model.hypothesis)
         shown = []
-        for experiment in _experiments():
-            runs = self._runs(experiment, model.hypothesis)
-            if runs:
-                joint = self._with_runs(known, runs)
-                seen = detectable(Separation(joint.model, joint.points), sorted(hidden))
-                shown.append((experiment, seen))
+        for experiment, runs in simulated:
+            joint = self._with_runs(known, runs)
+            seen = detectable(Separation(joint.model, joint.points), sorted(hidden))
+            shown.append((experiment, seen))
         chosen = []
         while shown and hidden:
             experiment, seen = max(shown, key=lambda each: len(each[1] & hidden))
@@ -103,7 +110,7 @@ class ExperimentLibrary:
             chosen.append((experiment, [name for name in effects if name in seen & hidden]))
             hidden -= seen
         if not chosen:
-            return None
+            return Proposal(None, None, notes)
         each = [f"the {described(one)} show {listed(names)}" for one, names in chosen]
         never = [name for name in effects if name in hidden]
         words = (
@@ -113,16 +120,28 @@ class ExperimentLibrary:
         if never:
             words += f" No single experiment of {_LIBRARY} shows {listed(never)}."
         schedule = self._schedule("Show more effects", [one for one, _ in chosen])
-        return f"{words} {self._command()}", schedule
+        return Proposal(f"{words} {self._command()}", schedule, notes)
 
-    def _runs(self, experiment: Mapping[str, Any], at: Hypothesis) -> tuple[Run, ...]:
-        """Return one simulated trial of an experiment; no runs if the bench can't make them."""
-        try:
-            schedule = {"name": "next", "experiments": [{**experiment, "trials": 1}]}
-            plans = plan_runs(parse_schedule(schedule, "next"), self.bench, "next").runs
-        except ConfigError:
-            return ()
-        return simulated_runs(self.bench, self.plant, plans, at)
+    def _simulated(
+        self, at: Hypothesis
+    ) -> tuple[list[tuple[dict[str, Any], tuple[Run, ...]]], tuple[str, ...]]:
+        """Return one simulated trial of each experiment that the bench can make.
+
+        Those whose simulation ended early are in notes instead.
+        """
+        simulated, notes = [], []
+        for experiment in _experiments():
+            try:
+                schedule = {"name": "next", "experiments": [{**experiment, "trials": 1}]}
+                plans = plan_runs(parse_schedule(schedule, "next"), self.bench, "next").runs
+            except ConfigError:
+                continue
+            runs = simulated_runs(self.bench, self.plant, plans, at)
+            if isinstance(runs, str):
+                notes.append(_NOT_COMPARED.format(described(experiment), runs))
+            else:
+                simulated.append((experiment, runs))
+        return simulated, tuple(notes)
 
     def _with_runs(self, undecided: Undecided, runs: tuple[Run, ...]) -> Undecided:
         """Return an ambiguous set with the operating points of some runs added."""

@@ -22,16 +22,14 @@ def planned_effects(bench: Bench, plant: Plant, plans: Sequence[RunPlan]) -> Pla
 
     One run of each operating point is simulated. More trials hardly change the noise that a search
     assumes: most of it is what is not material. Effects that build up over a campaign are smaller
-    in this shorter one. Raises ``DataError`` where the board stops.
+    in this shorter one. Raises ``DataError`` where the simulation ends early.
     """
     chosen = [plan for plan in plans if KINDS[plan.kind].is_reconciled]
+    if not chosen:
+        raise DataError("effects: the schedule has no runs that hbench reconcile compares")
     runs = simulated_runs(bench, plant, chosen)
-    if not runs:
-        raise DataError(
-            "effects: the schedule has no runs that hbench reconcile compares, or the simulated "
-            "board stops during them",
-            "Measure the schedule on the virtual rig; the campaign has the reason.",
-        )
+    if isinstance(runs, str):
+        raise DataError(f"effects: the simulation of the schedule ended early: {runs}")
     names, not_tried = observable_effects(runs, plant)
     model = linearised_runs(bench, plant, runs, names)
     train, _ = divided_points(len(model.gap_map.points))
@@ -57,9 +55,7 @@ def linearised_runs(
 
 def simulated_runs(
     bench: Bench, plant: Plant, plans: Sequence[RunPlan], at: Hypothesis | None = None
-) -> tuple[Run, ...]:
-    """Return a run of each operating point; none where the simulation ends early."""
-    if not plans:
-        return ()
+) -> tuple[Run, ...] | str:
+    """Return a run of each operating point, or the reason why the simulation ended early."""
     (runs,) = simulator(bench, plant, spread=map)((at or Hypothesis(),), plans)
-    return () if isinstance(runs, str) else runs
+    return runs
