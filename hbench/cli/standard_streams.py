@@ -25,8 +25,10 @@ def open_standard_streams() -> None:
 
 
 def _opened(before: TextIO | None, raw: io.FileIO) -> TextIO:
-    if before is not None and not _is(before, raw.fileno()):
-        return before  # a test's
+    if before is not None and not _is(before, raw.fileno()):  # replaced by a caller
+        if isinstance(before, io.TextIOWrapper):
+            before.reconfigure(errors="backslashreplace")
+        return before
     return io.TextIOWrapper(
         io.BufferedWriter(raw),
         encoding=before.encoding if before else "utf-8",

@@ -1,8 +1,14 @@
 """A message tells in which line of the file a key stands."""
 
 import pytest
+import yaml
 
+from hbench.config.bench import parse_bench
+from hbench.config.files import key_lines
 from hbench.config.files.key_lines import with_lines
+from hbench.config.files.yaml_text import compose_yaml, parse_yaml
+from hbench.errors import ConfigError
+from tests.support import ROOT
 
 TEXT = """\
 # a comment
@@ -45,3 +51,20 @@ def test_a_file_without_keys_leaves_the_message_as_it_is(tmp_path, content):
     if content is not None:
         file.write_bytes(content)
     assert with_lines(f"{file}: a = 1: wrong") == f"{file}: a = 1: wrong"
+
+
+def test_a_large_file_full_of_faults_is_read_once(tmp_path, monkeypatch):
+    file = tmp_path / "bench.yaml"
+    file.write_text("".join(f"extra_{i}: [1, 2, 3]\n" for i in range(2000)))
+    example = yaml.safe_load((ROOT / "configs" / "bench-aau.yaml").read_text())
+    read = []
+    monkeypatch.setattr(
+        key_lines, "compose_yaml", lambda text: read.append(text) or compose_yaml(text)
+    )
+    with pytest.raises(ConfigError) as caught:
+        parse_bench(example | parse_yaml(file.read_text()), str(file))
+    lines = with_lines(caught.value.message).split("\n")
+    assert len(read) == 1
+    assert "line 50: unknown key 'extra_49'" in "\n".join(lines)
+    assert lines[-1].startswith(f"{file}: ") and lines[-1].endswith(" more faults")
+    assert len(lines) == 51

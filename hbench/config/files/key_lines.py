@@ -1,7 +1,8 @@
 """Line numbers of the keys in messages."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 
 import yaml
@@ -16,21 +17,27 @@ _NAMED = re.compile(r"(.+?\.ya?ml): (?:(?:unknown )?key ')?([\w.]+)")
 def with_lines(message: str) -> str:
     """Return a message with the line of each key in it: "bench.yaml: line 7: oil.density ...".
 
-    The file is read again; a key that it does not contain gets no line.
+    Each file is read again, once; a key that it does not contain gets no line.
     """
-    return "\n".join(map(_with_line, message.split("\n")))
+    nodes = cache(_nodes)
+    return "\n".join(_with_line(line, nodes) for line in message.split("\n"))
 
 
-def _with_line(message: str) -> str:
+def _with_line(message: str, nodes: Callable[[str], yaml.Node | None]) -> str:
     named = _NAMED.match(message)
     if named is None:
         return message
     file, keys = named.groups()
-    try:
-        line = line_of(read_regular_file(Path(file), _MAX_BYTES).decode("utf-8"), keys.split("."))
-    except Exception:  # the file may have changed into anything; a message needs no line
-        return message
+    node = nodes(file)
+    line = node and _line_in(node, keys.split("."))
     return f"{file}: line {line}: {message.removeprefix(f'{file}: ')}" if line else message
+
+
+def _nodes(file: str) -> yaml.Node | None:
+    try:
+        return compose_yaml(read_regular_file(Path(file), _MAX_BYTES).decode("utf-8"))
+    except Exception:  # the file may have changed into anything; a message needs no line
+        return None
 
 
 def line_of(text: str, keys: Sequence[str]) -> int | None:
@@ -39,7 +46,11 @@ def line_of(text: str, keys: Sequence[str]) -> int | None:
 
     Raises ``ValueError`` for text that ``compose_yaml`` refuses.
     """
-    node, line = compose_yaml(text), None
+    return _line_in(compose_yaml(text), keys)
+
+
+def _line_in(node: yaml.Node, keys: Sequence[str]) -> int | None:
+    line = None
     for key in keys:
         below: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         if isinstance(node, yaml.MappingNode):

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _Model = TypeVar("_Model", bound=BaseModel)
 _MAX_BYTES = 1_000_000
+_MOST_FAULTS = 50  # that a message lists
 _BRIEF = 100  # characters of a value
 _YAML = (
     "The file is not valid YAML there or just above: indent by spaces, the keys of one section "
@@ -85,18 +86,19 @@ def file_sha256(path: Path) -> str:
 
 
 def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
-    """Check ``data`` against ``model``. Raises ``ConfigError`` that lists every fault."""
+    """Check ``data`` against ``model``. Raises ``ConfigError`` that lists the faults."""
     try:
         return model.model_validate(data)
     except ValidationError as error:
         _refuse_other_type(model, data, source)
         faults = error.errors()
         meant = _meant(faults, model)
+        own = [fault for fault in _own_faults(faults) if fault["loc"] not in meant.values()]
         messages = [
-            f"{source}: {_explain(fault, data, meant, model)}"
-            for fault in _own_faults(faults)
-            if fault["loc"] not in meant.values()
+            f"{source}: {_explain(fault, data, meant, model)}" for fault in own[:_MOST_FAULTS]
         ]
+        if len(own) > _MOST_FAULTS:
+            messages.append(f"{source}: {len(own) - _MOST_FAULTS} more faults")
         raise ConfigError("\n".join(messages), _hint(faults)) from None
 
 
@@ -118,15 +120,15 @@ def _meant(faults: list["ErrorDetails"], model: type[BaseModel]) -> dict[tuple, 
     known = _names(model)
     missing = [fault["loc"] for fault in faults if fault["type"] == "missing"]
     meant: dict[tuple, tuple] = {}
-    for fault in faults:
-        if fault["type"] == "extra_forbidden":
-            *above, key = fault["loc"]
-            beside = {str(loc[-1]): loc for loc in missing if list(loc[:-1]) == above}
-            for name in difflib.get_close_matches(str(key), beside, n=1):
-                meant[fault["loc"]] = beside[name]
-            if fault["loc"] not in meant and key not in known:
-                for name in difflib.get_close_matches(str(key), known, n=1, cutoff=0.8):
-                    meant[fault["loc"]] = (*above, name)
+    unknown = [fault["loc"] for fault in faults if fault["type"] == "extra_forbidden"]
+    for where in unknown[:_MOST_FAULTS]:
+        *above, key = where
+        beside = {str(loc[-1]): loc for loc in missing if list(loc[:-1]) == above}
+        for name in difflib.get_close_matches(str(key), beside, n=1):
+            meant[where] = beside[name]
+        if where not in meant and key not in known:
+            for name in difflib.get_close_matches(str(key), known, n=1, cutoff=0.8):
+                meant[where] = (*above, name)
     return meant
 
 
