@@ -201,7 +201,11 @@ def ending(folder: Path, out: Path) -> str:
         return "barred" if re.search(r": can't be read[^:]*: ", error.message) else "refused"
     except Exception as error:
         raise AssertionError(f"{type(error).__name__}: {error}") from error
-    for run in load_campaign(out).runs():
+    try:
+        runs = list(load_campaign(out).runs())
+    except DataError as error:
+        raise AssertionError(f"the imported campaign can't be read: {error}") from error
+    for run in runs:
         assert np.isfinite(run.t_s).all() and np.isfinite(run.x_m).all()
     return "imported"
 

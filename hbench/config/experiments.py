@@ -166,7 +166,10 @@ class Check(ExperimentBase):
 
 def _profile(experiment: Any) -> str | None:
     """Return the velocity profile of an experiment's kind; None for an unknown or missing kind."""
-    kind = experiment.get("kind") if isinstance(experiment, dict) else experiment.kind
+    if isinstance(experiment, dict):
+        kind = experiment.get("kind")
+    else:  # a section, or anything that a file has in its place
+        kind = getattr(experiment, "kind", None)
     return KINDS[kind].profile if isinstance(kind, str) and kind in KINDS else None
 
 

@@ -6,8 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import yaml
 from scipy.stats import spearmanr
 
+from hbench import workflow
 from hbench.config.bench import parse_bench
 from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import parse_schedule
@@ -226,3 +228,12 @@ def test_a_load_pressure_at_which_the_board_would_stop_is_refused():
     told = r"experiments.1.p_lr: .* p_lr = 110 bar.* limits.pressure_max \(100 bar\)"
     with pytest.raises(ConfigError, match=told):
         plan_runs(schedule, bench, "s.yaml")
+
+
+@pytest.mark.parametrize("section", [5, -1e300, True, None, "text", b"hi", [], [[1]]])
+def test_an_experiment_that_is_no_section_is_an_error(quick_schedule, section):
+    file = quick_schedule()
+    content = yaml.safe_load(file.read_text())
+    file.write_text(yaml.safe_dump(content | {"experiments": [*content["experiments"], section]}))
+    with pytest.raises(ConfigError, match=r"experiments\.1"):
+        workflow.load_experiment(file, None)

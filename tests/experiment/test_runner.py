@@ -3,6 +3,7 @@
 import re
 
 import pytest
+import yaml
 
 from hbench import workflow
 from hbench.errors import ConfigError, DataError, DeviceError, ExitCode
@@ -377,3 +378,21 @@ def test_a_latched_fault_is_cleared_on_request_alone(
 
 def test_every_fault_of_the_board_has_words():
     assert set(FAULT_WORDS) == set(FAULTS) - {"none", "stopped"}
+
+
+@pytest.mark.parametrize("name", ["", "  ", "ä $x_{$"])
+def test_a_campaign_of_any_name_can_be_read_again(quick_schedule, tmp_path, clock, name):
+    file = quick_schedule(trials=1)
+    file.write_text(yaml.safe_dump(yaml.safe_load(file.read_text()) | {"name": name}))
+    workflow.measure(
+        workflow.load_experiment(file, None),
+        tmp_path / "campaign",
+        port="sim",
+        plant=None,
+        seed=1,
+        resume=False,
+        clock=clock,
+        report=lambda progress: None,
+    )
+    assert load_campaign(tmp_path / "campaign").header["name"] == name
+    assert workflow.analyze(tmp_path / "campaign").provenance.name == name

@@ -194,7 +194,7 @@ def _check_header(header: dict[str, Any], source: str) -> None:
             whole = isinstance(section.get("content"), dict)
         if not whole:
             raise DataError(f"{source}: {key}: is not a section written by hbench")
-    if not isinstance(header["name"], str) or not header["name"].strip():
+    if not isinstance(header["name"], str):
         raise DataError(f"{source}: name: is not text")
     if not isinstance(header.get("notes") or [], list):
         raise DataError(f"{source}: notes: is not a list")
