@@ -27,6 +27,7 @@ from tests.support.faults import mutations as m
 
 AT = datetime(2026, 1, 1, tzinfo=UTC)
 MEMORY = 900_000_000  # bytes of the readers' process and that this one takes more; it has 100 MB
+SHOWN = 5_000  # files after which a sweep shows its counts, in case it is ended early
 N = 24
 T = np.arange(N) / 100
 CHANNELS = {"t": T, "x": 1000 * T, "p": 60 + T, "f": np.sin(T)}
@@ -237,6 +238,8 @@ def sweep(seeds: Path, base: Path, count: int, seed: int, monkeypatch) -> Counte
             faults.append(f"{name} {number}: {extra or f'{held / 1e6:.0f} MB'}")
         shutil.rmtree(folder)
         shutil.rmtree(out, ignore_errors=True)
+        if number % SHOWN == SHOWN - 1:
+            show(counts)
     reading._process.close()
     show(counts)
     assert not faults, f"{len(faults)} faults of {count}:\n" + "\n".join(faults)

@@ -30,6 +30,7 @@ from tests.support.faults import mutations as m
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "data_samples"
 HANG_S = 20
+SHOWN = 5_000  # files after which a sweep shows its counts, in case it is ended early
 MEMORY = 500_000_000  # bytes above what the test itself holds
 DYNAMICS = {
     "name": "motions",
@@ -276,6 +277,8 @@ def sweep(goods: dict[str, Good], base: Path, count: int, seed: int) -> Counter:
         counts[case, ending] += 1
         shutil.rmtree(folder)
         shutil.rmtree(base / "imported", ignore_errors=True)
+        if number % SHOWN == SHOWN - 1:
+            show(counts)
     show(counts)
     print("other data:", dict(others))
     assert not faults, f"{len(faults)} faults of {count}:\n" + "\n".join(faults)
