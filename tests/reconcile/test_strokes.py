@@ -97,6 +97,25 @@ def test_friction_that_saturates_with_pressure_is_named_with_the_seals_law(of_tw
     assert not found.alternatives
 
 
+def test_the_gaps_of_an_effect_are_those_of_loads_outside_the_fit(of_two_seals):
+    """Constant and straight friction through the mean half bands of the other loads, fitted here.
+
+    Of the code's numbers only the unit is used, the scatter of the trials.
+    """
+    runs, bars = strokes(saturating(120, 120)), np.array(BARS)
+    lost = [abs(run.means.p_tp_pa * AREA - run.means.f_applied_n) for run in runs]
+    half_bands = np.reshape(lost, (3, len(BARS), 2)).mean(axis=(0, 2))
+    scatter = next(gap.scatter for gap in of_two_seals.where if gap.name == "force_band")
+    (effect,), band = of_two_seals.effects, of_two_seals.gap_heldout.balances["force_band"]
+    for gap, degree in ((effect.gap_before, 0), (effect.gap_after, 1)):
+        errors = []
+        for i, bar in enumerate(bars):
+            line = np.polyfit(np.delete(bars, i), np.delete(half_bands, i), degree)
+            errors.append((np.polyval(line, bar) - half_bands[i]) / scatter)
+        assert gap == pytest.approx(np.sqrt(1 - 1 / 3 + np.mean(np.square(errors))), rel=0.05)
+    assert (effect.gap_before, effect.gap_after) == (band.refitted, band.after)
+
+
 def test_the_friction_of_seals_at_the_load_in_the_middle_is_its_coefficient_times_the_pressure(
     of_two_seals,
 ):

@@ -62,6 +62,8 @@ def test_guides_are_ruled_out_as_they_would_rub_alike_with_either_seal(seal):
 def test_the_error_shrinks_at_pressures_left_out_of_the_fit(seal):
     band = seal[1].gap_heldout.balances["force_band"]
     assert band.after < 0.3 * band.refitted
+    (effect,) = seal[1].effects
+    assert (effect.gap_before, effect.gap_after) == (band.refitted, band.after)
 
 
 def test_the_mean_offset_is_ambiguous_between_a_gain_an_area_and_an_asymmetry(seal):

@@ -15,7 +15,6 @@ from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
     added_effect,
-    gap_of_balances,
     insufficient_data_diagnosis,
     residual_map,
 )
@@ -54,6 +53,7 @@ from hbench.records import (
     Candidate,
     Diagnosis,
     Gap,
+    GapTable,
     Provenance,
     ScreenedRun,
     Verdict,
@@ -175,7 +175,7 @@ def _assembled(
         where=strokes.ranked_gaps(result.refitted.hypothesis),
         regions=regions(before),
         regions_after=regions(after),
-        effects=_added_effects(result, estimates, indices),
+        effects=_added_effects(search, start, result, estimates, held_out),
         alternatives=alternatives,
         rest=unexplained,
         next_experiment=_next_experiment(alternatives),
@@ -203,7 +203,7 @@ def _assembled(
 def _decide_verdict(result: StrokeSearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:
     sentences = []
     if result.names:
-        sentences.append(f"{explains(result.names)} the residuals at held-out loads.")
+        sentences.append(f"{explains(result.names)} the residuals in cross-validation.")
     for step in result.steps:
         if step.ambiguous:
             sentences.append(
@@ -231,20 +231,26 @@ def _next_experiment(alternatives: Sequence[Candidate]) -> str | None:
 
 
 def _added_effects(
-    result: StrokeSearchResult, estimates: ParameterEstimates, points: np.ndarray
+    search: SeriesSearch,
+    start: LinearisedModel,
+    result: StrokeSearchResult,
+    estimates: ParameterEstimates,
+    held_out: GapTable,
 ) -> tuple[AddedEffect, ...]:
-    effects = []
+    """Return the added effects; their gaps are of held-out loads, as in the table ``held_out``."""
+    effects: list[AddedEffect] = []
     for step in result.steps:
         if step.added is not None:
-            balances = (step.balance,)
+            earlier = result.names[: len(effects)]
+            without = gap_table(leave_each_load_out(search, start, earlier))
             candidates = [each for each in step.evaluated if each.name not in step.ruled_out]
             effects.append(
                 added_effect(
                     step.added,
                     candidates,
                     estimates,
-                    gap_of_balances(step.before.gap_map, balances, points),
-                    gap_of_balances(result.final.gap_map, balances, points),
+                    without.balances[step.balance].after,
+                    held_out.balances[step.balance].after,
                 )
             )
     return tuple(effects)

@@ -36,20 +36,16 @@ _FEW = 2  # balances, or unexplained gaps, in a sentence
 _CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
 
 
-def gap_change(diagnosis: Diagnosis, effect: AddedEffect) -> str:
-    """Return how an effect changes the gap of held-out runs, also where it does not reduce it.
-
-    The gaps of an effect on strokes are of all runs.
-    """
+def gap_change(effect: AddedEffect) -> str:
+    """Return how an effect changes the gap of held-out runs, also where it does not reduce it."""
     before, after, where = effect.gap_before, effect.gap_after, "in the balances that it touches"
-    runs = "all" if of_strokes(diagnosis) else "held-out"
     if not after >= before:
         return (
-            f"It reduces the gap of {runs} runs {where} from {number(before, 1)} to "
+            f"It reduces the gap of held-out runs {where} from {number(before, 1)} to "
             f"{number(after, 1)}, where 1 is the repeatability of the bench."
         )
     return (
-        f"It does not reduce the gap of {runs} runs {where}: {number(before, 2)} without it and "
+        f"It does not reduce the gap of held-out runs {where}: {number(before, 2)} without it and "
         f"{number(after, 2)} with it, where 1 is the repeatability of the bench."
     )
 
@@ -147,9 +143,33 @@ def worse_words(diagnosis: Diagnosis) -> str:
     revised = diagnosis.effects or diagnosis.unnamed
     if not revised and diagnosis.refit_refused:
         return ""
-    start, end = ("refitted", "after") if revised else ("before", "refitted")
-    model = "revised model" if revised else "refitted model"
-    base = compared_model(diagnosis) if revised else "given model"
+    if not revised:
+        return _worse(diagnosis, "refitted", "before")
+    base = compared_model(diagnosis)
+    words = _worse(diagnosis, "after", "refitted", model="revised model", base=base)
+    return " ".join(filter(None, (refit_worse_words(diagnosis), words)))
+
+
+def refit_worse_words(diagnosis: Diagnosis) -> str:
+    """Return which gaps of held-out strokes the refit without effects increases; empty for none.
+
+    It is kept, since the given level of friction is a first guess that may have no influence, or
+    was taken from these same strokes. In other campaigns such a refit is refused.
+    """
+    words = _worse(diagnosis, "refitted", "before") if of_strokes(diagnosis) else ""
+    reason = "The given level of friction may come from the same strokes, so the refit is kept."
+    return f"{words} {reason}" if words else ""
+
+
+def _worse(
+    diagnosis: Diagnosis,
+    end: str,
+    start: str,
+    *,
+    model: str = "refitted model",
+    base: str = "given model",
+) -> str:
+    """Return which gaps of held-out runs increase between two steps beyond repeatability."""
     table = diagnosis.gap_heldout
     groups = (
         ("", table.balances),

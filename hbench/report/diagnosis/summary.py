@@ -111,7 +111,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     for effect in diagnosis.effects:
         if effect.name in practice:
             yield at_point_words(diagnosis.working_point, practice[effect.name], brief=True)
-        yield gap_change(diagnosis, effect)
+        yield gap_change(effect)
         yield odds_words(effect)
         if effect.name in practice:
             yield advice(practice[effect.name])
@@ -148,7 +148,7 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
         if along := along_words(practice):
             yield _ALONG, f"Over all runs it changes {along}."
-    yield _EVIDENCE, gap_change(diagnosis, effect)
+    yield _EVIDENCE, gap_change(effect)
     yield _EVIDENCE, _NO_GAIN if effect.gap_after >= effect.gap_before else ""
     yield _EVIDENCE, odds_words(effect)
     if practice:

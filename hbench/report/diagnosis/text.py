@@ -150,9 +150,8 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
             effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
             rows.append((effect, coefficient_words(name), parameter_text(p), *cells))
     head = ("effect", "coefficient", "value with 95 % interval", "gap before", "after")
-    runs = "all" if of_strokes(diagnosis) else "held-out"
     return WordTable(
-        f"Effects that were added; gaps of {runs} runs in the balances they touch",
+        "Effects that were added; gaps of held-out runs in the balances they touch",
         (*head, "score (nats)", "next best, below by (nats)"),
         tuple(rows),
     )

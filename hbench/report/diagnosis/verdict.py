@@ -24,6 +24,7 @@ from hbench.report.diagnosis.sentences import (
     gap_change,
     increased,
     largest_deviation,
+    refit_worse_words,
     undetectable,
 )
 from hbench.report.diagnosis.text import verdict_sentence
@@ -40,11 +41,13 @@ def verdict_words(diagnosis: Diagnosis) -> str:
 def _named(diagnosis: Diagnosis) -> Iterator[str]:
     for effect in diagnosis.effects:
         yield _effect(diagnosis, effect)
+    yield refit_worse_words(diagnosis)
     if diagnosis.alternatives:
         names = " or ".join(in_words(candidate.name) for candidate in diagnosis.alternatives)
         yield f"The runs also show {names}, and cannot distinguish these."
     if diagnosis.rest:
-        yield f"Not explained: {deviations(diagnosis.rest)}."
+        runs = " in all runs, with the fit to all" if of_strokes(diagnosis) else ""
+        yield f"Not explained: {deviations(diagnosis.rest)}{runs}."
         yield increased(diagnosis)
     yield next_step(diagnosis)
 
@@ -67,12 +70,14 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
     if effect.gap_after >= effect.gap_before:
-        return gap_change(diagnosis, effect)
-    runs = "all runs" if of_strokes(diagnosis) else "runs that were not used for the fit"
+        return gap_change(effect)
+    runs = "in runs that were not used for the fit"
+    if of_strokes(diagnosis):
+        runs = "when each load is predicted from the other loads"
     return (
         "With it, the model's deviation in these quantities falls from "
         f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)} times the repeatability "
-        f"of the bench, in {runs}."
+        f"of the bench, {runs}."
     )
 
 
