@@ -272,6 +272,8 @@ class Overlay:
     measured: np.ndarray  # (n,)
     before: np.ndarray  # (n,) the refitted model without the effects
     after: np.ndarray  # (n,)
+    # Why it is shown: its gap shrank most. False: no signal's gap shrank, and its gap is largest.
+    shrank: bool = True
 
 
 @dataclass(frozen=True)

@@ -312,6 +312,19 @@ def test_a_figure_of_a_held_out_run_says_what_the_run_was_and_why_it_is_shown(na
         assert "these gaps shrink most" in drawing.caption
 
 
+def test_a_held_out_run_without_a_reduced_gap_is_shown_for_the_largest_gap(named, unknown, undrawn):
+    def caption(diagnosis):
+        drawings = draw_diagnosis(replace(diagnosis, where=(), ranking=(), refitted={}))
+        (first, *_) = (drawing for drawing in drawings if drawing.section == "overlay")
+        assert "shrink" not in first.caption
+        return first.caption
+
+    largest = tuple(replace(each, shrank=False) for each in named.overlays[:1])
+    assert "Of all held-out runs and signals, these gaps are largest." in caption(unknown)
+    worse = caption(replace(named, overlays=largest))
+    assert "What is added to the model reduces the gap of no signal; these gaps are" in worse
+
+
 def test_figures_are_the_same_twice(named):
     assert as_svg(maps_figure(named)) == as_svg(maps_figure(named))
 

@@ -71,7 +71,9 @@ _OVERLAY = (
     "A held-out run as measured, and as simulated with the same firmware in closed loop. Right: "
     "simulated less measured."
 )
-_CHOSEN = " Of all held-out runs and signals, these gaps shrink most by what is added to the model."
+_SHRUNK = " Of all held-out runs and signals, these gaps shrink most by what is added to the model."
+_LARGEST = " Of all held-out runs and signals, these gaps are largest."
+_NONE_SHRANK = " What is added to the model reduces the gap of no signal; these gaps are largest."
 _RANKING = (
     "Score of each candidate by cross-validation, and the share of the excess gap that it "
     "explains in the balances that it touches. No gain: it predicts these points no better. "
@@ -119,8 +121,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
     plans = {run_gap.plan.run: run_gap.plan for run_gap in diagnosis.gap_runs}
     for run, figure in overlay_figures(diagnosis).items():
         title = f"Run {run}: {plan_words(plans[run])}" if run in plans else f"Run {run}"
-        chosen = _CHOSEN if "after" in steps_of(diagnosis) else ""
-        yield "overlay", f"run {run}", title, _OVERLAY + chosen, figure
+        yield "overlay", f"run {run}", title, _OVERLAY + _chosen(diagnosis), figure
     if diagnosis.ranking:
         yield "ranking", "ranking", "Candidates", _RANKING, ranking_figure(diagnosis)
     if diagnosis.refitted:
@@ -143,6 +144,13 @@ def _stages(diagnosis: Diagnosis) -> str:
     ]
     stages = _STAGES.format(model=compared_model(diagnosis), added=" and ".join(added))
     return stages if added else ""
+
+
+def _chosen(diagnosis: Diagnosis) -> str:
+    """Return why these signals of held-out runs are shown."""
+    if "after" not in steps_of(diagnosis):
+        return _LARGEST
+    return _SHRUNK if all(each.shrank for each in diagnosis.overlays) else _NONE_SHRANK
 
 
 def _slug(name: str) -> str:
