@@ -175,6 +175,11 @@ class AddedEffect:
     shape: str = ""  # the shape parameter that held-out runs supported; empty: textbook form
     law: str = ""  # its formula
 
+    @property
+    def confirmed(self) -> bool:
+        """Whether it reduces the gap of held-out runs."""
+        return self.gap_after < self.gap_before
+
 
 @dataclass(frozen=True)
 class UnnamedLaw:

@@ -199,6 +199,15 @@ def test_a_diagnosis_in_the_campaigns_folder_is_told_before_and_after(campaign):
     assert cells in text
 
 
+def test_an_effect_whose_gap_does_not_fall_is_stated_as_not_confirmed():
+    (effect,) = DIAGNOSIS["effects"]
+    worse = DIAGNOSIS | {"effects": [effect | {"gap_before": 1.02, "gap_after": 1.04}]}
+    for content, confirmed in ((DIAGNOSIS, True), (worse, False)):
+        text = " ".join(reconciled_section("model", content).paragraphs)
+        assert ("falls from" in text) is confirmed
+        assert ("held-out runs do not confirm it: 1.02 to 1.04." in text) is not confirmed
+
+
 def test_without_a_diagnosis_there_is_no_such_section(campaign):
     workflow.report(campaign)
     title, _, _ = reconciled_section("model", DIAGNOSIS).title.partition(" (")

@@ -63,9 +63,12 @@ def _effects(content: dict[str, Any]) -> Iterator[str]:
                 f"{name} = {significant(_number(parameter.get('value')), 3)} {_interval(parameter)}"
             )
         coefficients = ", ".join(values)
-        before, after = (number(_number(effect.get(key)), 2) for key in ("gap_before", "gap_after"))
+        before, after = (_number(effect.get(key)) for key in ("gap_before", "gap_after"))
         name = _text(effect.get("name")).replace("_", " ")
-        yield f"Effect {name}: {coefficients}; its gap falls from {before} to {after}."
+        rises = before is not None and after is not None and after >= before
+        change = "is not reduced, held-out runs do not confirm it:" if rises else "falls from"
+        ends = f"{number(before, 2)} to {number(after, 2)}"
+        yield f"Effect {name}: {coefficients}; its gap {change} {ends}."
 
 
 def _interval(value: dict[str, Any]) -> str:

@@ -60,6 +60,23 @@ def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     return f"Next, inspect {inspect}." if inspect else ""
 
 
+def _first_step(diagnosis: Diagnosis) -> str:
+    """Return what to inspect for the confirmed effects, and how to confirm the others."""
+    confirmed = [effect for effect in diagnosis.effects if effect.confirmed]
+    others = [effect for effect in diagnosis.effects if not effect.confirmed]
+    confirm = confirmation(diagnosis, others) if others else ""
+    return " ".join(filter(None, (_inspect(diagnosis, confirmed), confirm)))
+
+
+def confirmation(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
+    """Return how to confirm effects that do not reduce the gap of held-out runs."""
+    measure = "measure next.yaml" if diagnosis.next_schedule else "repeat the runs"
+    return (
+        f"To confirm {listed([in_words(effect.name) for effect in effects])}, {measure} and "
+        "reconcile again; replace or adjust nothing before that."
+    )
+
+
 def _runs(other: Lookalike) -> str:
     """Return the runs that separate two effects, in words."""
     return f"{KINDS[other.kind].display_name} runs" if other.kind in KINDS else f"{other.kind} runs"
@@ -80,11 +97,11 @@ def next_step(diagnosis: Diagnosis) -> str:
         kinds = dict.fromkeys(_runs(other) for _, other in _separable_pairs(diagnosis))
         runs = f"measure {listed(list(kinds))}, which separate them" if kinds else ""
         steps = ", or ".join(filter(None, (runs, f"inspect {inspect}" if inspect else "")))
-        first = _inspect(diagnosis, diagnosis.effects)
+        first = _first_step(diagnosis)
         begin = f"{first} To separate the others" if first else "Next"
         return f"{begin}, {steps}." if steps else first
     if diagnosis.effects:
-        return _inspect(diagnosis, diagnosis.effects)
+        return _first_step(diagnosis)
     if diagnosis.verdict == "unknown" and diagnosis.where:
         return _where_to_look(diagnosis)
     return ""

@@ -39,7 +39,7 @@ _CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
 def gap_change(effect: AddedEffect) -> str:
     """Return how an effect changes the gap of held-out runs, also where it does not reduce it."""
     before, after, where = effect.gap_before, effect.gap_after, "in the balances that it touches"
-    if not after >= before:
+    if effect.confirmed:
         return (
             f"It reduces the gap of held-out runs {where} from {number(before, 1)} to "
             f"{number(after, 1)}, where 1 is the repeatability of the bench."
@@ -66,14 +66,21 @@ def coefficients_words(effect: AddedEffect) -> str:
 
 
 def odds_words(effect: AddedEffect) -> str:
-    """Return how clearly the cross-validation favours an effect over the next best one."""
+    """Return how clearly the cross-validation favours an effect over the next best one.
+
+    Where held-out runs do not confirm the effect, the sentence states that too.
+    """
     rival = effect.runner_up
     if rival is None or not isfinite(rival.margin):
-        return "No other effect of the catalogue explains these residuals."
-    return (
-        "The cross-validation favours it over the next best explanation, "
-        f"{in_words(rival.name)}, by {_ratio(rival.margin)}."
-    )
+        words = "no other effect of the catalogue explains these residuals"
+    else:
+        words = (
+            "the cross-validation favours it over the next best explanation, "
+            f"{in_words(rival.name)}, by {_ratio(rival.margin)}"
+        )
+    if effect.confirmed:
+        return f"{capital(words)}."
+    return f"In the runs of the fit, {words}; held-out runs do not confirm it."
 
 
 def closeness(candidates: Sequence[Candidate]) -> str:

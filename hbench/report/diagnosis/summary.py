@@ -10,7 +10,7 @@ from hbench.records import (
     AddedEffect,
     Diagnosis,
 )
-from hbench.report.diagnosis.action_words import first_edge, next_step, separation
+from hbench.report.diagnosis.action_words import confirmation, first_edge, next_step, separation
 from hbench.report.diagnosis.change_words import along_words, friction_words, main_changes
 from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.names import PARTS, in_sentence, in_words
@@ -55,6 +55,7 @@ _MEANWHILE = (
     "Until then, model.yaml reproduces a part of this deviation by its unnamed law, within the "
     "measured range."
 )
+_IF_PRESENT = "The sizes that follow apply only if {name} is present."
 _NO_GAIN = (
     "The effect is named by its score in the cross-validation over the runs of the fit. Do not "
     "expect model.yaml to predict these balances better than the model without the effect."
@@ -110,11 +111,11 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     practice = {effect.name: effect for effect in diagnosis.practice}
     for effect in diagnosis.effects:
         if effect.name in practice:
+            yield _condition(effect)
             yield at_point_words(diagnosis.working_point, practice[effect.name], brief=True)
         yield gap_change(effect)
         yield odds_words(effect)
-        if effect.name in practice:
-            yield advice(practice[effect.name])
+        yield _what_to_do(diagnosis, effect)
     if diagnosis.alternatives:
         yield _ambiguous_sizes(diagnosis, brief=True)
         yield friction_words(diagnosis)
@@ -139,20 +140,36 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
 def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     kind = "error of the measurement" if effect.of_sensor else "effect of the bench"
+    is_what = f"is an {kind} that the model does not contain"
+    if not effect.confirmed:
+        is_what = f"is a possible {kind}, which held-out runs do not confirm"
     yield (
         _FINDING,
-        f"{title(effect.name)} is an {kind} that the model does not contain: {effect.description}. "
+        f"{title(effect.name)} {is_what}: {effect.description}. "
         f"Coefficients with their 95 % intervals: {coefficients_words(effect)}.",
     )
     if practice:
+        yield _FINDING, _condition(effect)
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
         if along := along_words(practice):
             yield _ALONG, f"Over all runs it changes {along}."
     yield _EVIDENCE, gap_change(effect)
-    yield _EVIDENCE, _NO_GAIN if effect.gap_after >= effect.gap_before else ""
+    yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
     yield _EVIDENCE, odds_words(effect)
-    if practice:
-        yield _ACTION, advice(practice)
+    yield _ACTION, _what_to_do(diagnosis, effect)
+
+
+def _condition(effect: AddedEffect) -> str:
+    """Return under which condition an effect's sizes apply; empty where it is confirmed."""
+    return "" if effect.confirmed else _IF_PRESENT.format(name=in_words(effect.name))
+
+
+def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
+    """Return what to inspect and repair, or how to confirm the effect first."""
+    if not effect.confirmed:
+        return confirmation(diagnosis, [effect])
+    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    return advice(practice) if practice else ""
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 
 from hbench.records import (
+    AddedEffect,
     BeforeAfter,
     Candidate,
     Diagnosis,
@@ -62,7 +63,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """Return the verdict in one sentence, with the effects' coefficients or the set."""
-    effects = "; ".join(effect_words(effect) for effect in diagnosis.effects)
+    effects = "; ".join(map(_finding, diagnosis.effects))
     names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
     if diagnosis.verdict == "named":
         also = f" Also {names}; these data cannot distinguish them." if names else ""
@@ -84,6 +85,11 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
         return f"none: in the balances that these channels determine, {agrees}."
     return f"none: {agrees}."
+
+
+def _finding(effect: AddedEffect) -> str:
+    unconfirmed = "" if effect.confirmed else ", not confirmed by held-out runs"
+    return f"{effect_words(effect)}{unconfirmed}"
 
 
 def gap_line(diagnosis: Diagnosis) -> str:

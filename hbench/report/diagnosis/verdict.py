@@ -24,12 +24,12 @@ from hbench.report.diagnosis.sentences import (
     gap_change,
     increased,
     largest_deviation,
+    odds_words,
     refit_worse_words,
     undetectable,
 )
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number
-from hbench.report.render.symbols import capital
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:
@@ -55,22 +55,21 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
 def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State an effect, its largest changes, and what it does to held-out runs."""
     name = in_words(effect.name)
-    missing = f"the model does not contain {name}"
+    sure = effect.confirmed
+    missing = f"The model {'does' if sure else 'may'} not contain {name}"
     if effect.of_sensor:
-        missing = f"the instruments have an error, {name}"
-    if effect.gap_after >= effect.gap_before:
-        missing = f"by cross-validation, {missing}"
-    finding = f"{capital(missing)}: {effect.description}."
+        missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
+    finding = f"{missing}: {effect.description}."
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     changes = largest_words(practice) if practice else ""
-    size = f"It changes {changes}." if changes else f"Found: {coefficients_words(effect)}."
-    return f"{finding} {size} {_improvement(diagnosis, effect)}"
+    verb = "changes" if sure else "would change"
+    size = f"It {verb} {changes}." if changes else f"Found: {coefficients_words(effect)}."
+    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
+    return f"{finding} {size} {evidence}"
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
-    if effect.gap_after >= effect.gap_before:
-        return gap_change(effect)
     runs = "in runs that were not used for the fit"
     if of_strokes(diagnosis):
         runs = "when each load is predicted from the other loads"
@@ -79,6 +78,11 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
         f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)} times the repeatability "
         f"of the bench, {runs}."
     )
+
+
+def _no_improvement(effect: AddedEffect) -> str:
+    """State the odds of an effect in the runs of the fit, and that held-out runs differ."""
+    return f"{odds_words(effect)} {gap_change(effect)}"
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
