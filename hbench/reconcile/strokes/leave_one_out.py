@@ -8,7 +8,7 @@ import numpy as np
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.strokes.series import STROKE_BALANCES, MeasuredStrokes
+from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.reconcile.strokes.stroke_search import SeriesSearch
 from hbench.records import BeforeAfter, GapTable
 
@@ -41,7 +41,7 @@ def leave_each_load_out(
 
 
 def gap_floor(strokes: MeasuredStrokes, best: ParameterEstimates) -> np.ndarray:
-    """Return the gaps (2,) of a correct model with parameters as uncertain as these."""
+    """Return the gaps (c,) of a correct model with parameters as uncertain as these."""
     centre = strokes.gap_map(best.hypothesis(best.beta))
     squares = [
         ((strokes.gap_map(drawn).difference - centre.difference) / centre.scatter) ** 2
@@ -51,18 +51,19 @@ def gap_floor(strokes: MeasuredStrokes, best: ParameterEstimates) -> np.ndarray:
 
 
 def gap_table(stages: Sequence[StageGaps], floor: np.ndarray | None = None) -> GapTable:
-    """Return the gaps over several sets of points; ``floor`` (2,) are the floors."""
+    """Return the gaps over several sets of points; ``floor`` (c,) are the floors."""
     values = {
         stage: np.sqrt(
             np.maximum(1 + np.mean([maps[stage].excess for maps in stages], axis=(0, 1)), 0)
         )
         for stage in ("before", "refitted", "after")
     }
-    values["floor"] = np.ones(len(STROKE_BALANCES)) if floor is None else floor
+    names = stages[0]["after"].names
+    values["floor"] = np.ones(len(names)) if floor is None else floor
     total = BeforeAfter(*(float(np.sqrt(np.mean(gaps**2))) for gaps in values.values()))
     balances = {
         name: BeforeAfter(*(float(gaps[i]) for gaps in values.values()))
-        for i, name in enumerate(STROKE_BALANCES)
+        for i, name in enumerate(names)
     }
     return GapTable(total, balances, {}, {})
 

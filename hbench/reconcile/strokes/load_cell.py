@@ -34,6 +34,8 @@ class Stroke:
     p_tr_pa: float  # 0 for a plunger
     f_applied_n: float
     change_n: float = 0.0  # of F_T - F_applied over its window, in the sense of extension
+    x_m: float = 0.0  # mean position
+    travel_m: float = 0.0  # over its window
 
 
 def plant_with_test_cylinder(plant: StrokePlant) -> PlantParameters:

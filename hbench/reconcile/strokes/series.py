@@ -8,6 +8,10 @@ one window of two balances:
     force_band     N    (r_extend - r_retract) / 2: half the friction band, free of force offsets
     force_middle   N    (r_extend + r_retract) / 2: the part that is the same in both directions
 
+Without a force sensor the applied force is a constant of the import's map, and the load that acts
+is unknown. It is the same in both directions at the same positions, so force_band does not depend
+on it. force_middle contains it and is not compared.
+
 The model reads the load cell at the measured velocity and pressures. Effects act as in the plant
 (``model/effects/applied.py``) on a state of these means, with their own states at equilibrium, and
 in the sensors. The piston is at mid-stroke, since a mean over a stroke has no position. Load
@@ -40,12 +44,13 @@ from hbench.reconcile.strokes.load_cell import (
     plant_with_test_cylinder,
 )
 from hbench.reconcile.strokes.within_stroke import change_over_window, contradiction
-from hbench.records import KINDS, Gap, Run, RunPlan, ScreenedRun, SteadyMeans
+from hbench.records import KINDS, Gap, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 
 STROKE_BALANCES = ("force_band", "force_middle")
 _STEP = 1e-3  # of a logarithm, and of typical sizes
 _NEGLIGIBLE_N = 1e-9  # change of force by a typical size
 _LEAST_SHARE = 0.1  # of a coefficient's larger change; a smaller change is set to zero
+_LOAD_IN_BAND = 0.1  # share of the friction band that a difference of the load may have
 _MAGNITUDES = {"coulomb", "stiction", "stribeck_force", "viscous"}  # of friction
 _LAWS = {"friction", "sensors"}  # of effects that can act on a stroke's forces
 
@@ -83,9 +88,39 @@ def stroke_pairs(screened: Iterable[ScreenedRun]) -> tuple[StrokePair, ...]:
     return tuple(pairs)
 
 
+def has_force_sensor(screened: Iterable[ScreenedRun]) -> bool:
+    """Return whether the applied force varies among the samples of a load, as readings do."""
+    forces: dict[float | None, list[np.ndarray]] = defaultdict(list)
+    for run in screened:
+        if run.run.f_applied_n is not None:
+            forces[run.run.plan.f_load_n].append(run.run.f_applied_n)
+    return not all(is_constant(np.concatenate(of_load)) for of_load in forces.values())
+
+
+def with_unknown_load(pairs: Iterable[StrokePair]) -> tuple[StrokePair, ...]:
+    """Return pairs whose applied force is the mean pressure force of both directions.
+
+    A pair is left out if its load differs between the mean positions of its strokes by more than a
+    tenth of the friction band, since that difference would count as friction.
+    """
+    out = []
+    for pair in pairs:
+        strokes, areas = (pair.extend, pair.retract), pair.plan.specimen
+        forces = [_pressure_force(stroke, areas) for stroke in strokes]
+        travel = sum(stroke.travel_m for stroke in strokes)
+        slope = sum(stroke.change_n for stroke in strokes) / travel if travel > 0 else 0.0
+        of_load = slope * (pair.extend.x_m - pair.retract.x_m)
+        if abs(of_load) <= _LOAD_IN_BAND * abs(forces[0] - forces[1]):
+            load = sum(forces) / 2
+            both = (replace(stroke, f_applied_n=load) for stroke in strokes)
+            out.append(StrokePair(pair.plan, *both))
+    return tuple(out)
+
+
 def _stroke(run: Run, means: SteadyMeans) -> Stroke:
     assert means.p_tp_pa is not None and means.f_applied_n is not None  # of an accepted run
     centre = (means.t_start_s + means.t_stop_s) / 2
+    x_m = run.x_m[(run.t_s >= means.t_start_s) & (run.t_s <= means.t_stop_s)]
     return Stroke(
         t_s=centre,
         v_m_s=means.v_m_s,
@@ -93,6 +128,8 @@ def _stroke(run: Run, means: SteadyMeans) -> Stroke:
         p_tr_pa=means.p_tr_pa or 0.0,
         f_applied_n=means.f_applied_n,
         change_n=change_over_window(run, means),
+        x_m=float(x_m.mean()) if len(x_m) else 0.0,
+        travel_m=float(np.ptp(x_m)) if len(x_m) else 0.0,
     )
 
 
@@ -102,8 +139,11 @@ def _mean(strokes: Sequence[Stroke]) -> Stroke:
 
 def _lost_force(stroke: Stroke, areas: Bore) -> float:
     """Return F_T - F_applied [N] of a stroke."""
-    f_test = stroke.p_tp_pa * areas.area_piston_m2 - stroke.p_tr_pa * areas.area_rod_m2
-    return f_test - stroke.f_applied_n
+    return _pressure_force(stroke, areas) - stroke.f_applied_n
+
+
+def _pressure_force(stroke: Stroke, areas: Bore | Specimen) -> float:
+    return stroke.p_tp_pa * areas.area_piston_m2 - stroke.p_tr_pa * areas.area_rod_m2
 
 
 def pair_residuals(
@@ -133,6 +173,12 @@ class MeasuredStrokes:
 
     plant: StrokePlant  # the given model
     pairs: tuple[StrokePair, ...]
+    load_is_known: bool = True  # False without a force sensor
+
+    @property
+    def balances(self) -> tuple[str, ...]:
+        """Names of the balances that are compared."""
+        return STROKE_BALANCES if self.load_is_known else STROKE_BALANCES[:1]
 
     @cached_property
     def levels(self) -> dict[str, float]:
@@ -178,13 +224,13 @@ class MeasuredStrokes:
 
         Raises ``DataError``.
         """
-        residuals = self._residuals(hypothesis, self.pairs)
+        residuals = self._compared(hypothesis)
         own = gap_map(residuals, _exact(residuals))
         return own if reference is None else own.in_units_of(reference)
 
     def ranked_gaps(self, hypothesis: Hypothesis) -> tuple[Gap, ...]:
         """Return the gaps of both balances with a hypothesis, largest first."""
-        residuals = self._residuals(hypothesis, self.pairs)
+        residuals = self._compared(hypothesis)
         return gaps(residuals, _exact(residuals))[0]
 
     def contradiction(self, name: str) -> str:
@@ -221,6 +267,19 @@ class MeasuredStrokes:
         columns = self.columns(Hypothesis(), map(".".join, wanted))
         return tuple(which for which in wanted if columns[".".join(which)].any())
 
+    def _compared(self, hypothesis: Hypothesis) -> list[WindowedRun]:
+        """Return the residuals of the balances that are compared."""
+        count = len(self.balances)
+        return [
+            replace(
+                run,
+                names=self.balances,
+                values=run.values[:, :count],
+                resolution=run.resolution[:count],
+            )
+            for run in self._residuals(hypothesis, self.pairs)
+        ]
+
     def _residuals(self, hypothesis: Hypothesis, pairs: Sequence[StrokePair]) -> list[WindowedRun]:
         plant = hypothesis.plant(self.plant)
         par = plant_with_test_cylinder(plant)
@@ -235,10 +294,11 @@ class MeasuredStrokes:
         """Return a column; one of an effect is zero where it is below a tenth of the other."""
         after, share = stepped(hypothesis, name, nuisances(self.plant), _STEP)
         change = (before - self._values(after)) / share
-        if name.startswith("/"):
-            return change
-        most = np.abs(change).max(axis=0)
-        return np.where((most > _LEAST_SHARE * most.max()) & (most > _NEGLIGIBLE_N), change, 0.0)
+        if not name.startswith("/"):
+            most = np.abs(change).max(axis=0)
+            large = (most > _LEAST_SHARE * most.max()) & (most > _NEGLIGIBLE_N)
+            change = np.where(large, change, 0.0)
+        return change[:, : len(self.balances)]
 
     @property
     def _rod_side_measured(self) -> bool:

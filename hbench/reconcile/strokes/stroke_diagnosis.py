@@ -5,7 +5,7 @@ effects of the model were chosen with all loads: four loads are too few to choos
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,13 @@ from hbench.reconcile.strokes.leave_one_out import (
     leave_each_load_out,
     with_floor,
 )
-from hbench.reconcile.strokes.series import MeasuredStrokes, StrokePair, stroke_pairs
+from hbench.reconcile.strokes.series import (
+    MeasuredStrokes,
+    StrokePair,
+    has_force_sensor,
+    stroke_pairs,
+    with_unknown_load,
+)
 from hbench.reconcile.strokes.stroke_practice import strokes_in_practice
 from hbench.reconcile.strokes.stroke_search import (
     OF_THE_SEAL,
@@ -65,6 +71,21 @@ _BALANCE_TEXTS = {
     "force_band": "the friction band",
     "force_middle": "the mean offset of both directions",
 }
+NO_SENSOR_NOTE = (
+    "No force sensor: the applied force is not measured, so the load is unknown. Only the friction "
+    "band is compared, half the difference of both directions at the same positions. The mean of "
+    "both directions contains the load: a gain, an offset, a wrong area or an asymmetry of the "
+    "directions cannot be determined. The loads shown are the mean pressure forces of both "
+    "directions."
+)
+_DRIFT_NOTE = (
+    "A load that changes along the stroke appears as a drift of friction. To accept such strokes, "
+    "set screening.friction_drift in the import map above this change."
+)
+_APPLIED_FORCE = (
+    "the applied force; without a force sensor set f_applied_n to 0 N in the constants of the "
+    "import map, and the friction band alone is compared"
+)
 GAIN_NOTE = (
     "load_cell_gain represents any gain error between pressure and force: load cell, pressure "
     "transducer, or piston area of the model. Steady strokes show the same with each."
@@ -94,29 +115,35 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
     )
     plans = [run.run.plan for run in screened if run.accepted]
     missing = tuple(missing_experiments(plans).values())
-    pairs = _repeated(screened)
+    sensor, pairs = has_force_sensor(screened), _repeated(screened)
     loads = len({pair.plan for pair in pairs})
     if loads < FEWEST_LOADS:
         shortfall = (
             f"at least {FEWEST_LOADS} loads or pressures with two or more strokes in each "
-            f"direction; these runs have {loads}"
+            f"direction{'' if sensor else ' at the same positions'}; these runs have {loads}"
         )
-        return insufficient_data_diagnosis(task, (shortfall, *missing), left_out)
+        no_force = all(run.run.f_applied_n is None for run in screened)
+        shortfalls = (*([_APPLIED_FORCE] if no_force else []), shortfall, *missing)
+        found = insufficient_data_diagnosis(task, shortfalls, left_out)
+        return found if sensor else replace(found, notes=(NO_SENSOR_NOTE, _DRIFT_NOTE))
     _check_area(task, pairs)
     of_cylinder = {label: pairs}
     for other, runs in others:
         more = _repeated(runs)
         if len({pair.plan for pair in more}) >= FEWEST_LOADS:
-            if more[0].plan.specimen == pairs[0].plan.specimen:
+            if more[0].plan.specimen == pairs[0].plan.specimen and has_force_sensor(runs) == sensor:
                 of_cylinder[other] = more
     series = [
-        start_search(MeasuredStrokes(task.plant, of_series)) for of_series in of_cylinder.values()
+        start_search(MeasuredStrokes(task.plant, of_series, sensor))
+        for of_series in of_cylinder.values()
     ]
     return _assembled(task, list(of_cylinder), series, missing, left_out)
 
 
 def _repeated(screened: Sequence[ScreenedRun]) -> tuple[StrokePair, ...]:
     pairs = stroke_pairs(screened)
+    if not has_force_sensor(screened):
+        pairs = with_unknown_load(pairs)
     plans = [pair.plan for pair in pairs]
     return tuple(pair for pair in pairs if plans.count(pair.plan) > 1)
 
@@ -146,6 +173,8 @@ def _assembled(
     factors = search.factors(estimates)
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
     no_change = "does not change the mean of a steady stroke"
+    if not strokes.load_is_known:
+        no_change = "needs a force sensor, or does not change the friction band of steady strokes"
     not_tried = {name: no_change for name in EFFECTS if name not in search.candidates}
     alternatives = tuple(candidate for step in result.steps for candidate in step.ambiguous)
     undecided = {step.balance for step in result.steps if step.ambiguous}
@@ -263,6 +292,8 @@ def _notes(
     result: StrokeSearchResult,
     by_load: Sequence[StageGaps],
 ) -> Iterator[str]:
+    if not search.measured.load_is_known:
+        yield NO_SENSOR_NOTE
     yield (
         "Leave-one-out: the gaps of held-out runs are predictions of each load with parameters "
         "from the other loads. The effects were chosen with all loads."

@@ -12,7 +12,7 @@ from hbench.reconcile.practice.fitted import (
     half_widths,
     without_effect,
 )
-from hbench.reconcile.strokes.series import STROKE_BALANCES, MeasuredStrokes
+from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.records import Change, EffectInPractice, WorkingPoint
 
 _NAN = float("nan")
@@ -36,7 +36,7 @@ def strokes_in_practice(
         windows=1,
         v_m_s=stroke.v_m_s,
         x_m=_NAN,
-        f_applied_n=stroke.f_applied_n,
+        f_applied_n=stroke.f_applied_n if strokes.load_is_known else _NAN,
         p_tp_pa=stroke.p_tp_pa,
         p_tr_pa=stroke.p_tr_pa or _NAN,
         p_lp_pa=_NAN,
@@ -45,7 +45,7 @@ def strokes_in_practice(
         u_t_v=_NAN,
         u_l1_v=_NAN,
         u_l2_v=_NAN,
-        residuals=dict(zip(STROKE_BALANCES, residuals.tolist(), strict=True)),
+        residuals=dict(zip(strokes.balances, residuals.tolist(), strict=True)),
     )
     effects = (
         effect_in_practice(name, _changes(strokes, middle, estimates, name))
@@ -62,12 +62,12 @@ def _changes(
         return without - strokes.gap_map(hypothesis).difference
 
     def at_point(hypothesis: Hypothesis) -> dict[str, float]:
-        return dict(zip(STROKE_BALANCES, missing(hypothesis)[middle].tolist(), strict=True))
+        return dict(zip(strokes.balances, missing(hypothesis)[middle].tolist(), strict=True))
 
     fitted = estimates.hypothesis(estimates.beta)
     half = half_widths(strokes.plant, estimates, name, at_point)
     of_loads = missing(fitted)
     return tuple(
         change(balance, "N", float(values[middle]), half[balance], values)
-        for balance, values in zip(STROKE_BALANCES, of_loads.T, strict=True)
+        for balance, values in zip(strokes.balances, of_loads.T, strict=True)
     )

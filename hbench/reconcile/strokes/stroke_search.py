@@ -33,7 +33,7 @@ from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.nuisance import nuisances
-from hbench.reconcile.strokes.series import STROKE_BALANCES, MeasuredStrokes
+from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.records import Candidate, FitParameter
 
 OF_THE_SEAL = ("seal_pressure_friction", "direction_asymmetry")
@@ -142,7 +142,7 @@ def search_series(series: Sequence[tuple[SeriesSearch, LinearisedModel]]) -> Str
     models = [search.refit(start, ()) for search, start in series]
     refitted, steps = models[0], []
     assumed: tuple[str, ...] = ()
-    for balance in STROKE_BALANCES:
+    for balance in searches[0].measured.balances:
         while True:
             step, extended = _step(searches, models, assumed, balance)
             steps.append(step)

@@ -178,7 +178,10 @@ def _constants(found: SuggestedMap) -> Iterator[str]:
     lines = {
         "p_tr_pa": ("0 bar", "if the rod side is open to the air"),
         "p_tp_pa": ("0 bar", "if the piston side is open to the air"),
-        "f_applied_n": ('"{load} N"', "a known load, such as a weight; or 0 N without a load"),
+        "f_applied_n": (
+            '"{load} N"',
+            "a known load, such as a weight; 0 N without a load or if it is unknown",
+        ),
     }
     if found.is_driven:
         return
