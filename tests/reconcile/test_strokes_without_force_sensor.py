@@ -61,6 +61,16 @@ def test_a_gain_or_an_asymmetry_gets_no_name(hidden, seed):
     assert not found.effects and not found.alternatives
 
 
+@pytest.mark.parametrize("scatter", [0.01, 0.003])
+@pytest.mark.parametrize("seed", range(3))
+def test_seals_and_guides_are_ambiguous_where_the_load_is_nearly_the_pressure(seed, scatter):
+    """Either law explains the friction but for its curvature, whichever has the better score."""
+    found = diagnosed(one=linkage_strokes(saturating, seed=seed, scatter=scatter))
+    assert found.verdict == "ambiguous" and not found.effects
+    names = {each.name for each in found.alternatives}
+    assert names == {"seal_pressure_friction", "load_friction"}
+
+
 def test_a_second_seal_decides_and_held_out_loads_confirm_the_name():
     soft = linkage_strokes(saturating)
     hard = linkage_strokes(lambda p_tp, p_tr: 0.4 * saturating(p_tp, p_tr), seed=1)

@@ -19,6 +19,7 @@ import numpy as np
 
 from hbench.analysis.rounding import ranked
 from hbench.analysis.statistics.student import student_factor
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.candidates import (
     NULLS,
     TIE,
@@ -36,6 +37,7 @@ from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.records import Candidate, FitParameter
 
+_FORM_ERROR = 0.1  # of the gap: what a law of another form than the true one may not explain
 OF_THE_SEAL = ("seal_pressure_friction", "direction_asymmetry")
 # 3 nats are odds of 20 to 1, which four operating points can reach.
 _CRITERIA = AcceptanceCriteria(score=3.0, explained=0.5, size=0.1)
@@ -206,7 +208,7 @@ def _step(
     candidates = (*accepted, *rejected)
     if not accepted:
         return StrokeSearchStep(balance, models[0], candidates, None, (), ruled_out), models
-    ambiguous, name = indistinguishable(accepted), accepted[0].name
+    ambiguous, name = _not_distinguishable(accepted), accepted[0].name
     extended = [
         search.refit(model, (*added, name))
         for search, model in zip(searches, with_effect[name], strict=True)
@@ -216,6 +218,24 @@ def _step(
             balance, models[0], candidates, None, ambiguous, ruled_out
         ), extended
     return StrokeSearchStep(balance, models[0], candidates, name, (), ruled_out), extended
+
+
+def _not_distinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Return the best candidate and those that the strokes do not distinguish from it.
+
+    Where the scatter is small, the score of two laws that explain nearly all is decided by the form
+    of the laws, which is idealised.
+    """
+    best, close = accepted[0], indistinguishable(accepted)
+    return tuple(
+        each
+        for each in accepted
+        if each in close
+        or (
+            each.explained >= best.explained - _FORM_ERROR
+            and EFFECTS[each.name].balances == EFFECTS[best.name].balances
+        )
+    )
 
 
 def _largest_null_scores(
