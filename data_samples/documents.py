@@ -70,7 +70,7 @@ def diagnosis(folder: Path) -> None:
     campaign, model = HERE / "blind" / "internal_leakage-clear-1", CONFIGS / "bench-aau.yaml"
     found = workflow.reconcile(campaign, model, lambda done, total: None)
     workflow.write_diagnosis(folder / "diagnosis", found)
-    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png", height=1400)
+    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png", height=1340)
 
 
 def acceptance_and_certificate(folder: Path) -> None:
