@@ -133,6 +133,8 @@ class CampaignSearch(CandidateEvaluator):
             others = tuple(each for each in names if each not in (name, *dropped))
             start = self.linearise_at(model, self._hypothesis_without(model, name))
             without = self.refit(start, others, _columns_of(model, others))
+            if self._lost(model, without, (*others, name), others) > CRITERIA.score:
+                continue
             without = self.with_columns(without, _columns_of(model, [name]))
             evaluated = self._evaluate_in_full(without, others, name)
             evaluated = self._with_threshold(evaluated, others, [name])
@@ -140,6 +142,20 @@ class CampaignSearch(CandidateEvaluator):
                 dropped.append(name)
                 model = without
         return model, tuple(dropped)
+
+    def _lost(
+        self,
+        model: LinearisedModel,
+        without: LinearisedModel,
+        effects: Sequence[str],
+        fewer: Sequence[str],
+    ) -> float:
+        """Return the loss in cross-validated ln L of the refitted model with ``fewer`` effects.
+
+        About that model the lost effect may have no score: a large rival can leave no way back.
+        """
+        before, after = self._cross_validate(model, effects), self._cross_validate(without, fewer)
+        return float((log_likelihood(before) - log_likelihood(after))[0])
 
     def _hypothesis_without(self, model: LinearisedModel, name: str) -> Hypothesis:
         """Return a model's hypothesis with an effect at its start."""

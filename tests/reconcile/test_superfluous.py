@@ -31,9 +31,14 @@ class Search(CampaignSearch):
     def _with_threshold(self, evaluated, added, names):
         return evaluated
 
+    def _lost(self, model, without, effects, fewer):
+        (name,) = set(effects) - set(fewer)
+        return self.losses.get(name, 0.0)
 
-def search(scores):
+
+def search(scores, losses=None):
     made = Search(SimpleNamespace(start=Hypothesis()), None, ())
+    object.__setattr__(made, "losses", losses or {})
     object.__setattr__(made, "scores", {frozenset(key): row for key, row in scores.items()})
     return made
 
@@ -68,6 +73,14 @@ def test_an_effect_that_still_explains_residuals_stays():
     start = model("a", "b")
     found, dropped = search({("b",): {"a": 12.0}}).without_superfluous(start, ("a", "b"))
     assert dropped == () and found is start
+
+
+def test_an_effect_whose_loss_makes_the_model_worse_stays_though_it_has_no_score_there():
+    """A bow of the bore that grows eightfold takes the place of a lag, and explains far less."""
+    start = model("friction_lag", "position_friction")
+    rivals = search({("position_friction",): {"friction_lag": 0.2}}, {"friction_lag": 35.0})
+    names = ("friction_lag", "position_friction")
+    assert rivals.without_superfluous(start, names) == (start, ())
 
 
 @pytest.mark.parametrize(
