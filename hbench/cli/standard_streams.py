@@ -14,8 +14,9 @@ def open_standard_streams() -> None:
 
     Progress and messages on stderr are lost where it takes nothing: a measurement goes on. A
     result that stdout does not take raises ``DataError``; a reader that has ended is no error
-    here. Characters that an encoding lacks are escaped, since paths contain any. A stream that was
-    closed takes and gives nothing: otherwise a campaign's file would be opened in its place.
+    here. Characters that an encoding does not have are escaped, since paths contain any. A stream
+    that was closed takes and gives nothing: otherwise a campaign's file would be opened in its
+    place.
     """
     while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(handle, True)

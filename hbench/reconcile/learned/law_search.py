@@ -4,8 +4,8 @@ For each balance that remains, tables over one and over two quantities are compa
 cross-validated likelihood over the training points, as candidates are (``evidence.py``): a table
 over two quantities must be better by 5 nats. The best is kept if
 
-    its score exceeds 5 nats and the 98 % quantile of the largest score of any table with null data
-    sets, which are its own residuals with random signs,
+    its score exceeds 5 nats and the threshold of all tables with null data sets, which are its own
+    residuals with random signs (``candidates.AcceptanceCriteria``),
     it explains more than a quarter of the excess gap of its balance at training points, and
     it reduces the residuals at held-out operating points: a permutation test with random signs of
     the points' logarithmic reductions has p < 0.05, which takes five points.

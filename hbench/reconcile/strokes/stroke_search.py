@@ -176,7 +176,8 @@ def _step(
         search.evaluate(model, added, names) for search, model in zip(searches, models, strict=True)
     ]
     threshold = _CRITERIA.threshold(
-        _largest_null_scores(searches, models, added, names), families=2
+        _largest_null_scores(searches, models, added, names),
+        families=2,  # band and middle
     )
     summed = (
         replace(
