@@ -142,7 +142,9 @@ def test_foreign_runs_without_what_friction_needs_name_nothing(tmp_path):
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith("unknown: ")
     found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
-    assert found["missing"][0].startswith(f"at least {FEWEST_LOADS} loads")
+    force, loads = found["missing"][:2]
+    assert force.startswith("the applied force")
+    assert loads.startswith(f"at least {FEWEST_LOADS} loads")
     assert all("missing_channel" in text for text in found["left_out"])
 
 

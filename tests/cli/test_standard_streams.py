@@ -16,7 +16,10 @@ needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full")
 def hbench(*arguments, redirections: str) -> subprocess.CompletedProcess:
     command = [sys.executable, "-m", "hbench", *map(str, arguments)]
     return subprocess.run(
-        ["sh", "-c", f'exec "$@" {redirections}', "sh", *command], capture_output=True, text=True
+        ["sh", "-c", f'exec "$@" {redirections}', "sh", *command],
+        capture_output=True,
+        text=True,
+        cwd="/",  # the installed package, not the sources
     )
 
 
