@@ -59,12 +59,13 @@ class AcceptanceCriteria:
     size: float  # largest coefficient, in typical sizes
 
     def threshold(self, null_scores: np.ndarray, families: int) -> float:
-        """Return the score to exceed, from the largest scores (n,) of a family of candidates.
+        """Return the score to exceed.
 
-        The ``null_scores`` are of null data sets. In one of 20 rounds without a missing effect a
-        null score exceeds that of any of the ``families`` (Bonferroni). The tail above the median
-        is taken as exponential, as a gain in ln L has it (Wilks), with the mean of the k scores
-        there: P(excess > t) = (1 + t / (k mean))^-k, the predictive distribution.
+        ``null_scores`` (n,) are the largest scores of a family of candidates on null data sets. A
+        further one exceeds the threshold with a probability of 5 % divided by the number of
+        ``families`` in a round (Bonferroni). The tail above the median is taken as exponential, as
+        that of a gain in ln L is (Wilks); with k scores above it the predictive distribution is
+        P(excess > t) = (1 + t / (k mean))^-k.
         """
         median = float(np.median(null_scores))
         above = null_scores[null_scores > median] - median

@@ -17,10 +17,11 @@ false names is then below 5 % (ForwardStop: G'Sell, Wager, Chouldechova and Tibs
 the Royal Statistical Society B 78, 2016), as far as random signs imitate residuals without an
 effect.
 
-After each addition the earlier effects are evaluated again beside the others, and dropped where
-they no longer meet these criteria. At the end the effects found are refined: refitted with the
-nuisances, now with the deviations below what is material, which a search for names leaves out, and
-with the shape of each law that cross-validation supports.
+After each addition the earlier effects are evaluated again beside the others. One is dropped where
+the refitted model without it loses at most 5 nats in cross-validation, and it no longer meets these
+criteria about that model. At the end the effects found are refined: refitted with the nuisances,
+now with the deviations below what is material, which a search for names leaves out, and with the
+shape of each law that cross-validation supports.
 """
 
 from collections.abc import Callable, Iterable, Sequence
