@@ -3,8 +3,9 @@
 import io
 import os
 import sys
-from contextlib import suppress
-from typing import Any, TextIO
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import TextIO
 
 from hbench.errors import DataError
 
@@ -21,17 +22,17 @@ def open_standard_streams() -> None:
     while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(handle, True)
     os.close(handle)
-    sys.stdout = _opened(sys.stdout, _Result(1, "wb", closefd=False))
-    sys.stderr = _opened(sys.stderr, _Messages(2, "wb", closefd=False))
+    sys.stdout = _opened(sys.stdout, 1, _Result)
+    sys.stderr = _opened(sys.stderr, 2, _Messages)
 
 
-def _opened(before: TextIO | None, raw: io.FileIO) -> TextIO:
-    if before is not None and not _is(before, raw.fileno()):  # replaced by a caller
+def _opened(before: TextIO | None, number: int, kind: type[io.TextIOWrapper]) -> TextIO:
+    if before is not None and not _is(before, number):  # replaced by a caller
         if isinstance(before, io.TextIOWrapper):
             before.reconfigure(errors="backslashreplace")
         return before
-    return io.TextIOWrapper(
-        io.BufferedWriter(raw),
+    return kind(
+        io.BufferedWriter(io.FileIO(number, "wb", closefd=False)),
         encoding=before.encoding if before else "utf-8",
         errors="backslashreplace",
         line_buffering=True,
@@ -44,26 +45,41 @@ def _is(stream: TextIO, number: int) -> bool:
     return False
 
 
-class _Messages(io.FileIO):
+# Both act on the text, not on the octets: an interrupt between the system's write and the return
+# of a Python function for octets would leave them in the buffer, and they would be written twice.
+class _Messages(io.TextIOWrapper):
     """Output that nobody needs."""
 
-    def write(self, data: Any) -> int:
-        try:
-            return super().write(data)
-        except OSError:
-            return len(data)
+    def write(self, text: str) -> int:
+        with suppress(OSError):
+            super().write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        with suppress(OSError):
+            super().flush()
 
 
-class _Result(io.FileIO):
+class _Result(io.TextIOWrapper):
     """Output that a caller needs."""
 
     _failed = False  # once: what is flushed at the end is no second error
 
-    def write(self, data: Any) -> int:
-        if self._failed:
-            return len(data)
+    def write(self, text: str) -> int:
+        if not self._failed:
+            with self._said():
+                super().write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        if not self._failed:
+            with self._said():
+                super().flush()
+
+    @contextmanager
+    def _said(self) -> Iterator[None]:
         try:
-            return super().write(data)
+            yield
         except BrokenPipeError:
             raise
         except OSError as error:

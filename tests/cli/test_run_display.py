@@ -89,7 +89,9 @@ def test_a_terminal_shows_a_block_and_keeps_the_rejections(picky_schedule, tmp_p
 def test_ctrl_c_at_the_terminal_takes_the_block_away_and_leaves_nothing_live(
     short_schedule, tmp_path
 ):
-    schedule = short_schedule(trials=20, window="5 s")
+    schedule = short_schedule(  # 400 runs: some seconds, however late the test reads the terminal
+        velocities=[f"{speed} mm/s" for speed in range(50, 150, 5)], trials=20, window="5 s"
+    )
     terminal = Terminal(["run", schedule, "-o", "out"], tmp_path)
     terminal.wait_for(b"constant speed")
     os.kill(terminal.process.pid, signal.SIGINT)

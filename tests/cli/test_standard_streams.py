@@ -1,5 +1,7 @@
 """A closed or full terminal ends no measurement; a result that is not written is an error."""
 
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -47,3 +49,23 @@ def test_a_measurement_goes_on_where_nothing_takes_its_messages(
     campaign = load_campaign(folder)
     assert not campaign.warnings and not campaign.damaged()
     assert len(campaign.done) == len(campaign.entries) > 0
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no choice of a core")
+def test_what_an_interrupt_follows_at_once_is_written_once():
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(cores)})  # so that the reader runs before the writer goes on
+    try:
+        for _ in range(5):
+            process = subprocess.Popen(
+                [sys.executable, "-m", "hbench", "rig", "--socket", "localhost:0"],
+                stdout=subprocess.PIPE,
+                text=True,
+                cwd="/",
+            )
+            assert process.stdout.readline().startswith("socket://")
+            os.kill(process.pid, signal.SIGINT)
+            assert process.communicate(timeout=60.0)[0] == ""
+            assert process.returncode == 0
+    finally:
+        os.sched_setaffinity(0, cores)

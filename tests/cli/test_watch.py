@@ -149,7 +149,9 @@ def test_the_verdicts_are_those_of_analyze(page, sample):
 
 def test_a_killed_host_is_not_told_as_running(short_schedule, tmp_path, monkeypatch):
     monkeypatch.setattr(watch, "STALE_S", 1.5)
-    host = hbench(tmp_path, "run", short_schedule(trials=20, window="5 s"), "-o", "out")
+    speeds = [f"{speed} mm/s" for speed in range(50, 150, 5)]  # 400 runs: some seconds
+    schedule = short_schedule(velocities=speeds, trials=20, window="5 s")
+    host = hbench(tmp_path, "run", schedule, "-o", "out")
     with watched(tmp_path / "out") as page:
         deadline = time.monotonic() + PATIENCE_S
         while not page.state()["live"] or len(page.runs()["runs"]) < 2:
