@@ -293,14 +293,31 @@ class CandidateEvaluator:
             if better is None:
                 break
             with_effect = better
-        after = self._cross_validate(with_effect, joined)
-        gain = float((log_likelihood(after) - log_likelihood(before))[0])
-        values = self._own_values(with_effect, name)
+        candidate = self._judged(model, before, with_effect, joined)
+        if candidate.score > CRITERIA.score and candidate.explained <= CRITERIA.explained:
+            # a large effect is far from linear: with columns at its coefficients it explains more
+            with_effect = self.refit(with_effect, joined)
+            candidate = self._judged(model, before, with_effect, joined)
         if with_effect is start:  # no step is better: what is known is the linear fit
             values = self._values(start, name, start.index(joined), self._fit(start, joined))
-        share = explained_share(name, model, before, after)
-        candidate = self._candidate(name, gain, share, values, "full")
+            candidate = self._candidate(
+                name, candidate.score, candidate.explained, values, candidate.tried
+            )
         return EvaluatedCandidate(candidate, with_effect)
+
+    def _judged(
+        self,
+        model: LinearisedModel,
+        before: CrossValidation,
+        with_effect: LinearisedModel,
+        joined: tuple[str, ...],
+    ) -> Candidate:
+        """Return the last of the effects ``joined`` at its coefficients in ``with_effect``."""
+        name = joined[-1]
+        after = self._cross_validate(with_effect, joined)
+        gain = float((log_likelihood(after) - log_likelihood(before))[0])
+        share = explained_share(name, model, before, after)
+        return self._candidate(name, gain, share, self._own_values(with_effect, name), "full")
 
     def _candidate(
         self,

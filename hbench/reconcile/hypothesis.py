@@ -1,4 +1,7 @@
-"""Hypothesis: the given plant with factors on its nuisance parameters, effects, learned laws."""
+"""Hypothesis: the given plant with factors on its nuisance parameters, effects, learned laws.
+
+And the drifts of the sensors that measured it.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -14,11 +17,15 @@ CoefficientKey = tuple[str, str]  # name of the effect, key of its coefficient
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Factors on nuisance parameters by dotted path, coefficients of effects in SI, tables."""
+    """Factors on nuisance parameters by dotted path, coefficients of effects in SI, tables.
+
+    ``drifts`` of sensors by channel, in standard deviations of their priors (see ``drift.py``).
+    """
 
     factors: Mapping[str, float] = field(default_factory=dict)
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     tables: tuple[Table, ...] = ()
+    drifts: Mapping[str, float] = field(default_factory=dict)
 
     def plant(self, given: Any) -> Any:
         """Return the given plant, or part of a plant, with the factors and effects applied."""

@@ -2,7 +2,7 @@
 
 The columns (see ``evidence.py``) are the derivatives of the measured residuals by the parameters.
 Units: factors in standard deviations of their priors (of the logarithm), coefficients in typical
-sizes, modes of learned laws in standard deviations of their priors.
+sizes, drifts and modes of learned laws in standard deviations of their priors.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.drift import channel_of, is_drift
 from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
@@ -22,6 +23,8 @@ from hbench.reconcile.window_sums import products
 
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default
+_LARGEST_DRIFT = 3**0.5  # in standard deviations of its prior: equally likely within its limit
+_NO_EFFECT = "/~#"  # first letters of the names of factors, drifts and modes
 _LARGEST_MODE = 30.0  # of a learned law, in standard deviations of its prior
 Columns = Mapping[str, np.ndarray]  # by name: change of the residuals (w, c) by one unit
 
@@ -61,7 +64,7 @@ class LinearisedModel:
     def coefficients_of(self, names: Iterable[str]) -> tuple[CoefficientKey, ...]:
         """Return the coefficients of some effects that have a column, in column order."""
         wanted = set(names)
-        split = (name.partition(".") for name in self.data.names if name[0] not in "/#")
+        split = (name.partition(".") for name in self.data.names if name[0] not in _NO_EFFECT)
         return tuple((effect, key) for effect, _, key in split if effect in wanted)
 
     def column(self, which: CoefficientKey) -> int:
@@ -129,6 +132,11 @@ def linearise_residuals(
             tight.append((-at, 1.0, -BOUND - at, BOUND - at))
             wide.append(tight[-1])
             continue
+        if is_drift(name):
+            at = hypothesis.drifts.get(channel_of(name), 0.0)
+            tight.append((-at, 1.0, -_LARGEST_DRIFT - at, _LARGEST_DRIFT - at))
+            wide.append(tight[-1])
+            continue
         if is_mode(name):
             table, mode = mode_of(name)
             at = hypothesis.tables[table].modes[mode]
@@ -163,11 +171,14 @@ def hypothesis_at(
     """Return the hypothesis at steps ``beta`` (q,) of the ``chosen`` columns."""
     before, widths = model.hypothesis, nuisances(plant)
     factors, values, tables = dict(before.factors), {}, list(before.tables)
+    drifts = dict(before.drifts)
     for i, step in zip(chosen, beta.tolist(), strict=True):
         name = model.data.names[i]
         if name.startswith("/"):
             path = name[1:]
             factors[path] = float(factors.get(path, 1.0) * np.exp(step * widths[path]))
+        elif is_drift(name):
+            drifts[channel_of(name)] = drifts.get(channel_of(name), 0.0) + step
         elif is_mode(name):
             table, mode = mode_of(name)
             tables[table] = tables[table].stepped(mode, step)
@@ -175,7 +186,7 @@ def hypothesis_at(
             effect, _, key = name.partition(".")
             which = effect, key
             values[which] = _allowed(which, before.coefficient(which) + step * typical_size(which))
-    changed = replace(before, factors=factors, tables=tuple(tables))
+    changed = replace(before, factors=factors, tables=tuple(tables), drifts=drifts)
     return changed.with_coefficients(values)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS, read_effects
+from hbench.reconcile.drift import drift_name, is_drift
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
@@ -26,7 +27,7 @@ from hbench.reconcile.measured.balances import (
     rounding_error,
 )
 from hbench.reconcile.measured.session import PRESSURES, Session
-from hbench.reconcile.nuisance import nuisances, tolerances
+from hbench.reconcile.nuisance import drift_deviations, nuisances, tolerances
 from hbench.reconcile.steps import stepped
 
 _STEP = 1e-3  # of a logarithm
@@ -58,6 +59,20 @@ class MeasuredCampaign:
         return tolerances(self.instruments, float(pressure), float(force))
 
     @cached_property
+    def drifts(self) -> Mapping[str, float]:
+        """Standard deviations [SI] of the sensors' drifts over the campaign, by channel."""
+        return drift_deviations(self.tolerances)
+
+    @property
+    def nuisance_columns(self) -> list[str]:
+        """Names of the columns of all nuisances."""
+        return [
+            *(f"/{path}" for path in nuisances(self.plant)),
+            *map(".".join, self.tolerances),
+            *map(drift_name, self.drifts),
+        ]
+
+    @cached_property
     def start(self) -> Hypothesis:
         """The given model, with the values of all coefficients that are nuisances."""
         given, effects = read_effects(self.plant.effects), {}
@@ -68,7 +83,9 @@ class MeasuredCampaign:
 
     def balance_model(self, hypothesis: Hypothesis) -> BalanceModel:
         """Return the balances' model of a hypothesis."""
-        return balance_model(self.bench, hypothesis.plant(self.plant))
+        model = balance_model(self.bench, hypothesis.plant(self.plant))
+        drifts = {name: share * self.drifts[name] for name, share in hypothesis.drifts.items()}
+        return replace(model, drifts=drifts)
 
     def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
         """Return the residuals of all runs, with the levels of friction that are not known.
@@ -159,7 +176,7 @@ class MeasuredCampaign:
         if name not in _LAGS:
             model = replace(model, step_s=_COLUMN_STEP_S)
         change = (before[model.step_s] - _values(self.smoothed_sessions, model)) / share
-        if name.startswith("/"):
+        if name.startswith("/") or is_drift(name):
             return change
         touched = np.isin(BALANCES, EFFECTS[name.partition(".")[0]].balances)
         return np.where(touched, change, 0.0)

@@ -1,9 +1,10 @@
 """Nuisance parameters: what a bench file knows only roughly, refitted before the search.
 
-Two kinds. A factor on a value of the plant file has a prior (standard deviation of its logarithm)
+Three kinds. A factor on a value of the plant file has a prior (standard deviation of its logarithm)
 and bounds at three of them. A coefficient of an effect has a tolerance: instruments within their
 class and valves of one type differ by so much, so it is no effect below that limit. Inside it is
-taken as equally likely (JCGM 100, 4.3.7: standard deviation a / sqrt 3), and bounded by it.
+taken as equally likely (JCGM 100, 4.3.7: standard deviation a / sqrt 3), and bounded by it. The
+drift of a sensor over the campaign (``drift.py``) has half of its offset's limit.
 """
 
 from collections.abc import Mapping
@@ -48,6 +49,7 @@ BOUND = 3.0  # priors
 # Of valves of one type: 10 %, 2 % of 10 V, 3 % at 3 V, an orifice's 1/2 to 0.6.
 _VALVE = {"curvature": 0.01, "exponent": 0.1}
 _EACH_VALVE = {"gain": 0.1, "null": 0.2}
+_TRANSDUCERS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 ASSUMED_TOLERANCE = 0.01  # of sensors whose tolerance is not stated: a usual industrial class
 # Effects that every bench has: refitted, never named.
 BACKGROUND = frozenset({"valve_trim", "pressure_gain"})
@@ -91,12 +93,23 @@ def tolerances(
         for kind, limit in _EACH_VALVE.items()
     } | {("valve_trim", kind): limit for kind, limit in _VALVE.items()}
     pressure, force = _stated(instruments, largest_pa, largest_n)
-    for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s"):
+    for name in _TRANSDUCERS:
         limits["pressure_offset", name] = _offset(pressure, largest_pa)
         limits["pressure_gain", name] = pressure.tolerance
     limits["load_cell_gain", "error"] = force.tolerance
     limits["load_cell_offset", "force"] = _offset(force, largest_n)
     return limits
+
+
+def drift_deviations(limits: Mapping[CoefficientKey, float]) -> dict[str, float]:
+    """Return the standard deviations [SI] of the sensors' drifts, by channel.
+
+    A class is stated for months; half of an offset's limit within one campaign. The supply's
+    transducer is left out: its drift is not distinguishable from that of the supply.
+    """
+    offsets = {name: limits["pressure_offset", name] for name in _TRANSDUCERS if name != "p_s"}
+    offsets["f_applied"] = limits["load_cell_offset", "force"]
+    return {channel: standard_deviation(0.5 * limit) for channel, limit in offsets.items()}
 
 
 def _stated(

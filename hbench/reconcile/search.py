@@ -7,7 +7,7 @@ cross-validation over operating points,
     its score exceeds 5 nats and what candidates for the same balances score on null data sets: the
     candidate's own residuals with random signs,
     it explains more than a quarter of the excess gap in the balances it touches, and
-    its coefficient is at least a third of the typical size, and beyond its tolerance.
+    its coefficient is at least a quarter of the typical size, and beyond its tolerance.
 
 Candidates whose scores are close to the best one form an ambiguous set, and none is added.
 
@@ -45,7 +45,6 @@ from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, shape_c
 from hbench.reconcile.learned.table import LawFound
 from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.nuisance import nuisances
 from hbench.records import Candidate
 
 _MOST_IN_FULL = 6  # candidates
@@ -196,9 +195,8 @@ class CampaignSearch(CandidateEvaluator):
         For this scatter the columns at the given model do.
         """
         start = self.measured.start
-        names = [f"/{path}" for path in nuisances(self.measured.plant)]
-        names += [".".join(which) for which in self.measured.tolerances]
-        given = linearise(self.measured, start, self.measured.columns(start, names))
+        columns = self.measured.columns(start, self.measured.nuisance_columns)
+        given = linearise(self.measured, start, columns)
         first = self.refit(given, (), renewed=())
         first = linearise(self.measured, first.hypothesis, first.columns)
         refitted = self.refit(first, ())

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.drift import channel_of, is_drift
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
 
 
@@ -15,8 +16,8 @@ def stepped(
     """Return a hypothesis with one parameter changed, and the change in its units.
 
     ``name`` is that of a column; ``widths`` are the priors' standard deviations of the factors.
-    ``size`` is the step: of a factor's logarithm, or a share of a coefficient's typical size. It is
-    reversed at a coefficient's upper limit.
+    ``size`` is the step: of a factor's logarithm, or a share of a coefficient's typical size or a
+    drift's standard deviation. It is reversed at a coefficient's upper limit.
     """
     if name.startswith("/"):
         path = name[1:]
@@ -24,6 +25,10 @@ def stepped(
         return replace(hypothesis, factors={**hypothesis.factors, path: factor}), size / widths[
             path
         ]
+    if is_drift(name):
+        channel = channel_of(name)
+        drift = hypothesis.drifts.get(channel, 0.0) + size
+        return replace(hypothesis, drifts={**hypothesis.drifts, channel: drift}), size
     effect, _, key = name.partition(".")
     which = effect, key
     row, current = EFFECTS[effect].coefficients[key], hypothesis.coefficient(which)

@@ -90,7 +90,7 @@ class RunGap:
 
 
 LEAST_EXPLAINED = 0.25  # share of the excess gap that an effect must explain to be named
-LEAST_SIZE = 0.35  # of its typical size that it must have
+LEAST_SIZE = 0.25  # of its typical size that it must have
 
 
 @dataclass(frozen=True)

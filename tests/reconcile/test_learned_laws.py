@@ -43,7 +43,7 @@ def logs(seed) -> Session:
         "p_tr_pa": np.concatenate(p_tr),
     }
     runs = tuple(SimpleNamespace(t_s=t) for _ in x)
-    session = Session(runs, window(DT_S), channels)
+    session = Session(runs, window(DT_S), channels, np.zeros(len(runs)))
     still = np.zeros(session.counts.sum(), bool)
     vars(session).update(velocity_m_s=np.concatenate(v), oscillating=still)
     return session

@@ -158,7 +158,7 @@ def test_an_effect_below_the_least_size_is_not_named_however_clear_it_is():
     """2 % is the typical error of a load cell's gain."""
     (size,) = separation({GAIN: in_windows(1e3)}).separability(("load_cell_gain",)).sizes
     assert size.limit == "size" and size.unit == "%"
-    assert size.smallest == pytest.approx(2.0 * 0.35) and size.detectable
+    assert size.smallest == pytest.approx(2.0 * 0.25) and size.detectable
 
 
 def test_an_error_of_a_sensor_is_detectable_only_beyond_its_tolerance():

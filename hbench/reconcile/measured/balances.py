@@ -20,7 +20,7 @@ Q_max / band.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -90,6 +90,7 @@ class BalanceModel:
     sensors: Mapping[str, tuple[float, float]]  # a, b by channel: reading = a * value + b
     velocity_lag_s: float | None  # of the logged velocity; None: not known
     word_steps: Mapping[str, float]  # resolution of the sensors' log words, by channel, in SI
+    drifts: Mapping[str, float] = field(default_factory=dict)  # [SI] of sensors, by channel
     levels: tuple[float, float] = (1.0, 1.0)  # of dry friction, test and load cylinder
     step_s: float = STEP_S  # of the laws' states
 
@@ -191,7 +192,7 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
     p_tp, p_tr, p_lp, p_lr, p_s = signals[2:7]
     f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
     f_load = p_lp * par.load.area_piston_m2 - p_lr * par.load.area_rod_m2
-    applied = _true(session.channels["f_applied_n"], model.sensors["f_applied"])
+    applied = _true(session, "f_applied_n", model, "f_applied")
     means = _along(session, signals, model, (f_test - applied, applied - f_load))
     swelling = session.rate(means.compression + means.log_volume)
     volume = np.exp(session.mean(means.log_volume))
@@ -252,16 +253,19 @@ def _share_of_static(force: np.ndarray, signals: np.ndarray, par: PlantParameter
 def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:
     """Return what drives the laws (10, n), see ``along``."""
     pressures = [
-        _true(session.channels[field], model.sensors[name])
-        for name, field in zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)
+        _true(session, channel, model, name)
+        for name, channel in zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)
     ]
-    x = _true(session.channels["x_m"], model.sensors["x"])
+    x = _true(session, "x_m", model, "x")
     commands = [session.channels[name] for name in COMMANDS]
     return np.vstack([x, session.velocity_m_s, *pressures, *commands])
 
 
-def _true(reading: np.ndarray, sensor: tuple[float, float]) -> np.ndarray:
-    a, b = sensor
+def _true(session: Session, channel: str, model: BalanceModel, sensor: str) -> np.ndarray:
+    """Return the values (n,) that a sensor has shown, without its errors."""
+    reading, (a, b) = session.channels[channel], model.sensors[sensor]
+    if drift := model.drifts.get(sensor, 0.0):
+        reading = reading - session.drifting(drift)
     return reading if (a, b) == (1.0, 0.0) else (reading - b) / a
 
 

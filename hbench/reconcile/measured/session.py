@@ -1,5 +1,6 @@
 """Logs of one session end to end, so that a balance is evaluated for all of them at once."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,6 +26,7 @@ class Session:
     runs: tuple[Run, ...]
     window: Window
     channels: dict[str, np.ndarray]  # (n,) by field of ``Run``; 0 where a run does not have it
+    progress: np.ndarray  # (r,) of the campaign at each run, from -1 to 1
     logged: "Session | None" = None  # the same session, before its pressures were smoothed
 
     @cached_property
@@ -49,6 +51,10 @@ class Session:
             name: np.array([getattr(run, name) is not None for run in self.runs])
             for name in self.channels
         }
+
+    def drifting(self, drift: float) -> np.ndarray:
+        """Return a sensor's drift (n,), from - ``drift`` in the first run to it in the last."""
+        return drift * np.repeat(self.progress, np.diff(self.edges))
 
     @cached_property
     def _samples(self) -> np.ndarray:
@@ -99,18 +105,21 @@ class Session:
 
 def sessions(runs: Iterable[Run]) -> tuple[Session, ...]:
     """Return the sessions of some runs: one for each sampling. Raises ``DataError``."""
-    by_sampling: dict[float, list[Run]] = {}
-    for run in runs:
-        by_sampling.setdefault(float(f"{sampling(run):.6g}"), []).append(run)
-    return tuple(_session(tuple(own), dt_s) for dt_s, own in by_sampling.items())
+    every, by_sampling = tuple(runs), defaultdict[float, list[int]](list)
+    for i, run in enumerate(every):
+        by_sampling[float(f"{sampling(run):.6g}")].append(i)
+    progress = np.linspace(-1.0, 1.0, len(every)) if len(every) > 1 else np.zeros(1)
+    return tuple(
+        _session([every[i] for i in own], dt_s, progress[own]) for dt_s, own in by_sampling.items()
+    )
 
 
-def _session(runs: Sequence[Run], dt_s: float) -> Session:
+def _session(runs: Sequence[Run], dt_s: float, progress: np.ndarray) -> Session:
     channels = {
         name: np.concatenate([_channel(run, name) for run in runs])
         for name in ("t_s", "x_m", "v_m_s", "f_applied_n", *PRESSURES, *COMMANDS)
     }
-    return Session(tuple(runs), window(dt_s), channels)
+    return Session(tuple(runs), window(dt_s), channels, progress)
 
 
 def _oscillating(session: Session) -> np.ndarray:

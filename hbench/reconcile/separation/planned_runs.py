@@ -8,7 +8,6 @@ from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.separation.observable import divided_points, observable_effects
 from hbench.reconcile.separation.separability import Separation
 from hbench.reconcile.simulated_runs import simulator
@@ -46,11 +45,9 @@ def linearised_runs(
 ) -> LinearisedModel:
     """Return the given model, linearised along runs, with the columns of some effects."""
     campaign = MeasuredCampaign(bench, plant, bench.instruments, sessions(runs), MATERIAL)
-    columns = [f"/{path}" for path in nuisances(plant)]
-    columns += [".".join(which) for which in campaign.tolerances]
-    columns += [".".join(key) for name in effects for key in effect_coefficients(name)]
-    start, keys = campaign.start, dict.fromkeys(columns)
-    return linearise(campaign, start, campaign.columns(start, keys))
+    of_effects = [".".join(key) for name in effects for key in effect_coefficients(name)]
+    names = dict.fromkeys([*campaign.nuisance_columns, *of_effects])
+    return linearise(campaign, campaign.start, campaign.columns(campaign.start, names))
 
 
 def simulated_runs(
