@@ -85,11 +85,13 @@ def parse_effects(data: Effects, known: Specification) -> dict[str, dict[str, fl
 Target = Literal[
     "flow_tp", "flow_tr", "flow_lp", "flow_lr",
     "force_test", "force_load", "friction_test", "friction_load",
+    "supply", "position_sensor",
 ]  # fmt: skip
-"""Term of the plant's equations: inflow of a chamber, force against extension of a cylinder, or
-magnitude of a cylinder's dry friction."""
+"""Term of the plant's equations: inflow of a chamber, force against extension of a cylinder,
+magnitude of a cylinder's dry friction, pressure of a source without pump, or travel of the piston
+over that of the position sensor's reading, less 1."""
 TARGETS: tuple[Target, ...] = get_args(Target)
-# Quantities of a learned law: those of the cylinder and the chamber that it acts on.
+# Quantities of learned laws. Those of a cylinder or a chamber are of the one that a law acts on.
 QUANTITIES = {
     "velocity": "mm/s",
     "position": "mm",
@@ -98,13 +100,26 @@ QUANTITIES = {
     "pressure_drop": "bar",  # piston side less rod side
     "hydraulic_force": "N",
     "opening": "V",  # of the chamber's valve
+    "drawn_flow": "l/min",  # from the supply into all valves
 }
-MOST_KNOTS = 8  # of a quantity
+_OF_CYLINDER = tuple(QUANTITIES)[:6]
+MOST_KNOTS, MOST_OF_TWO = 32, 8  # of a single quantity, and of each of two
 
 
 def target_unit(target: Target) -> str:
     """Return the unit of a learned law's values."""
-    return "l/min" if target.startswith("flow") else "N"
+    units = {"flow": "l/min", "supply": "bar", "position": "%"}
+    return units.get(target.partition("_")[0], "N")
+
+
+def target_quantities(target: Target) -> tuple[str, ...]:
+    """Return the quantities that a law of a target may depend on.
+
+    The chambers' pressures follow that of the supply, so they are not among its causes.
+    """
+    others = {"supply": ("drawn_flow", "velocity"), "position_sensor": ("position",)}
+    of_valve = ("opening",) if target.startswith("flow") else ()
+    return others.get(target, (*_OF_CYLINDER, *of_valve))
 
 
 class LearnedLaw(ConfigSection):
@@ -134,11 +149,13 @@ class LearnedLaw(ConfigSection):
     def _is_table(self) -> "LearnedLaw":
         if len(self.over) not in (1, 2):
             raise ValueError("over must have one or two quantities")
-        if "opening" in self.over and not self.adds_to.startswith("flow"):
-            raise ValueError(f"{self.adds_to} has no valve: over.opening is of flows")
+        known = target_quantities(self.adds_to)
+        if others := [name for name in self.over if name not in known]:
+            raise ValueError(f"{self.adds_to} has no over.{others[0]}, but {', '.join(known)}")
         for name, knots in self.over.items():
-            if not 2 <= len(knots) <= MOST_KNOTS or any(b <= a for a, b in pairwise(knots)):
-                raise ValueError(f"over.{name} must have 2 to {MOST_KNOTS} ascending knots")
+            most = MOST_KNOTS if len(self.over) == 1 else MOST_OF_TWO
+            if not 2 <= len(knots) <= most or any(b <= a for a, b in pairwise(knots)):
+                raise ValueError(f"over.{name} must have 2 to {most} ascending knots")
         shape = tuple(map(len, self.over.values()))
         rows = self.values if len(shape) == 2 else (self.values,)
         if len(shape) == 2 and len(rows) != shape[0]:

@@ -3,18 +3,22 @@
 import numpy as np
 
 from hbench.model.compiled import inlined
+from hbench.model.effects.applied import position_reading
 from hbench.model.noise import normal
-from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, MassForces, X
+from hbench.model.parameters import PlantParameters
+from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, MassForces
 from hbench.model.sensors import FRACTION, N_CHANNELS, SensorParameters
 
 
 @inlined
-def sensed(state: np.ndarray, on_masses: MassForces, values: np.ndarray) -> None:
+def sensed(
+    state: np.ndarray, on_masses: MassForces, par: PlantParameters, values: np.ndarray
+) -> None:
     """Write the sensed quantities at this moment into ``values``, SI, in ``SENSORS`` order.
 
     The last one is the acceleration of the moving masses.
     """
-    values[0] = state[X]
+    values[0] = position_reading(state, par, par.effects)
     values[1] = state[P_TP]
     values[2] = state[P_TR]
     values[3] = state[P_LP]

@@ -79,7 +79,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
 def _unnamed(result: SearchResult) -> str:
     """Return the sentence about learned laws; empty without any."""
     tables = [result.final.hypothesis.tables[law.table] for law in result.laws]
-    words = [f"{table.balance} over {' and '.join(table.knots)}" for table in tables]
+    words = [f"{table.adds_to} over {' and '.join(table.knots)}" for table in tables]
     laws = "laws" if len(words) > 1 else "law"
     return f" The revised model contains an unnamed {laws}: {', '.join(words)}." if words else ""
 

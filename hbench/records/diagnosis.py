@@ -183,14 +183,14 @@ class AddedEffect:
 
 @dataclass(frozen=True)
 class UnnamedLaw:
-    """Learned law of a balance: a table over one or two quantities that no effect explains.
+    """Learned law of balances: a table over one or two quantities that no effect explains.
 
     Knots and values are in their units. Over two quantities the values follow row by row, a row for
     each knot of the first.
     """
 
-    adds_to: str  # flow into a chamber, force against extension, or magnitude of dry friction
-    balance: str
+    adds_to: str  # ``config.effects.Target``
+    balances: tuple[str, ...]
     unit: str
     quantities: tuple[str, ...]
     quantity_units: tuple[str, ...]
@@ -198,7 +198,7 @@ class UnnamedLaw:
     values: tuple[float, ...]  # (n,) or (n m,)
     low: tuple[float, ...]  # 95 % intervals of the values, pointwise
     high: tuple[float, ...]
-    gap_before: FloatOrNan  # held-out runs, of the balance: the model with all effects
+    gap_before: FloatOrNan  # held-out runs, of the balances: the model with all effects
     gap_after: FloatOrNan  # with all learned laws
     score: FloatOrNan  # nats
     threshold: FloatOrNan

@@ -45,7 +45,7 @@ def _next_words(first, bench):
         on_masses = forces(state, levels, par, work[0])
         step(state, u, on_masses, levels, par, TICK_S, work)
         update_levels(levels, state[V], noise, par)
-    sensed(state, forces(state, levels, par, work[0]), values)
+    sensed(state, forces(state, levels, par, work[0]), par, values)
     convert(values, oil_temperature(state, par, par.effects), sensors, noise, words)
 
 

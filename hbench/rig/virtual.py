@@ -60,7 +60,7 @@ def _advance(ticks, poll_ticks, tick, firmware, bench):
     last = tick + ticks
     while tick < last:
         on_masses = forces(state, levels, par, work[0])
-        sensed(state, on_masses, values)
+        sensed(state, on_masses, par, values)
         convert(values, oil_temperature(state, par, par.effects), sensors, noise, words)
         _call_tick(call_tick, core, words.ctypes.data, codes.ctypes.data)
         for valve in range(3):

@@ -2,17 +2,22 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import RegularGridInterpolator
 
 from hbench.config.bench import Plant, merge, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
 from hbench.model.build import plant_parameters
-from hbench.model.effects.applied import flow_effects, friction_effects
+from hbench.model.effects.applied import flow_effects, friction_effects, position_reading
 from hbench.model.effects.couplings import ChamberFlows
+from hbench.model.effects.learned import corrected_motion
 from hbench.model.friction.laws import steady_parts
-from hbench.model.states import P_TP, P_TR, SPOOL_T, V, X
+from hbench.model.plant import drawn_flow, initial_state
+from hbench.model.simulation import simulate
+from hbench.model.states import P_S, P_TP, P_TR, SPOOL_T, V, X
 from tests.support import ROOT
+from tests.support.pump import PUMP
 
 BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
 ALONG_BORE = {
@@ -24,6 +29,17 @@ TWO = {
     "adds_to": "flow_tr",
     "over": {"opening": ["-2 V", "1 V"], "pressure_drop": ["-10 bar", "0 bar", "40 bar"]},
     "values": [["0.1 l/min", "0 l/min", "0.2 l/min"], ["0 l/min", "0.3 l/min", "-0.6 l/min"]],
+}
+
+SUPPLY = {
+    "adds_to": "supply",
+    "over": {"drawn_flow": ["0 l/min", "4 l/min", "30 l/min"]},
+    "values": ["1 bar", "-3 bar", "-8 bar"],
+}
+SENSOR = {
+    "adds_to": "position_sensor",
+    "over": {"position": ["50 mm", "120 mm", "150 mm", "300 mm"]},
+    "values": ["4 %", "-3 %", "2 %", "1 %"],
 }
 
 
@@ -73,11 +89,48 @@ def test_laws_of_one_target_add_up_and_the_file_keeps_them():
     assert plant(*(law.section() for law in given.learned)) == given
 
 
+@pytest.mark.parametrize("more", [{}, {"effects": {"supply_droop": {"slope": "0.2 bar min/l"}}}])
+def test_the_supply_settles_at_its_law_of_the_flow_that_is_drawn(more):
+    par = plant_parameters(parse_plant(merge(BENCH, {"learned": [SUPPLY], **more}), {}, "plant"))
+    start = initial_state(par, 0.1, 15e5, 30e5)
+    made = simulate(par, start, np.tile([1.0, 0.5, -1.0], (4000, 1)))
+    flow, pressure = made.q_supply_m3_s[-1], made.state[-1, P_S]
+    litres = 6e4 * flow
+    assert litres > 2 and drawn_flow(made.state[-1], par, np.zeros(80)) == flow
+    law = np.interp(litres, [0, 4, 30], [1e5, -3e5, -8e5])
+    droop = 0.2e5 * litres if more else 0.0
+    assert pressure == pytest.approx(150e5 + law - droop, abs=2e3)
+
+
+def test_the_reading_of_a_position_sensor_moves_by_its_slope_and_is_corrected_back():
+    par = plant_parameters(plant(SENSOR, SENSOR))
+    x = np.linspace(0.02, 0.35, 2000)
+    shown = np.array([position_reading(*at(par, x=each)[:3]) for each in x])
+    more = np.interp(shown, [0.05, 0.12, 0.15, 0.3], [0.08, -0.06, 0.04, 0.02])
+    moved = cumulative_trapezoid(1 + more, shown, initial=0.0)
+    np.testing.assert_allclose(x - x[0], moved, atol=1e-6)
+    assert shown[x.searchsorted(0.05)] == pytest.approx(0.05, abs=2e-4)
+    back, speed = shown.copy(), np.full(len(x), 0.1)
+    corrected_motion(back, speed, par.learned)
+    np.testing.assert_allclose(back, x, atol=1e-7)
+    np.testing.assert_allclose(speed, 0.1 * (1 + more), rtol=1e-9)
+    straight = plant_parameters(plant(ALONG_BORE))
+    assert position_reading(*at(straight, x=0.2)[:3]) == 0.2
+
+
+def test_a_law_of_the_supply_is_of_a_source_without_pump():
+    with pytest.raises(ConfigError, match="source without pump"):
+        plant_parameters(
+            parse_plant(merge(BENCH, {"learned": [SUPPLY], "supply": {"pump": PUMP}}), {}, "x")
+        )
+
+
 @pytest.mark.parametrize(
     ("change", "fault"),
     [
         ({"over": {"speed": ["1 m/s", "2 m/s"]}}, "over.speed: known are velocity"),
-        ({"over": {"opening": ["1 V", "2 V", "3 V"]}}, "has no valve"),
+        ({"over": {"opening": ["1 V", "2 V", "3 V"]}}, "has no over.opening"),
+        ({"over": {"drawn_flow": ["1 l/min", "2 l/min", "3 l/min"]}}, "has no over.drawn_flow"),
         ({"over": {"position": ["1 mm", "3 mm", "2 mm"]}}, "ascending knots"),
         ({"values": ["4 N", "2 N"]}, "3 numbers"),
         ({"values": ["4 N", "2 N", "1 bar"]}, "wrong unit"),

@@ -121,5 +121,5 @@ def test_sensors_see_the_state(par):
     state = initial_state(par, 0.1, 15 * BAR, 15 * BAR)
     state[:6] = 0.17, 0.05, 78 * BAR, 28 * BAR, 13 * BAR, 9 * BAR
     values = np.zeros(N_SENSED)
-    sensed(state, forces(state, np.ones(3), par, new_work(par)[0]), values)
+    sensed(state, forces(state, np.ones(3), par, new_work(par)[0]), par, values)
     assert values[:6] == pytest.approx([0.17, 78 * BAR, 28 * BAR, 13 * BAR, 9 * BAR, 150 * BAR])

@@ -18,7 +18,7 @@ from hbench.reconcile.measured.weak import window
 from hbench.reconcile.window_sums import products
 
 POINTS, TRIALS, SAMPLES, DT_S = 24, 2, 400, 5e-3
-BALANCE = "force_test"
+BALANCES_OF_ONE = ("force_test",)
 MATERIAL = 0.3  # scatters
 
 
@@ -65,14 +65,14 @@ def one_balance(bench, bench_data, law, seed=1, level_n=2.0, noise_n=1.0) -> Bal
     values[:, 0] = force + wander + noise_n * rng.standard_t(4, len(v))
     points = tuple(i % POINTS for i in range(len(session.runs)))
     windows = Windows(run, points, v, session.mean(channels["x_m"]), v, v)
-    found = log_map(windows, (BALANCE,), values[:, :1], np.zeros(1))
+    found = log_map(windows, BALANCES_OF_ONE, values[:, :1], np.zeros(1))
     residuals = GapMap(**vars(found) | {"material": np.array([MATERIAL])})
     constant = {"/friction.test.coulomb": np.sign(v)[:, None] * 20.0}
     model = balance_model(bench, parse_plant(bench_data, {}, "model"))
     measured = SimpleNamespace(logs=(session,), smoothed_sessions=(session,))
     priors = Priors(*(np.array([value]) for value in (0.0, 1.0, -3.0, 3.0)))
     base = products(residuals, constant)
-    return BalanceProducts(measured, BALANCE, model, residuals, constant, base, priors)
+    return BalanceProducts(measured, BALANCES_OF_ONE, model, residuals, constant, base, priors)
 
 
 def best(one) -> tuple[Table, float, float]:

@@ -385,7 +385,7 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
 
 def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unnamed(compared):
     law = UnnamedLaw(
-        "friction_test", "force_test", "N", ("position",), ("mm",), ((0.0, 100.0, 200.0),),
+        "friction_test", ("force_test",), "N", ("position",), ("mm",), ((0.0, 100.0, 200.0),),
         (-2.0, 31.4, 5.0), (-3.0, 30.0, 4.0), (-1.0, 33.0, 6.0), 9.5, 2.1, 40.0, 12.0, 0.001,
     )  # fmt: skip
     says = (
@@ -420,7 +420,7 @@ def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first
 def test_quantities_of_a_learned_law_have_the_symbols_of_its_chamber(compared):
     values = (0.0, 0.1, 0.2, 0.4)
     law = UnnamedLaw(
-        "flow_lp", "flow_lp", "l/min", ("rod_pressure", "opening"), ("bar", "V"),
+        "flow_lp", ("flow_lp",), "l/min", ("rod_pressure", "opening"), ("bar", "V"),
         ((40.0, 140.0), (-2.0, 2.0)), values, values, values, 3.0, 1.1, 40.0, 12.0, 0.001,
     )  # fmt: skip
     assert " over rod pressure P_Lr and opening u_L2" in law_title(law)

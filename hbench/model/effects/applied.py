@@ -8,11 +8,27 @@ import numpy as np
 from hbench.model.compiled import inlined
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
-from hbench.model.effects.learned import learned_flows, learned_friction
+from hbench.model.effects.learned import (
+    learned_flows,
+    learned_friction,
+    learned_supply,
+    reading_of,
+)
 from hbench.model.effects.rows import MOVING, Effect
 from hbench.model.friction.laws import steady_parts
 from hbench.model.parameters import PlantParameters
-from hbench.model.states import P_LP, P_LR, P_TP, P_TR, SPOOL_L1, SPOOL_L2, SPOOL_T, V, bristles_end
+from hbench.model.states import (
+    P_LP,
+    P_LR,
+    P_TP,
+    P_TR,
+    SPOOL_L1,
+    SPOOL_L2,
+    SPOOL_T,
+    V,
+    X,
+    bristles_end,
+)
 
 LEAST_DRY = 0.1  # of the law's dry friction, a lower limit of effects: friction stays passive
 
@@ -47,6 +63,8 @@ def _composed(before: Callable, law: Callable, number: int, at: int) -> Callable
 
     return both
 
+
+_DROOP = list(EFFECTS).index("supply_droop")
 
 _openings, _oil, _flows, _friction = (compose(place, EFFECTS) for place in MOVING)
 
@@ -90,13 +108,25 @@ def oil_temperature(state: np.ndarray, par: PlantParameters, effects: Any) -> fl
 
 
 @inlined
+def position_reading(state: np.ndarray, par: PlantParameters, effects: Any) -> float:
+    """Return the position [m] that the sensor shows."""
+    if effects is None:
+        return state[X]
+    return reading_of(state[X], par.learned)
+
+
+@inlined
 def flow_effects(
     q: ChamberFlows, state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray
 ) -> ChamberFlows:
-    """Return the flows into the chambers: ``q`` of the valves, changed by the effects."""
+    """Return the flows into the chambers: ``q`` of the valves, changed by the effects.
+
+    The effects' rates go into ``rates``, with that of a supply pressure that they change.
+    """
     if effects is None:
         return q
     q = _flows(q, bristles_end(par), state, rates, par)
+    learned_supply(q.drawn, par.learned, effects[_DROOP], state, rates, par)
     return learned_flows(q, par.learned, state, par)
 
 

@@ -101,6 +101,11 @@ def with_effects(
             "effects.supply_droop: the supply has a pump, which has a droop of its own",
             "Change supply.pump.band, or remove supply.pump.",
         )
+    if par.supply.has_pump and any(law.adds_to == "supply" for law in learned):
+        raise ConfigError(
+            "learned: a law that adds to supply is of a source without pump",
+            "Remove that law, or supply.pump.",
+        )
     if not learned and all(set(MOVING).isdisjoint(EFFECTS[name].laws) for name in values):
         return par
     return with_all_effects(par, values, learned)

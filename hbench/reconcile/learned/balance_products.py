@@ -1,4 +1,4 @@
-"""Products of all balances for tables of one of them, about a linearised model."""
+"""Products of all balances for tables of one or some of them, about a linearised model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +17,12 @@ from hbench.reconcile.evidence import (
     touched,
 )
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.learned.columns import knots_of, quantity_samples, table_columns
+from hbench.reconcile.learned.columns import (
+    knots_of,
+    quantity_samples,
+    size_in_balances,
+    table_columns,
+)
 from hbench.reconcile.learned.table import Table, empty_table
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel
@@ -26,37 +31,42 @@ from hbench.reconcile.products import Products
 from hbench.reconcile.window_sums import products
 
 _KNOTS, _KNOTS_OF_TWO = 6, 4
-_ALONG_STROKE = 8  # knots of the position, over which a bore changes most
+ALONG_STROKE = 8  # knots of the position, over which a bore changes most
 _SIZE = 2.0  # prior standard deviation of a value, in root mean squares of the residual
 
 
 @dataclass(frozen=True)
 class BalanceProducts:
-    """Products with the nuisances and effects of a model, for tables of one balance.
+    """Products with the nuisances and effects of a model, for tables of the same balances.
 
     The nuisances take part in every fit, so a table explains only what they do not; the other
     balances determine them too.
     """
 
     measured: MeasuredCampaign
-    balance: str
+    balances: tuple[str, ...]
     model: BalanceModel
-    residuals: GapMap  # of the balance alone
-    columns: dict[str, np.ndarray]  # (w, 1) of nuisances and effects
-    base: Products  # of these, all balances
+    residuals: GapMap  # of these balances alone
+    columns: dict[str, np.ndarray]  # (w, balances) of nuisances and effects
+    base: Products  # of these, the others included
     priors: Priors
 
     @cached_property
     def root_mean_square(self) -> float:
-        """Root mean square of the balance's residuals [SI]."""
+        """Root mean square of the balances' residuals [SI]."""
         return float(np.sqrt(np.nanmean(self.residuals.difference**2)))
 
     @cached_property
     def _samples(self) -> dict[tuple[Target, str], np.ndarray]:
         return {}
 
-    def table(self, target: Target, quantities: Sequence[str]) -> Table:
-        """Return an empty table of a target over one or two quantities."""
+    def table(
+        self, target: Target, quantities: Sequence[str], along_stroke: int = ALONG_STROKE
+    ) -> Table:
+        """Return an empty table of a target over one or two quantities.
+
+        ``along_stroke`` is its number of knots over the position.
+        """
         knots = {}
         for name in quantities:
             if (target, name) not in self._samples:
@@ -64,9 +74,10 @@ class BalanceProducts:
                     [quantity_samples(name, target, log, self.model) for log in self.measured.logs]
                 )
             count = _KNOTS if len(quantities) == 1 else _KNOTS_OF_TWO
-            count = _ALONG_STROKE if name == "position" else count
+            count = along_stroke if name == "position" else count
             knots[name] = knots_of(self._samples[target, name], count)
-        return empty_table(target, knots, _SIZE * self.root_mean_square)
+        one = size_in_balances(target, self.measured.logs, self.model)
+        return empty_table(target, knots, _SIZE * self.root_mean_square / one)
 
     def score(
         self, table: Table, points: np.ndarray, signs: np.ndarray | None = None
@@ -114,13 +125,13 @@ class BalanceProducts:
 
     @property
     def _groups(self) -> np.ndarray:
-        """Indices of the balance's groups."""
-        return np.flatnonzero([name == self.balance for name, _ in self.base.groups])
+        """Indices of the balances' groups."""
+        return np.flatnonzero([name in self.balances for name, _ in self.base.groups])
 
     def _modes(self, table: Table) -> dict[str, np.ndarray]:
-        at = BALANCES.index(self.balance)
+        at = [BALANCES.index(name) for name in self.balances]
         columns = table_columns(table, 0, self.measured.smoothed_sessions, self.model)
-        return {f"table {name}": column[:, [at]] for name, column in columns.items()}
+        return {f"table {name}": column[:, at] for name, column in columns.items()}
 
     def _with(self, table: Table) -> tuple[Products, Priors]:
         """Return the products with a table's modes, and the priors of all columns."""
@@ -148,10 +159,13 @@ class BalanceProducts:
 
 
 def balance_products(
-    measured: MeasuredCampaign, model: LinearisedModel, balance: str, effects: Sequence[str]
+    measured: MeasuredCampaign,
+    model: LinearisedModel,
+    balances: tuple[str, ...],
+    effects: Sequence[str],
 ) -> BalanceProducts:
-    """Return the products of one balance about a model with some effects."""
-    at, chosen = BALANCES.index(balance), model.index(effects)
+    """Return the products of one or some balances about a model with some effects."""
+    at, chosen = [BALANCES.index(name) for name in balances], model.index(effects)
     names = tuple(model.data.names[i] for i in chosen)
     data = model.data
     base = replace(
@@ -162,25 +176,29 @@ def balance_products(
     )
     return BalanceProducts(
         measured,
-        balance,
+        balances,
         measured.balance_model(model.hypothesis),
-        _one_balance(model.gap_map, at),
-        {name: model.columns[name][:, [at]] for name in names},
+        _of_balances(model.gap_map, at),
+        {name: model.columns[name][:, at] for name in names},
         base,
         model.priors(effects).select(chosen),
     )
 
 
-def _one_balance(residuals: GapMap, at: int) -> GapMap:
-    """Return the map of a single balance, by its index."""
-    levels = tuple(replace(each, balance=0) for each in residuals.levels if each.balance == at)
-    rows = {name: getattr(residuals, name)[:, [at]] for name in ("difference", "scatter", "noise")}
+def _of_balances(residuals: GapMap, at: list[int]) -> GapMap:
+    """Return the map of some balances, by their indices."""
+    levels = tuple(
+        replace(each, balance=at.index(each.balance))
+        for each in residuals.levels
+        if each.balance in at
+    )
+    rows = {name: getattr(residuals, name)[:, at] for name in ("difference", "scatter", "noise")}
     assert residuals.white is not None and residuals.material is not None
     return replace(
         residuals,
-        names=(residuals.names[at],),
+        names=tuple(residuals.names[i] for i in at),
         levels=levels,
-        white=residuals.white[[at]],
-        material=residuals.material[[at]],
+        white=residuals.white[at],
+        material=residuals.material[at],
         **rows,
     )

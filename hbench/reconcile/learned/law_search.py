@@ -2,11 +2,13 @@
 
 For each balance that remains, tables over one and over two quantities are compared by their
 cross-validated likelihood over the training points, as candidates are (``evidence.py``): a table
-over two quantities must be better by 5 nats. The best is kept if
+over two quantities must be better by 5 nats. In a flow they compete with an error of the position
+sensor, which changes all four flows by one table. It may repeat with the sensor's pitch, so it has
+8, 16 or 32 knots along the stroke, the number with the best score. The best is kept if
 
     its score exceeds 5 nats and the threshold of all tables with null data sets, which are its own
     residuals with random signs (``candidates.AcceptanceCriteria``),
-    it explains more than a quarter of the excess gap of its balance at training points, and
+    it explains more than a quarter of the excess gap of its balances at training points, and
     it reduces the residuals at held-out operating points: a permutation test with random signs of
     the points' logarithmic reductions has p < 0.05, which takes five points.
 
@@ -14,19 +16,29 @@ The last two are tested about the linearised model first, and again after the mo
 the table. A learned law has no name, so it does not change the verdict.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
-from hbench.config.effects import QUANTITIES, TARGETS
+from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
 from hbench.reconcile.candidates import CRITERIA, NULLS, CandidateEvaluator
 from hbench.reconcile.evidence import random_signs
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import ranked_gaps
-from hbench.reconcile.learned.balance_products import BalanceProducts, balance_products
-from hbench.reconcile.learned.table import LawFound, Table, mode_name
+from hbench.reconcile.learned.balance_products import (
+    ALONG_STROKE,
+    BalanceProducts,
+    balance_products,
+)
+from hbench.reconcile.learned.table import (
+    FAMILIES,
+    LawFound,
+    Table,
+    balances_of,
+    mode_name,
+)
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.measured_campaign import MeasuredCampaign
@@ -35,6 +47,7 @@ from hbench.reconcile.verdict import unexplained_gaps
 _MOST_LAWS = 4
 _SIGNIFICANCE = 0.05  # of the reduction at held-out points
 _PERMUTATIONS = 9999
+_OF_SENSOR = ALONG_STROKE, MOST_KNOTS // 2, MOST_KNOTS  # knots along the stroke
 
 
 @dataclass(frozen=True)
@@ -67,37 +80,48 @@ class LawSearch:
         residuals = model.gap_map.select_points(self.evaluator.train)
         residuals = replace(residuals, run=np.unique(residuals.run, return_inverse=True)[1])
         gaps = unexplained_gaps(ranked_gaps(residuals, np.zeros(len(BALANCES))))
-        targets = {target.replace("friction", "force") for target in TARGETS}
-        names = [gap.name for gap in gaps if gap.name in targets - refused]
+        known = {name for family in self._families for name in family}
+        names = [gap.name for gap in gaps if gap.name in known - refused]
         return names[0] if names else None
+
+    @property
+    def _families(self) -> list[tuple[str, ...]]:
+        """Balances that have laws; a pump's pressure has a law of its own."""
+        has_pump = self.measured.plant.supply.pump is not None
+        return [family for family in FAMILIES if not (has_pump and family == ("supply",))]
 
     def _add(self, model: LinearisedModel, balance: str) -> tuple[LinearisedModel, LawFound] | None:
         """Return the model with the best law of a balance, if it is kept."""
-        one = balance_products(self.measured, model, balance, self.effects)
-        points = self.evaluator.train
-        table, gain = best_table(one, points)
+        points, best = self.evaluator.train, []
+        for family in self._families:
+            if balance in family:
+                one = balance_products(self.measured, model, family, self.effects)
+                best.append((one, *best_table(one, points)))
+        one, table, gain = max(best, key=lambda each: each[2])
         if table is None or gain <= CRITERIA.score:
             return None
         null = one.without(table, points)
-        if self._p_value(one.residuals, null.residuals, 0) is None:
+        if self._p_value(one.residuals, null.residuals, range(len(one.balances))) is None:
             return None
         threshold = score_to_exceed(one, null, table, points)
         if gain <= threshold:
             return None
         with_table = self._with_table(model, table)
-        p_value = self._p_value(model.gap_map, with_table.gap_map, BALANCES.index(balance))
+        at = [BALANCES.index(name) for name in table.balances]
+        p_value = self._p_value(model.gap_map, with_table.gap_map, at)
         if p_value is None:
             return None
         number = len(with_table.hypothesis.tables) - 1
         return with_table, LawFound(number, gain, threshold, p_value)
 
-    def _p_value(self, before: GapMap, after: GapMap, at: int) -> float | None:
+    def _p_value(self, before: GapMap, after: GapMap, at: Sequence[int]) -> float | None:
         """Return the p-value at held-out points; None if the reduction does not suffice.
 
-        ``at`` is the index of the balance in the maps.
+        ``at`` are the indices of the balances in the maps.
         """
         left, total = (_excess(each, at, self.evaluator.train) for each in (after, before))
-        p_value = sign_test(reductions(before, after, at)[self.held_out])
+        changes = np.sum([reductions(before, after, i) for i in at], axis=0)
+        p_value = sign_test(changes[self.held_out])
         enough = left < (1 - CRITERIA.explained) * total and p_value < _SIGNIFICANCE
         return p_value if enough else None
 
@@ -112,7 +136,7 @@ class LawSearch:
 
 
 def best_table(one: BalanceProducts, points: np.ndarray) -> tuple[Table | None, float]:
-    """Return the best table of a balance and its score; None where none has a score above 0."""
+    """Return the best table of a family and its score; None where none has a score above 0."""
     single, single_score = _best(one, _tables(one, 1), points, 0.0)
     pair, pair_score = _best(one, _tables(one, 2), points, single_score + CRITERIA.score)
     return (pair, pair_score) if pair else (single, single_score)
@@ -121,19 +145,23 @@ def best_table(one: BalanceProducts, points: np.ndarray) -> tuple[Table | None, 
 def score_to_exceed(
     one: BalanceProducts, null: BalanceProducts, table: Table, points: np.ndarray
 ) -> float:
-    """Return the score that a table of a balance must exceed; ``null`` are residuals without it."""
+    """Return the score that a table must exceed; ``null`` are residuals without it."""
     signs = random_signs(NULLS, int(points.max()) + 1, seed=1)
     largest = np.zeros(NULLS)
     for other in [*_tables(one, 1), *([table] if len(table.knots) > 1 else [])]:
         largest = np.maximum(largest, null.score(other, points, signs))
-    return CRITERIA.threshold(largest, families=len(BALANCES))
+    return CRITERIA.threshold(largest, families=len(FAMILIES))
 
 
 def _tables(one: BalanceProducts, count: int) -> list[Table]:
-    """Return the empty tables of a balance over ``count`` quantities."""
-    quantities = [name for name in QUANTITIES if name != "opening" or one.balance in TARGETS[:4]]
-    targets = [t for t in TARGETS if t.replace("friction", "force") == one.balance]
-    return [one.table(t, names) for t in targets for names in combinations(quantities, count)]
+    """Return the empty tables of a family over ``count`` quantities."""
+    targets = [target for target in TARGETS if balances_of(target) == one.balances]
+    return [
+        one.table(target, names, knots)
+        for target in targets
+        for names in combinations(target_quantities(target), count)
+        for knots in (_OF_SENSOR if target == "position_sensor" else (ALONG_STROKE,))
+    ]
 
 
 def _best(
@@ -182,6 +210,6 @@ def sign_test(changes: np.ndarray, seed: int = 0) -> float:
     return float((1 + (signs @ changes >= largest).sum()) / (1 + _PERMUTATIONS))
 
 
-def _excess(residuals: GapMap, at: int, points: np.ndarray) -> float:
+def _excess(residuals: GapMap, at: Sequence[int], points: np.ndarray) -> float:
     chosen = residuals.select_points(points)
     return max(float(np.nanmean(chosen.excess[:, at])), 0.0)

@@ -4,6 +4,9 @@ The values at the knots are y = B z, z ~ N(0, 1): a Gaussian process with the sq
 covariance s^2 exp(-d^2 / 2 l^2), B B' the covariance of the knots (Rasmussen and Williams, Gaussian
 Processes for Machine Learning, 2006, section 2.2), d and l in distances of neighbouring knots. The
 modes z are fitted as the nuisances are, each with a prior of 1.
+
+The mean of a position sensor's error over the stroke is 0: flows show it as they show the gain of
+all valves, and a sensor's span is calibrated.
 """
 
 from collections.abc import Mapping
@@ -13,7 +16,8 @@ from math import prod
 
 import numpy as np
 
-from hbench.config.effects import LearnedLaw, Target
+from hbench.config.effects import TARGETS, LearnedLaw, Target
+from hbench.model.effects.rows import FLOWS
 
 _LENGTH = 1.5  # l, in distances of neighbouring knots
 _JITTER = 1e-4
@@ -35,7 +39,10 @@ class Table:
         at = np.stack([each.ravel() for each in np.meshgrid(*places, indexing="ij")], axis=-1)
         squares = ((at[:, None] - at) ** 2).sum(axis=-1)
         covariance = np.exp(-0.5 * squares / _LENGTH**2) + _JITTER * np.eye(len(at))
-        return self.size * np.linalg.cholesky(covariance)
+        basis = self.size * np.linalg.cholesky(covariance)
+        if self.adds_to == "position_sensor":
+            basis = basis - 0.5 * (basis[1:] + basis[:-1]).mean(axis=0)
+        return basis
 
     @property
     def values(self) -> np.ndarray:
@@ -43,9 +50,9 @@ class Table:
         return (self.basis @ self.modes).reshape([len(each) for each in self.knots.values()])
 
     @property
-    def balance(self) -> str:
-        """Balance that the law changes."""
-        return self.adds_to.replace("friction", "force")
+    def balances(self) -> tuple[str, ...]:
+        """Balances that the law changes."""
+        return balances_of(self.adds_to)
 
     @property
     def law(self) -> LearnedLaw:
@@ -58,6 +65,19 @@ class Table:
         modes = list(self.modes)
         modes[mode] += step
         return replace(self, modes=tuple(modes))
+
+
+def balances_of(target: Target) -> tuple[str, ...]:
+    """Return the balances that a law of a target changes.
+
+    Where the position sensor's slope is wrong, so is the piston's speed, which the flows into all
+    chambers show. Kinematics does not: the board's velocity is the slope of the same reading. It
+    has no target, since the rig's board computes that velocity as its firmware does.
+    """
+    return FLOWS if target == "position_sensor" else (target.replace("friction", "force"),)
+
+
+FAMILIES = tuple(dict.fromkeys(map(balances_of, TARGETS)))  # balances that are searched together
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ def _unnamed(
     units = tuple(QUANTITIES[name] for name in table.knots)
     return UnnamedLaw(
         adds_to=table.adds_to,
-        balance=table.balance,
+        balances=table.balances,
         unit=unit,
         quantities=tuple(table.knots),
         quantity_units=units,
@@ -58,8 +58,8 @@ def _unnamed(
         values=_row_by_row(values / si),
         low=_row_by_row((values - half) / si),
         high=_row_by_row((values + half) / si),
-        gap_before=gap_of_balances(before, (table.balance,), held_out),
-        gap_after=gap_of_balances(after, (table.balance,), held_out),
+        gap_before=gap_of_balances(before, table.balances, held_out),
+        gap_after=gap_of_balances(after, table.balances, held_out),
         score=law.score,
         threshold=law.threshold,
         p_value=law.p_value,

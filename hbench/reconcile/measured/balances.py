@@ -6,7 +6,8 @@ Residual of each balance, by name and unit; P, V, Q of the chamber, V_0 its volu
                    V_0 (<(P / beta + ln V)'> - <Q / V>): inflow that the model does not explain
     force_test     N     <F_T - F_applied - F_fT> - m_T <x''>: force against extension
     force_load     N     <F_applied - F_L - F_fL> - m_L <x''>: force against extension
-    kinematics     m/s   <x'> - <v> - tau <v'>, v the board's velocity, tau its filter's lag
+    kinematics     m/s   <x'> - <v> - tau <v'>, x the reading that the board differentiates, v its
+                         velocity, tau its filter's lag
     supply         Pa    measured supply pressure less the source's
 
 Continuity P'/beta + V'/V = Q/V (2.1 to 2.8) contains the derivative of ln V(x), so neither pressure
@@ -34,6 +35,7 @@ from hbench.model.effects.catalogue import (
     read_effects,
     with_all_effects,
 )
+from hbench.model.effects.learned import corrected_motion
 from hbench.model.friction.laws import steady_friction
 from hbench.model.parameters import PlantParameters
 from hbench.model.sensors import (
@@ -192,16 +194,16 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
     p_tp, p_tr, p_lp, p_lr, p_s = signals[2:7]
     f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
     f_load = p_lp * par.load.area_piston_m2 - p_lr * par.load.area_rod_m2
-    applied = _true(session, "f_applied_n", model, "f_applied")
-    means = _along(session, signals, model, (f_test - applied, applied - f_load))
+    applied = true_values(session, "f_applied_n", model, "f_applied")
+    means = laws_along(session, signals, model, (f_test - applied, applied - f_load))
     swelling = session.rate(means.compression + means.log_volume)
     volume = np.exp(session.mean(means.log_volume))
     flows = volume * (swelling - session.mean(means.per_volume))
     acceleration = session.second(signals[0])
     test = session.mean(f_test - applied - means.friction_test) - par.mass_test_kg * acceleration
     load = session.mean(applied - f_load - means.friction_load) - par.mass_load_kg * acceleration
-    lag, v = model.velocity_lag_s, session.channels["v_m_s"]
-    kinematics = session.rate(signals[0]) - session.mean(v) - (lag or 0.0) * session.rate(v)
+    x_read, v, lag = session.channels["x_m"], session.channels["v_m_s"], model.velocity_lag_s
+    kinematics = session.rate(x_read) - session.mean(v) - (lag or 0.0) * session.rate(v)
     supply = _supply(p_s, means, session, par)
     values = np.column_stack([*flows, test, load, kinematics, supply])
     compared = _compared(session, model)[session.run_of_window]
@@ -221,7 +223,7 @@ def _compared(session: Session, model: BalanceModel) -> np.ndarray:
     return has
 
 
-def _along(
+def laws_along(
     session: Session, signals: np.ndarray, model: BalanceModel, forces: tuple[np.ndarray, ...]
 ) -> AlongLog:
     """Return the laws along all logs; ``forces`` are the measured frictions of both cylinders."""
@@ -253,15 +255,18 @@ def _share_of_static(force: np.ndarray, signals: np.ndarray, par: PlantParameter
 def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:
     """Return what drives the laws (10, n), see ``along``."""
     pressures = [
-        _true(session, channel, model, name)
+        true_values(session, channel, model, name)
         for name, channel in zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)
     ]
-    x = _true(session, "x_m", model, "x")
+    x = true_values(session, "x_m", model, "x")
     commands = [session.channels[name] for name in COMMANDS]
-    return np.vstack([x, session.velocity_m_s, *pressures, *commands])
+    signals = np.vstack([x, session.velocity_m_s, *pressures, *commands])
+    if len(model.par.learned):
+        corrected_motion(signals[0], signals[1], model.par.learned)
+    return signals
 
 
-def _true(session: Session, channel: str, model: BalanceModel, sensor: str) -> np.ndarray:
+def true_values(session: Session, channel: str, model: BalanceModel, sensor: str) -> np.ndarray:
     """Return the values (n,) that a sensor has shown, without its errors."""
     reading, (a, b) = session.channels[channel], model.sensors[sensor]
     if drift := model.drifts.get(sensor, 0.0):

@@ -149,7 +149,7 @@ def _simulate(
         for _ in range(ticks):
             state[P_S] = inputs[0, k]
             on_masses = forces(state, levels, par, work[0])
-            sensed(state, on_masses, values)
+            sensed(state, on_masses, par, values)
             memory[0] += gain * (state[V] - memory[0])
             for j in range(N_CHANNELS):
                 out[j, k] += values[j] / ticks

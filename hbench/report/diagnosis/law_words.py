@@ -5,27 +5,29 @@ from collections.abc import Sequence
 from hbench.records import UnnamedLaw
 from hbench.report.diagnosis.names import balance, p_equation
 from hbench.report.render.numbers import number, significant
-from hbench.report.render.symbols import capital
+from hbench.report.render.symbols import capital, listed
 
 _TERMS = {
     "flow": "inflow",
     "force": "force against extension",
     "friction": "dry friction",
+    "supply": "supply pressure",
+    "position": "travel of the piston over that of its reading, less 1",
 }
 _VALVES = {"tp": "u_T", "tr": "u_T", "lp": "u_L2", "lr": "u_L1"}  # of each chamber
 
 
 def law_title(law: UnnamedLaw) -> str:
-    """Return balance and quantities of a law in words."""
-    return f"{balance(law.balance).title}: {term(law)} over {words(law)}"
+    """Return balances and quantities of a law in words."""
+    return f"{_balances(law)}: {term(law)} over {words(law)}"
 
 
 def law_line(law: UnnamedLaw) -> str:
     """Return what a law adds, and what it does to held-out runs."""
     before, after = (number(gap, 2) for gap in (law.gap_before, law.gap_after))
     return (
-        f"{capital(law_title(law))}, fitted as a table. The gap of held-out runs in this balance "
-        f"is {before} without and {after} with all unnamed laws ({p_equation(law.p_value)}, score "
+        f"{capital(law_title(law))}, fitted as a table. The gap of held-out runs there is "
+        f"{before} without and {after} with all unnamed laws ({p_equation(law.p_value)}, score "
         f"{number(law.score, 1)} nats)."
     )
 
@@ -43,13 +45,17 @@ def law_summary(laws: Sequence[UnnamedLaw]) -> str:
         before, after = (number(gap, 1) for gap in (law.gap_before, law.gap_after))
         parts.append(
             f"{term(law)} of {low} to {high} {law.unit} over {words(law)} "
-            f"({balance(law.balance).title}; gap of held-out runs {before} before, {after} after)"
+            f"({_balances(law)}; gap of held-out runs {before} before, {after} after)"
         )
     kind = "an unnamed law" if len(laws) == 1 else "unnamed laws"
     return (
         f"The revised model contains {kind}, fitted as a table: {'; '.join(parts)}. A table "
         "reproduces a deviation but does not show its cause."
     )
+
+
+def _balances(law: UnnamedLaw) -> str:
+    return listed([balance(name).title for name in law.balances])
 
 
 def term(law: UnnamedLaw) -> str:
@@ -65,7 +71,7 @@ def words(law: UnnamedLaw) -> str:
 def law_quantities(law: UnnamedLaw) -> list[tuple[str, str]]:
     """Return each quantity of a law in words, and its symbol; empty where it has none."""
     part = law.adds_to.partition("_")[2]
-    cylinder = part[0].upper()
+    cylinder = part[:1].upper()
     symbols = {
         "piston_pressure": f"P_{cylinder}p",
         "rod_pressure": f"P_{cylinder}r",
