@@ -12,11 +12,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.drift import channel_of, is_drift
 from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.learned.table import is_mode, mode_of
+from hbench.reconcile.measured.drift import channel_of, is_drift
 from hbench.reconcile.nuisance import BOUND, nuisances, standard_deviation
 from hbench.reconcile.products import Products
 from hbench.reconcile.window_sums import products

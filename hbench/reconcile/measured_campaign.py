@@ -11,7 +11,6 @@ import numpy as np
 from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS, read_effects
-from hbench.reconcile.drift import drift_name, is_drift
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
@@ -26,6 +25,7 @@ from hbench.reconcile.measured.balances import (
     operating_conditions,
     rounding_error,
 )
+from hbench.reconcile.measured.drift import drift_name, is_drift
 from hbench.reconcile.measured.session import PRESSURES, Session
 from hbench.reconcile.nuisance import drift_deviations, nuisances, tolerances
 from hbench.reconcile.steps import stepped

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.drift import channel_of, is_drift
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
+from hbench.reconcile.measured.drift import channel_of, is_drift
 
 
 def stepped(

@@ -2,8 +2,9 @@
 
 For each balance that remains, tables over one and over two quantities are compared by their
 cross-validated likelihood over the training points, as candidates are (``evidence.py``): a table
-over two quantities must be better by 5 nats. In a flow they compete with an error of the position
-sensor, which changes all four flows by one table. It may repeat with the sensor's pitch, so it has
+over two quantities must be better by 5 nats; where it is not kept, the best over one is tried. In a
+flow they compete with an error of the position sensor, which changes all four flows by one table.
+It may repeat with the sensor's pitch, so it has
 8, 16 or 32 knots along the stroke, the number with the best score. The best is kept if
 
     its score exceeds 5 nats and the threshold of all tables with null data sets, which are its own
@@ -92,14 +93,22 @@ class LawSearch:
 
     def _add(self, model: LinearisedModel, balance: str) -> tuple[LinearisedModel, LawFound] | None:
         """Return the model with the best law of a balance, if it is kept."""
-        points, best = self.evaluator.train, []
+        found = []
         for family in self._families:
             if balance in family:
                 one = balance_products(self.measured, model, family, self.effects)
-                best.append((one, *best_table(one, points)))
-        one, table, gain = max(best, key=lambda each: each[2])
-        if table is None or gain <= CRITERIA.score:
-            return None
+                tables = best_tables(one, self.evaluator.train)
+                found += [(one, table, gain) for table, gain in tables if gain > CRITERIA.score]
+        for each in sorted(found, key=lambda each: -each[2]):
+            if kept := self._tried(model, *each):
+                return kept
+        return None
+
+    def _tried(
+        self, model: LinearisedModel, one: BalanceProducts, table: Table, gain: float
+    ) -> tuple[LinearisedModel, LawFound] | None:
+        """Return the model with a law of a score ``gain``, if it is kept."""
+        points = self.evaluator.train
         null = one.without(table, points)
         if self._p_value(one.residuals, null.residuals, range(len(one.balances))) is None:
             return None
@@ -135,11 +144,12 @@ class LawSearch:
         return self.evaluator.refit(start, self.effects, renewed=())
 
 
-def best_table(one: BalanceProducts, points: np.ndarray) -> tuple[Table | None, float]:
-    """Return the best table of a family and its score; None where none has a score above 0."""
+def best_tables(one: BalanceProducts, points: np.ndarray) -> list[tuple[Table, float]]:
+    """Return the best tables of a family over one quantity and over two, and their scores."""
     single, single_score = _best(one, _tables(one, 1), points, 0.0)
     pair, pair_score = _best(one, _tables(one, 2), points, single_score + CRITERIA.score)
-    return (pair, pair_score) if pair else (single, single_score)
+    best = (single, single_score), (pair, pair_score)
+    return [(table, score) for table, score in best if table]
 
 
 def score_to_exceed(
