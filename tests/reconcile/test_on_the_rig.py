@@ -1,5 +1,7 @@
 """Balances of campaigns of the virtual rig, whose plant the model does not know."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from hbench.experiment.closed_loop import record
 from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.measured.balances import FLOWS, balance_model
 from hbench.reconcile.measured.window_signals import open_loop_errors, signals
+from hbench.reconcile.nuisance import drift_deviations
 from tests.support.pump import PUMP
 from tests.support.reconcile.rounds import compare, plant_of, reconciled, schedule, table
 
@@ -98,6 +101,25 @@ def test_the_balance_that_a_hidden_effect_touches_stands_first(bench, bench_data
     touched = FLOWS if balance in FLOWS else (balance,)
     others = [one for name, one in after.items() if name not in touched]
     assert all(one.gap < 0.4 * after[balance].gap for one in others)
+
+
+def test_a_load_cell_that_drifts_within_its_class_leaves_no_gap(bench, bench_data, monkeypatch):
+    """It warms up by 40 N, most of it in the first runs; a drift is assumed linear."""
+    runs = measured(bench, bench_data, schedule(), BADLY_TUNED)
+    warm = 46.3 * (1 - np.exp(-np.linspace(0, 2, len(runs))))
+    drifting = [
+        replace(run, f_applied_n=run.f_applied_n + n) for run, n in zip(runs, warm, strict=True)
+    ]
+    _, _, _, after = reconciled(drifting, bench)
+    table("drift", after)
+    monkeypatch.setattr(
+        "hbench.reconcile.measured_campaign.drift_deviations",
+        lambda limits: dict.fromkeys(drift_deviations(limits), 1e-6),
+    )
+    _, _, _, without = reconciled(drifting, bench)
+    table("no drift assumed", without)
+    for name in ("force_test", "force_load"):
+        assert after[name].gap < 1.5 < 2 < without[name].gap
 
 
 def test_a_slower_velocity_filter_than_the_bench_file_tells_stands_in_kinematics(bench_data):
