@@ -57,6 +57,13 @@ def test_a_hundred_lively_channels_are_not_accused():
     assert not any(accused)
 
 
+def test_a_lively_stroke_that_settles_at_its_end_is_not_accused():
+    step = 250e5 / 4096
+    p = pressure(noise=2 * step, counts=step)
+    p[-23:] = p.max() + step * np.minimum(np.arange(23) // 2, 10)  # three samples at the top
+    assert clipped_samples(channels(p)) == {}
+
+
 def test_a_log_that_has_stopped_is_no_clipped_channel():
     p, t = pressure(), 0.01 * np.arange(N)
     top = int(np.argmax(p))

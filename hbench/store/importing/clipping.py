@@ -3,7 +3,8 @@
 A clipped channel stays at exactly its highest or lowest value for three samples or more while
 other channels change, and longer than at any value between. An unclipped channel with little noise
 and coarse resolution does the same, at a peak or when settled. Clipping is therefore reported only
-where the noise from sample to sample is above the resolution.
+where the noise from sample to sample is above the resolution, in the log and next to these samples:
+a lively stroke may settle quietly at its end.
 """
 
 from collections.abc import Mapping
@@ -12,6 +13,7 @@ import numpy as np
 
 LEAST_SAMPLES = 3  # consecutive
 _LEAST_NOISE = 1.5  # in units of the resolution
+_NEAR = 20  # samples on either side
 
 
 def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarray:
@@ -29,11 +31,15 @@ def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarra
     inside = known[(known > known.min()) & (known < known.max())]
     if _noise(inside) <= _LEAST_NOISE * resolution:
         return none
-    least = max(LEAST_SAMPLES, _longest(np.diff(inside) == 0) + 2)
+    least = max(LEAST_SAMPLES, _longest(np.diff(inside) == 0)[1] + 2)
     clipped = none
     for limit in (known.max(), known.min()):
         at_limit = values == limit
-        if _longest(at_limit[1:] & at_limit[:-1] & others_change[1:]) + 1 >= least:
+        start, length = _longest(at_limit[1:] & at_limit[:-1] & others_change[1:])
+        near = slice(max(start - _NEAR, 0), start + length + 1 + _NEAR)
+        beside = values[near][~at_limit[near]]
+        lively = _noise(beside) > _LEAST_NOISE * resolution or len(beside) < LEAST_SAMPLES
+        if length + 1 >= least and lively:
             clipped = clipped | at_limit
     return clipped
 
@@ -56,10 +62,14 @@ def clipped_samples(sensed: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {name: samples for name, samples in clipped.items() if samples.any()}
 
 
-def _longest(held: np.ndarray) -> int:
-    """Return the length of the longest run of True."""
+def _longest(held: np.ndarray) -> tuple[int, int]:
+    """Return the first index and the length of the longest run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], held.astype(int), [0]))))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+    lengths = edges[1::2] - edges[::2]
+    if not len(lengths):
+        return 0, 0
+    longest = int(np.argmax(lengths))
+    return int(edges[2 * longest]), int(lengths[longest])
 
 
 def _noise(values: np.ndarray) -> float:
