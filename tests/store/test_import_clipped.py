@@ -59,7 +59,7 @@ def test_a_hundred_lively_channels_are_not_accused():
 
 def test_a_lively_stroke_that_settles_at_its_end_is_not_accused():
     step = 250e5 / 4096
-    p = pressure(noise=4 * step, counts=step)[:200]
+    p = pressure(noise=12 * step, counts=step)[:200]
     p[-23:] = p.max() + step * np.minimum(np.arange(23) // 2, 10)  # three samples at the top
     assert clipped_samples(channels(p)) == {}
 
