@@ -9,11 +9,15 @@ from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import (
     candidates_table,
     changes_tables,
-    lookalikes_tables,
 )
 from hbench.report.diagnosis.names import keys_in_words, value_words
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
+from hbench.report.diagnosis.separability_tables import (
+    MATRIX_TEXT,
+    by_reason,
+    lookalikes_tables,
+    matrix_table,
+)
 from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.render.document import Section, document
@@ -57,7 +61,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
-        () if diagnosis.verdict == "unknown" else (_sentence(keys_in_words(diagnosis.why)),),
+        (_sentence(keys_in_words(diagnosis.why)),),
         drawings=drawn("ranking"),
         facts=definitions.WHICH,
         parts=(
@@ -174,7 +178,7 @@ def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     """Return missing data, effects that were not tried and runs left out."""
     untried = [
         _sentence(f"{keys_in_words(', '.join(names)) if diagnosis.ranking else 'all'} ({reason}).")
-        for reason, names in text.by_reason(diagnosis.not_tried).items()
+        for reason, names in by_reason(diagnosis.not_tried).items()
     ]
     parts = {
         "Missing data": [f"{_sentence(item)}." for item in diagnosis.missing if diagnosis.where],
