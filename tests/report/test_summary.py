@@ -360,8 +360,8 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     assert "by 3.6 trial scatters (0.72 N) even with the values fitted to all loads." in verdict
     assert "model as given" not in verdict
     assert verdict.endswith(
-        "Next, inspect the seal. To separate the possible causes, inspect part direction_asymmetry or part "
-        "load_cell_gain."
+        "Next, inspect the seal. To separate the possible causes, inspect part "
+        "direction_asymmetry or part load_cell_gain."
     )
 
 
@@ -570,7 +570,7 @@ def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
         page.index(part)
         for part in (
             "The model does not contain internal leakage",
-            "Size at the working point",
+            "At the median working point",
             '<h2 id="the-gap-before-and-after">',
             '<h2 id="the-effects">',
             "What internal leakage changes",

@@ -10,7 +10,7 @@ from hbench.report.diagnosis.change_words import (
     candidates_table,
     changes_tables,
 )
-from hbench.report.diagnosis.names import keys_in_words, value_words
+from hbench.report.diagnosis.names import in_words, keys_in_words, value_words
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.separability_tables import (
     MATRIX_TEXT,
@@ -88,8 +88,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         facts=(*definitions.of_laws(diagnosis), *definitions.of_changes(diagnosis)),
         parts=_numbers("Each effect in detail", *details) if diagnosis.alternatives else (),
     )
+    notes = tuple(_effects_in_words(diagnosis, note) for note in diagnosis.notes)
     missing = Section(
-        "Missing data and runs left out", items=diagnosis.notes, facts=_caveats(diagnosis)
+        "Notes, missing data and runs left out", items=notes, facts=_caveats(diagnosis)
     )
     shape = _shape(diagnosis, drawn("shape"))
     if diagnosis.verdict == "unknown":
@@ -172,6 +173,14 @@ def _refitted_words(diagnosis: Diagnosis) -> str:
         f"{definitions.POORLY_KNOWN}. Fitted first, they made held-out runs worse; these are "
         f"fitted together with the {added}."
     )
+
+
+def _effects_in_words(diagnosis: Diagnosis, note: str) -> str:
+    """Return a note with its effects in words; keys of files, as of an import map, are kept."""
+    candidates = (*diagnosis.ranking, *diagnosis.alternatives, *diagnosis.effects)
+    for name in {each.name for each in candidates}:
+        note = note.replace(name, in_words(name))
+    return _sentence(note)
 
 
 def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:

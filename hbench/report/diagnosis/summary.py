@@ -52,8 +52,8 @@ from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 
-_SIZE, _ALONG, _SENSORS = "Size at the working point", "Size over all runs", "Several sensors"
-_RESIDUALS, _FRICTION = "Residuals", "What it means for friction"
+_SIZE, _ALONG, _SENSORS = "Size", "Size over all runs", "Several sensors"
+_RESIDUALS, _FRICTION = "Residuals", "Friction"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
 _OWN_EFFECT = (
     "A cause that the catalogue does not contain can be added as an effect of your own "
