@@ -25,10 +25,11 @@ from hbench.records import (
     WorkingPoint,
 )
 from hbench.records.diagnosis import FITTED
-from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
+from hbench.report.diagnosis.change_words import changes_tables
 from hbench.report.diagnosis.figures.law_figures import law_figure
 from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.diagnosis.separability_tables import lookalikes_tables
 from hbench.report.diagnosis.summary import answers, short_summary
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
@@ -117,9 +118,14 @@ def named(compared):
 
 def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(named):
     text = summary(named)
+    verdict = verdict_words(named)
+    assert verdict.startswith(
+        "The model does not contain internal leakage: oil leaks (test cylinder 0.00300 ± 0.00020 "
+        "l/min/bar; 95 % intervals). It changes the flow"
+    )
+    assert "oil leaks" not in text  # once on the page is enough
+    assert "deviation in the quantities that it touches falls from 16.7 to 1.6 times" in verdict
     assert text.startswith(
-        "Internal leakage is an effect of the bench that the model does not contain: oil leaks. "
-        "Coefficients with their 95 % intervals: test cylinder 0.00300 ± 0.00020 l/min/bar. "
         "At the median working point (extending at 80 mm/s, load cell 2490 N, piston side "
         "P_Tp 63 bar, rod side P_Tr 52.1 bar, supply P_S 150 bar), 0.180 ± 0.010 l/min less oil "
         "enters the piston side of the test cylinder (Tp) and the piston is 2.40 ± 0.10 mm/s "
@@ -128,7 +134,6 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     order = (
         "0.21 l/min (root mean square; up to 0.35 l/min)",
         "2.8 mm/s (root mean square; up to 4.6 mm/s)",
-        "from 16.7 to 1.6",
         "external leakage, by odds of more than 1000 to 1",
         "Inspect the piston seal. Replace it.",
     )
@@ -149,7 +154,7 @@ def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_
     (effect,) = named.effects
     plain = "It does not reduce the gap of held-out runs in the balances that it touches: "
     worse = replace(named, effects=(replace(effect, gap_before=1.02, gap_after=1.04),))
-    assert f"{plain}1.02 without it and 1.04 with it" in summary(worse)
+    assert f"{plain}1.02 without it and 1.04 with it" in short_summary(worse)
     page = ordinary_spaces(diagnosis_page(worse, ()))
     assert f"{plain}1.02" in page[: page.index("<nav")]  # in the verdict
     assert "does not reduce" not in summary(named) + diagnosis_page(named, ())
@@ -162,21 +167,22 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
     worse = replace(named, effects=(unconfirmed,))
     verdict = ordinary_spaces(verdict_words(worse))
     order = (
-        "The model may not contain internal leakage: oil leaks. It would change the flow",
-        "In the runs of the fit, the cross-validation favours it",
+        "Internal leakage may be missing in the model: oil leaks (test cylinder 0.00300 ± 0.00020",
+        "It would change the flow",
+        "The evidence is contradictory. In the runs of the fit, the cross-validation favours it",
         "by odds of more than 1000 to 1; held-out runs do not confirm it.",
         "1.02 without it and 1.04 with it",
         "To confirm internal leakage, repeat the runs and reconcile again; replace or adjust",
     )
     places = [verdict.index(part) for part in order]
     assert places == sorted(places) and "inspect" not in verdict
+    assert "held-out runs do not confirm it." in short_summary(worse)
     for text in (summary(worse), short_summary(worse)):
-        assert "To confirm internal leakage, repeat the runs" in text
-        assert "held-out runs do not confirm it." in text
         condition = "The sizes that follow apply only if internal leakage is present."
         assert text.index(condition) < text.index("0.180 ± 0.010 l/min less oil")
-        assert "Inspect" not in text and "Replace it" not in text
-    assert "is a possible effect of the bench, which held-out runs do not confirm" in summary(worse)
+        first, _, then = text.partition("To confirm internal leakage, repeat the runs")
+        assert "nspect" not in first and "Replace it" not in first
+        assert "before that. If they confirm it: inspect the piston seal. Replace it." in then
     assert "not confirmed by held-out runs." in diagnosis_text(worse).splitlines()[0]
     proposed = replace(worse, next_schedule={"name": "next"})
     assert "To confirm internal leakage, measure next.yaml and" in verdict_words(proposed)
@@ -192,7 +198,7 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
 def test_an_error_of_a_sensor_is_told_as_one_with_what_it_shows_too_much(named):
     effects = (added("load_cell_gain", 40.0, of_sensor=True),)
     text = summary(replace(named, effects=effects, practice=(CELL,)))
-    assert "Load cell gain is an error of the measurement that the model does not" in text
+    assert "gain is an effect of the bench" not in text
     assert "the load cell shows 49.8 N too much" in text
     assert "the computed friction of the test cylinder is 49.8 N too low" in text
 
@@ -212,7 +218,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
 
     text = verdict(named)
     order = (
-        "The model does not contain internal leakage: oil leaks.",
+        "The model does not contain internal leakage: oil leaks (",
         "It changes the flow to the piston side of the test cylinder (Tp) by up to 0.35 l/min, "
         "the speed by up to 4.6 mm/s and the friction of the load cylinder by up to 9.0 N.",
         "falls from 16.7 to 1.6 times the repeatability of the bench, in runs that were not used",
@@ -229,7 +235,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     assert fitted not in verdict(replace(named, rest=(rest,)))  # 40 N without them too
     sensor = replace(named, effects=(added("load_cell_gain", 40.0, of_sensor=True),))
     text = verdict(replace(sensor, practice=(CELL,)))
-    assert text.startswith("The instruments have an error, load cell gain: oil leaks. It changes ")
+    assert text.startswith("The instruments have an error, load cell gain: oil leaks (test ")
     assert "the computed friction of the test cylinder by up to 100 N" in text
 
 
@@ -239,7 +245,7 @@ def test_the_verdict_of_an_ambiguous_set_says_what_each_effect_means_for_frictio
         Change("f_applied", "N", 20.0, None, 20.0, 20.0),
         Change("force_test", "N", -20.0, None, 20.0, 20.0),
     )
-    alike = (Lookalike("load_cell_gain", "check", "weights"),)
+    alike = (Lookalike("load_cell_gain", "steady", "weights"),)
     other = EffectInPractice("load_cell_offset", changes, "the zero", "", alike)
     both = replace(
         compared, verdict="ambiguous", rest=(), practice=(CELL, other),
@@ -250,13 +256,56 @@ def test_the_verdict_of_an_ambiguous_set_says_what_each_effect_means_for_frictio
     assert "with load cell gain it is computed 49.8 N too low; with load cell offset it" in text
     assert text.endswith("inspect known weights or the zero.")
     swapped = replace(both, alternatives=both.alternatives[::-1])
-    assert "Next, measure zero check runs, which separate them, or inspect" in verdict_words(
-        swapped
-    )
+    assert "Next, measure steady runs, which separate them, or inspect" in verdict_words(swapped)
     bench = replace(both, practice=(LEAK, other), alternatives=(
         replace(first, name="internal_leakage"), both.alternatives[1],
     ))  # fmt: skip
     assert verdict_words(bench).startswith("One of these effects is missing in the model: internal")
+
+
+@pytest.fixture
+def offsets(compared):
+    """An offset of the load cell or of two transducers: zeros show which."""
+    first = Candidate("load_cell_offset", 54.0, 0.7, 5.0, {}, "full", 5.0)
+    cell = EffectInPractice(
+        "load_cell_offset", (Change("f_applied", "N", -163.0, (-193.0, -133.0), 163.0, 163.0),),
+        "the load cell's zero", "", (Lookalike("pressure_offset", "check", "zeros"),),
+    )  # fmt: skip
+    pressures = EffectInPractice(
+        "pressure_offset",
+        (
+            Change("p_tp", "bar", 1.8, (0.8, 2.8), 1.8, 1.8),
+            Change("p_tr", "bar", 2.0, (1.0, 3.0), 2.0, 2.0),
+        ),
+        "the zeros of the transducers", "", (),
+    )  # fmt: skip
+    return replace(
+        compared, verdict="ambiguous", rest=(), practice=(cell, pressures),
+        alternatives=(first, replace(first, name="pressure_offset", score=52.0)),
+    )  # fmt: skip
+
+
+def test_offsets_are_separated_by_a_zero_check_with_what_each_sensor_shows_then(offsets):
+    check = (
+        "Next step: a zero check with the supply off. Read the load cell's zero and the zeros of "
+        "the transducers. Expected readings: with load cell offset, the load cell −163 ± 30 N; "
+        "with pressure offset, P_Tp 1.8 ± 1.0 bar and P_Tr 2.0 ± 1.0 bar."
+    )
+    for text in (verdict_words(offsets), summary(offsets), short_summary(offsets)):
+        assert check in ordinary_spaces(text)
+    assert "There is no next.yaml, since a zero check is no run." in summary(offsets)
+    planned = replace(offsets, next_schedule={"name": "next"}, next_experiment="Measure it.")
+    assert "zero check" not in verdict_words(planned) + summary(planned)
+
+
+def test_equal_errors_of_several_sensors_may_have_one_cause(offsets):
+    assert "one effect with a value for each of the 2 sensors" in summary(offsets)
+    assert "They are equal within their intervals, so a common cause" in summary(offsets)
+    cell, pressures = offsets.practice
+    p_tp, p_tr = pressures.changes
+    apart = replace(pressures, changes=(p_tp, replace(p_tr, at_point=5.0, ci95=(4.0, 6.0))))
+    text = summary(replace(offsets, practice=(cell, apart)))
+    assert "a value for each of the 2 sensors" in text and "common cause" not in text
 
 
 STROKES = tuple(
@@ -290,8 +339,7 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     )  # fmt: skip
     page = ordinary_spaces(diagnosis_page(found, ()))
     text = summary(found)
-    assert "It reduces the gap of held-out runs in the balances" in text
-    assert "half difference of both directions deviates by 3.6 trial scatters (0.72 N)" in text
+    assert "friction deviates by 3.6 trial scatters (0.72 N) over all runs" in text
     assert (
         "Friction, half the difference of both directions, differs by no more than 0.16 N" in text
     )
@@ -304,31 +352,40 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     verdict = verdict_words(found)
     falls = "falls from 16.7 to 1.6 times the repeatability of the bench"
     assert f"{falls}, when each load is predicted from the other loads." in verdict
-    assert "by 3.6 trial scatters (0.72 N) in all runs, with the fit to all." in verdict
-    assert "is worse than the given model" not in verdict
+    assert (
+        "A second deviation has several possible causes, which these runs cannot distinguish; at "
+        "the working point: direction asymmetry (mean force of both directions −3.50 N) or load "
+        "cell gain (mean force of both directions −3.90 N)."
+    ) in ordinary_spaces(verdict)
+    assert "by 3.6 trial scatters (0.72 N) even with the values fitted to all loads." in verdict
+    assert "model as given" not in verdict
     assert verdict.endswith(
-        "Next, inspect the seal. To separate the others, inspect part direction_asymmetry or part "
-        "load_cell_gain."
+        "Next, inspect the seal. To separate the possible causes, inspect part "
+        "direction_asymmetry or part load_cell_gain."
     )
 
 
 def test_a_refit_to_strokes_that_is_worse_at_other_loads_is_reported_with_why_it_is_kept(named):
     band = BeforeAfter(35.9, 58.3, 14.0, 2.6)
     strokes = replace(named, where=STROKES, regions=(), gap_runs=())
+    effect = replace(strokes.effects[0], gap_before=58.3, gap_after=14.0)
+    strokes = replace(strokes, effects=(effect,))
     worse = replace(strokes, gap_heldout=GapTable(band, {"force_band": band}, {}, {}))
     better = replace(
         worse, gap_heldout=GapTable(band, {"force_band": replace(band, before=84.0)}, {}, {})
     )
-    words = "gaps of the half difference of both directions (35.9 to 58.3). The given level"
-    for text in (verdict_words(worse), summary(worse)):
-        assert f"The refitted model is worse than the given model in the {words}" in text
-    assert "worse than the given" not in verdict_words(better) + summary(better)
+    words = "in the gaps of friction (35.9 to 58.3). The refit is kept, since"
+    assert f"The refitted model is worse than the model as given {words}" in summary(worse)
+    assert "from the other loads (model as given: 35.9)." in verdict_words(worse)
+    assert "as given" not in verdict_words(better) + summary(better)
 
 
 def test_what_the_effects_do_not_explain_is_that_of_the_model_with_them(named, compared):
     part = replace(named, rest=compared.rest)
     text = summary(part)
-    words = "With the effects, the force of the test cylinder deviates by 40 N RMS (limit 12 N)"
+    words = (
+        "With the effects, the force of the test cylinder deviates by 40 N RMS (matters above 12 N)"
+    )
     assert f"{words} over all runs." in text
     assert "Balances that the effects do not explain" in diagnosis_page(part, ())
     assert "Balances that the effects do not explain" not in diagnosis_page(named, ())
@@ -365,20 +422,22 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
 
 def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best_explains(compared):
     text = summary(compared)
-    verdict = "the force of the test cylinder deviates by 40 N RMS (limit 12 N)."
+    verdict = "the force of the test cylinder deviates by 40 N RMS (matters above 12 N)."
     assert verdict in ordinary_spaces(diagnosis_page(compared, ()))
     assert "with a correct model, after Holm: 0.010 (force of test cylinder)." in text
     assert "), the refitted model is off by 38 N (force of test cylinder)." in text
     largest = (
-        "Over all runs, the gap of the force of the test cylinder is largest while retracting."
+        "In scatters of the trials, over all runs, the force of the test cylinder deviates most "
+        "by direction while retracting (9.0; smallest 2.0). Next, inspect the seals and guides of "
+        "the test cylinder, the load cell and"
     )
-    assert largest in text  # all speeds are about alike
-    assert "load friction, explains 80 % of the gap" in text and "27.3 nats (5.0 needed)" in text
-    assert "is too small for it to be named" in text
-    assert "The gap of 2 held-out runs is 9.5" in text
-    assert "depends on the seals and guides of the test cylinder, the load cell and" in text
+    assert largest in ordinary_spaces(verdict_words(compared))  # all speeds are about alike
+    assert "Load friction is the closest of 2 known effects and would explain 80 %" in text
+    assert "It is not named: its size of 0.22 times a typical one is too small" in text
+    assert "Take it as a hint" in text and "chance" not in text
+    assert "The gap of 2 held-out runs, all balances together, is 9.5" in text
     assert (
-        "measure more steady runs where the gap is largest (while retracting), and vary speed"
+        "measure more steady runs where its gap is largest (while retracting), and vary speed"
         in text
     )
 
@@ -406,7 +465,7 @@ def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first
             Region("direction", way, NAN, NAN, 9, {"flow_tr": gap}) for way, gap in gaps.items()
         )
         gap = replace(compared.where[0], name="flow_tr")
-        return summary(replace(compared, where=(gap,), rest=(gap,), regions=regions))
+        return verdict_words(replace(compared, where=(gap,), rest=(gap,), regions=regions))
 
     begin = (
         "Begin with the valve's edge to tank: over all runs the gap is 17.8 there and 8.6 at that"
@@ -441,17 +500,19 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
         replace(compared, verdict="none", rest=(), separability=Separability(sizes, ()),
                 not_tried={"rest_time": "no breakaway"})
     )  # fmt: skip
-    assert "The gap of 2 held-out runs is 9.5 with the refitted model" in text
+    assert (
+        "The gap of 2 held-out runs, all balances together, is 9.5 with the refitted model" in text
+    )
     assert "A correct model whose values are as uncertain would have 1.2 on average." in text
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "mass and rest time: these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
     assert "These runs give no reason to inspect or to repair anything." in text
-    gap = "the force of the test cylinder by 40 N RMS (p = 0.010, limit 12 N)"
-    assert f"Significant, but no missing effect by their size: {gap}." in text
+    gap = "the force of the test cylinder by 40 N RMS (p = 0.010, matters above 12 N)"
+    assert f"Significant, but too small for a missing effect: {gap}." in text
     close = replace(compared.where[0], deviation=11.64, material=12.04)
     text = summary(replace(compared, verdict="none", rest=(), where=(close,)))
-    assert "the force of the test cylinder by 11.6 N RMS (p = 0.010, limit 12.0 N)" in text
+    assert "the force of the test cylinder by 11.6 N RMS (p = 0.010, matters above 12.0 N)" in text
 
 
 def test_an_agreement_states_what_the_refit_changes_and_what_is_fitted_with_the_model(compared):
@@ -508,7 +569,8 @@ def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
     places = [
         page.index(part)
         for part in (
-            "Internal leakage is an effect of the bench",
+            "The model does not contain internal leakage",
+            "At the median working point",
             '<h2 id="the-gap-before-and-after">',
             '<h2 id="the-effects">',
             "What internal leakage changes",

@@ -10,10 +10,17 @@ from hbench.records import (
     EffectInPractice,
     Lookalike,
 )
+from hbench.report.diagnosis.change_words import readings_words
 from hbench.report.diagnosis.names import PARTS, in_words
 from hbench.report.diagnosis.place_words import CLEARLY_LARGER, edge_gaps, worst_region
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
+
+_ZEROS = (
+    "There is no next.yaml, since a zero check is no run. To have hbench take the zeros in each "
+    "campaign, list an experiment of the kind check first and last in the schedule, with "
+    "load_cell: free (configs/README.md, Zero checks)."
+)
 
 
 def separation(diagnosis: Diagnosis) -> Iterator[str]:
@@ -34,6 +41,35 @@ def separation(diagnosis: Diagnosis) -> Iterator[str]:
     inspect = [each for each in every if each not in experiment]
     if inspect:
         yield f"At the bench, inspect {_either(inspect)}."
+
+
+def zero_check(diagnosis: Diagnosis) -> list[str]:
+    """Return how a zero check separates the ambiguous set, and what each sensor shows then.
+
+    Empty where another run separates the set, or where next.yaml is proposed.
+    """
+    kinds = {other.kind for _, other in _separable_pairs(diagnosis)}
+    if diagnosis.next_schedule or not kinds or not all(map(_is_zero_check, kinds)):
+        return []
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    errors = {effect.name: readings_words(effect) for effect in chosen}
+    inspect = [effect.inspect for effect in chosen if errors[effect.name] and effect.inspect]
+    shown = [
+        f"with {in_words(name)}, {words or 'every sensor'} {'' if words else 'shows zero'}".strip()
+        for name, words in errors.items()
+    ]
+    return [
+        f"Next step: a zero check with the supply off. Read {listed(inspect)}.",
+        f"Expected readings: {'; '.join(shown)}. The other sensors show zero within their "
+        "tolerances.",
+        "Zero the sensor that is off, or enter its offset in the bench file, and measure again.",
+        _ZEROS,
+    ]
+
+
+def _is_zero_check(kind: str) -> bool:
+    return kind in KINDS and KINDS[kind].needs_supply_off
 
 
 def _separable_pairs(diagnosis: Diagnosis) -> Iterator[tuple[EffectInPractice, Lookalike]]:
@@ -94,11 +130,13 @@ def next_step(diagnosis: Diagnosis) -> str:
     if diagnosis.alternatives:
         if diagnosis.next_schedule:
             return "Next step: measure next.yaml; the command is below."
+        if check := zero_check(diagnosis):
+            return " ".join(check[:2])
         kinds = dict.fromkeys(_runs(other) for _, other in _separable_pairs(diagnosis))
         runs = f"measure {listed(list(kinds))}, which separate them" if kinds else ""
         steps = ", or ".join(filter(None, (runs, f"inspect {inspect}" if inspect else "")))
         first = _first_step(diagnosis)
-        begin = f"{first} To separate the others" if first else "Next"
+        begin = f"{first} To separate the possible causes" if first else "Next"
         return f"{begin}, {steps}." if steps else first
     if diagnosis.effects:
         return _first_step(diagnosis)
@@ -113,9 +151,9 @@ def _where_to_look(diagnosis: Diagnosis) -> str:
     if name not in PARTS:
         return ""
     words = (
+        worst_region(diagnosis, name),
         f"Next, inspect {PARTS[name]}.",
         first_edge(diagnosis, name),
-        worst_region(diagnosis, name),
     )
     return " ".join(filter(None, words))
 

@@ -14,7 +14,7 @@ from hbench.report.diagnosis.names import (
     quantity,
 )
 from hbench.report.render.numbers import significant
-from hbench.report.render.symbols import listed
+from hbench.report.render.symbols import capital, listed
 
 _FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
 _READINGS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
@@ -130,6 +130,51 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     return words if brief else f"{words} {end}"
 
 
+def sizes_words(diagnosis: Diagnosis) -> str:
+    """Return the effects of the ambiguous set, each with its main change at the working point."""
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    parts = []
+    for candidate in diagnosis.alternatives:
+        effect = practice.get(candidate.name)
+        main = main_changes(effect)[-1:] if effect else []
+        sizes = [f"{quantity(change.quantity)} {_interval(change)}" for change in main]
+        words = f" ({listed(sizes)})" if sizes else ""
+        parts.append(f"{in_words(candidate.name)}{words}")
+    return " or ".join(parts)
+
+
+def readings_words(effect: EffectInPractice) -> str:
+    """Return what each sensor of an instrument's error reads too much; empty without any."""
+    return listed(
+        [
+            f"{PRESSURE_SYMBOLS.get(change.quantity, 'the load cell')} {_interval(change)}"
+            for change in effect.changes
+            if change.quantity in _READINGS
+        ]
+    )
+
+
+def common_error(effect: EffectInPractice) -> str:
+    """Return how to read the errors of several sensors that are one effect; empty for one sensor.
+
+    They may have one cause where their intervals have a value in common.
+    """
+    ends = [change.ci95 for change in effect.changes if change.quantity in _READINGS]
+    if len(ends) < 2:
+        return ""
+    words = (
+        f"{in_words(effect.name)} is one effect with a value for each of the {len(ends)} sensors; "
+        "the values are fitted together"
+    )
+    known = [end for end in ends if end is not None]
+    if len(known) == len(ends) and max(low for low, _ in known) <= min(high for _, high in known):
+        words += (
+            ". They are equal within their intervals, so a common cause, such as the supply or the "
+            "amplifier of the sensors, is as possible as single faults"
+        )
+    return f"{capital(words)}."
+
+
 def _friction_of_strokes(effects: Sequence[EffectInPractice]) -> str:
     """Return by how much friction differs between effects that change the mean of both directions.
 
@@ -143,19 +188,6 @@ def _friction_of_strokes(effects: Sequence[EffectInPractice]) -> str:
     return (
         "Friction, half the difference of both directions, differs by no more than "
         f"{differ} N from case to case at the working point."
-    )
-
-
-def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    """Return what each effect is confused with, and the runs that separate the two."""
-    head = ("effect", "runs that separate", "why")
-    return tuple(
-        WordTable(
-            f"What looks like {in_words(effect.name)}",
-            head,
-            tuple((other.name, other.kind, other.why) for other in effect.lookalikes),
-        )
-        for effect in diagnosis.practice
     )
 
 

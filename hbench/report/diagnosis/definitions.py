@@ -17,7 +17,11 @@ POORLY_KNOWN = (
     "and the like"
 )
 REFITTED = f"{POORLY_KNOWN}. They are fitted first, so that their errors do not appear as effects."
-REFUSED = "Any increase refuses it. Everything is compared with the model as given{fitted}."
+REFUSED = (
+    "So the values of the model file predict runs outside the fit at least as well as refitted "
+    "ones, and they are kept: a refit must reduce this gap, however little it differs. The whole "
+    "page compares the measurement with the model as given{fitted}."
+)
 FITTED_WITH = "; the values of model.yaml are those fitted together with the {added}"
 RUNS = (
     "The gap of a single run includes its own scatter and is 1 for a correct model. The last "

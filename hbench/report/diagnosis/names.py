@@ -29,8 +29,8 @@ BALANCE_NAMES = {
 }
 # Balances of a pair of steady strokes, one in each direction.
 STROKE_NAMES = {
-    "force_band": DisplayName("half difference of both directions", "N"),
-    "force_middle": DisplayName("mean of both directions", "N"),
+    "force_band": DisplayName("friction (half difference)", "N"),
+    "force_middle": DisplayName("mean force of both directions", "N"),
 }
 PRESSURE_SYMBOLS = {
     name: CHANNELS[f"{name}_pa"].symbol for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
@@ -138,9 +138,16 @@ def keys_in_words(line: str) -> str:
 
 def coefficient_words(name: str) -> str:
     """Return the name of an effect's coefficient in words."""
-    return {"test": "test cylinder", "load": "load cylinder"}.get(name, in_words(name))
+    return _COEFFICIENTS.get(name) or PRESSURE_SYMBOLS.get(name) or in_words(name)
 
 
+_COEFFICIENTS = {
+    "test": "test cylinder",
+    "load": "load cylinder",
+    **{f"{part}_{side}": f"{side} side of {part} cylinder"
+       for part in ("test", "load") for side in ("piston", "rod")},
+    **{chamber: f"chamber {chamber.capitalize()}" for chamber in CHAMBERS},
+}  # fmt: skip
 _MODEL_VALUES = {
     "supply.pressure": "supply pressure",
     "supply.tank": "tank pressure",
@@ -173,18 +180,14 @@ def value_words(path: str) -> str:
 
 
 _FRICTION = {"force_test": "friction of test cylinder", "force_load": "friction of load cylinder"}
-_OF_STROKES = {
-    "force_band": "friction, half difference of both directions",
-    "force_middle": "force, mean of both directions",
-}
 
 
 def quantity(name: str) -> str:
     """Return the title of a quantity that an effect changes."""
-    if name in _FRICTION or name in _OF_STROKES:
-        return (_FRICTION | _OF_STROKES)[name]
-    if name in BALANCE_NAMES:
-        return BALANCE_NAMES[name].title
+    if name in _FRICTION:
+        return _FRICTION[name]
+    if name in BALANCE_NAMES | STROKE_NAMES:
+        return balance(name).title
     if name in SIGNAL_NAMES:
         return f"reading: {SIGNAL_NAMES[name].title}"
     return SOLVED_NAMES[name].title if name in SOLVED_NAMES else name.replace("_", " ")
@@ -205,7 +208,7 @@ def steps_of(diagnosis: Diagnosis, *, of_balances: bool = True) -> dict[str, str
 
 def compared_model(diagnosis: Diagnosis) -> str:
     """Return the model whose residuals were searched: the given one if its refit was refused."""
-    return "given model" if diagnosis.refit_refused else "refitted model"
+    return "unchanged model" if diagnosis.refit_refused else "refitted model"
 
 
 def in_unit(gap: Gap, value: float) -> str:
@@ -238,6 +241,8 @@ def share(value: float) -> str:
 
 def in_sentence(name: str) -> str:
     """Write a balance or a signal within a sentence: ``the force of the test cylinder``."""
+    if name == "force_band":
+        return "friction"
     title = (balance(name) if name in BALANCE_NAMES | STROKE_NAMES else signal(name)).title
     if title.startswith("P_") or name in _WITHOUT_ARTICLE:
         return title

@@ -9,11 +9,15 @@ from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import (
     candidates_table,
     changes_tables,
-    lookalikes_tables,
 )
-from hbench.report.diagnosis.names import keys_in_words, value_words
+from hbench.report.diagnosis.names import in_words, keys_in_words, value_words
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
+from hbench.report.diagnosis.separability_tables import (
+    MATRIX_TEXT,
+    by_reason,
+    lookalikes_tables,
+    matrix_table,
+)
 from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.render.document import Section, document
@@ -57,7 +61,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
-        () if diagnosis.verdict == "unknown" else (_sentence(keys_in_words(diagnosis.why)),),
+        (_sentence(keys_in_words(diagnosis.why)),),
         drawings=drawn("ranking"),
         facts=definitions.WHICH,
         parts=(
@@ -84,8 +88,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         facts=(*definitions.of_laws(diagnosis), *definitions.of_changes(diagnosis)),
         parts=_numbers("Each effect in detail", *details) if diagnosis.alternatives else (),
     )
+    notes = tuple(_effects_in_words(diagnosis, note) for note in diagnosis.notes)
     missing = Section(
-        "Missing data and runs left out", items=diagnosis.notes, facts=_caveats(diagnosis)
+        "Notes, missing data and runs left out", items=notes, facts=_caveats(diagnosis)
     )
     shape = _shape(diagnosis, drawn("shape"))
     if diagnosis.verdict == "unknown":
@@ -170,11 +175,19 @@ def _refitted_words(diagnosis: Diagnosis) -> str:
     )
 
 
+def _effects_in_words(diagnosis: Diagnosis, note: str) -> str:
+    """Return a note with its effects in words; keys of files, as of an import map, are kept."""
+    candidates = (*diagnosis.ranking, *diagnosis.alternatives, *diagnosis.effects)
+    for name in {each.name for each in candidates}:
+        note = note.replace(name, in_words(name))
+    return _sentence(note)
+
+
 def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     """Return missing data, effects that were not tried and runs left out."""
     untried = [
         _sentence(f"{keys_in_words(', '.join(names)) if diagnosis.ranking else 'all'} ({reason}).")
-        for reason, names in text.by_reason(diagnosis.not_tried).items()
+        for reason, names in by_reason(diagnosis.not_tried).items()
     ]
     parts = {
         "Missing data": [f"{_sentence(item)}." for item in diagnosis.missing if diagnosis.where],

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from math import isfinite
+from typing import NamedTuple
 
 from hbench.records import Change, Diagnosis, EffectInPractice, WorkingPoint
 from hbench.report.diagnosis.change_words import main_changes, phrase, wrong_readings
@@ -13,7 +14,7 @@ from hbench.report.diagnosis.names import (
     residual_name,
     shown,
 )
-from hbench.report.render.numbers import short, significant
+from hbench.report.render.numbers import number, short, significant
 from hbench.report.render.symbols import listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
@@ -94,13 +95,31 @@ def edge_gaps(diagnosis: Diagnosis, name: str) -> dict[str, float]:
 def worst_region(diagnosis: Diagnosis, name: str) -> str:
     """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
     places = worst_places(diagnosis, name)
-    return f"Over all runs, the gap of {in_sentence(name)} is largest {places}." if places else ""
+    if not places:
+        return ""
+    parts = [
+        f"by {each.axis} {each.words} ({number(each.gap, 1)}; smallest {number(each.least, 1)})"
+        for each in places
+    ]
+    return (
+        f"In scatters of the trials, over all runs, {in_sentence(name)} deviates most "
+        f"{listed(parts)}."
+    )
 
 
-def worst_places(diagnosis: Diagnosis, name: str) -> str:
-    """Return where the gap of a balance is clearly larger than elsewhere, as adverbs of place.
+class Place(NamedTuple):
+    """Region of the largest gap on an axis, which is clearly larger than the smallest one."""
 
-    The regions of the largest gaps come first.
+    gap: float
+    least: float  # smallest gap of the axis
+    axis: str
+    words: str  # adverb of place
+
+
+def worst_places(diagnosis: Diagnosis, name: str) -> list[Place]:
+    """Return where the gap of a balance is clearly larger than elsewhere on an axis.
+
+    The axes of the largest gaps come first.
     """
     places = []
     for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
@@ -112,12 +131,11 @@ def worst_places(diagnosis: Diagnosis, name: str) -> str:
         if len(own) < 2:
             continue
         worst = max(own, key=lambda region: region.gaps[name])
-        contrast = worst.gaps[name] / min(region.gaps[name] for region in own)
-        if contrast > CLEARLY_LARGER:
+        largest, least = worst.gaps[name], min(region.gaps[name] for region in own)
+        if largest > CLEARLY_LARGER * least:
             display = AXES[axis]
             low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
-            stretch = f"at a {display.title} of {low} to {high} {display.unit}"
+            stretch = f"at {low} to {high} {display.unit}"
             way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
-            places.append((worst.gaps[name], way or stretch))
-    places.sort(key=lambda place: -place[0])
-    return " and ".join(words for _, words in places[:_FEW])
+            places.append(Place(largest, least, display.title, way or stretch))
+    return sorted(places, key=lambda place: -place.gap)[:_FEW]

@@ -10,7 +10,7 @@ from hbench.records import (
     EffectInPractice,
     Gap,
 )
-from hbench.records.diagnosis import FITTED
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.names import (
     balance,
@@ -34,6 +34,7 @@ _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is
 _MOST_FACTORS = 3  # refitted values in a sentence
 _FEW = 2  # balances, or unexplained gaps, in a sentence
 _CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
+_MOST_WORSE = 3  # gaps of a sentence that become larger
 
 
 def gap_change(effect: AddedEffect) -> str:
@@ -114,16 +115,27 @@ def best_candidate(diagnosis: Diagnosis) -> str:
     if not diagnosis.ranking:
         return ""
     best = diagnosis.ranking[0]
-    small = (
-        " Its size, or the share that it explains, is too small for it to be named."
-        if best.score > best.threshold and diagnosis.verdict == "unknown"
+    name, score = capital(in_words(best.name)), number(best.score + 0.0, 1)
+    size = f"its size of {number(best.size, 2)} times a typical one"
+    reasons = []
+    if best.score <= best.threshold:
+        reasons.append(
+            "it does not predict other operating points so much better that chance is ruled out "
+            f"(score {score} nats, {number(best.threshold, 1)} needed)"
+        )
+    if best.explained < LEAST_EXPLAINED:
+        reasons.append(f"it explains too little ({share(LEAST_EXPLAINED)} needed)")
+    if best.size < LEAST_SIZE:
+        reasons.append(f"{size} is too small ({number(LEAST_SIZE, 2)} needed)")
+    why = f" It is not named: {listed(reasons)}." if reasons else ""
+    hint = (
+        " Take it as a hint: errors of the model's laws can look like a small effect."
+        if best.explained >= LEAST_EXPLAINED and diagnosis.verdict == "unknown"
         else ""
     )
     return (
-        f"The best of {len(diagnosis.ranking)} effects, {in_words(best.name)}, explains "
-        f"{share(best.explained)} of the gap; its score is {number(best.score + 0.0, 1)} nats "
-        f"({number(best.threshold, 1)} needed), its size {significant(best.size, 2)} times a "
-        f"typical one.{small}"
+        f"{name} is the closest of {len(diagnosis.ranking)} known effects and would explain "
+        f"{share(best.explained)} of the gap in the balances that it touches.{why}{hint}"
     )
 
 
@@ -134,10 +146,10 @@ def agreement(diagnosis: Diagnosis) -> str:
         return ""
     after = f" and {number(total.after, 1)} with the unnamed laws" if diagnosis.unnamed else ""
     return (
-        f"The gap of {len(diagnosis.heldout_runs)} held-out runs is {number(total.refitted, 1)} "
-        f"with the {compared_model(diagnosis)}{after}, where 1 is the repeatability of the bench. "
-        f"A correct model whose values are as uncertain would have {number(total.floor, 1)} on "
-        "average."
+        f"The gap of {len(diagnosis.heldout_runs)} held-out runs, all balances together, is "
+        f"{number(total.refitted, 1)} with the {compared_model(diagnosis)}{after}, where 1 is the "
+        "repeatability of the bench. A correct model whose values are as uncertain would have "
+        f"{number(total.floor, 1)} on average."
     )
 
 
@@ -164,7 +176,10 @@ def refit_worse_words(diagnosis: Diagnosis) -> str:
     was taken from these same strokes. In other campaigns such a refit is refused.
     """
     words = _worse(diagnosis, "refitted", "before") if of_strokes(diagnosis) else ""
-    reason = "The given level of friction may come from the same strokes, so the refit is kept."
+    reason = (
+        "The refit is kept, since the level of friction in the model file may have been taken from "
+        "these same strokes."
+    )
     return f"{words} {reason}" if words else ""
 
 
@@ -174,7 +189,7 @@ def _worse(
     start: str,
     *,
     model: str = "refitted model",
-    base: str = "given model",
+    base: str = "model as given",
 ) -> str:
     """Return which gaps of held-out runs increase between two steps beyond repeatability."""
     table = diagnosis.gap_heldout
@@ -192,6 +207,9 @@ def _worse(
     ]
     if not parts:
         return ""
+    more = len(parts) - _MOST_WORSE
+    if more > 1:
+        parts = [*parts[:_MOST_WORSE], f"{more} more, which the figures of the gaps show"]
     return f"The {model} is worse than the {base} in the gaps of {listed(parts)}."
 
 
@@ -201,7 +219,7 @@ def deviations(gaps: Sequence[Gap]) -> str:
     for gap in gaps[:_FEW]:
         size = f"{number(gap.gap, 1)} trial scatters"
         if isfinite(gap.deviation):
-            size = "{} RMS (limit {})".format(*deviation_and_limit(gap))
+            size = "{} RMS (matters above {})".format(*deviation_and_limit(gap))
         elif isfinite(gap.scatter):
             size += f" ({in_unit(gap, gap.gap * gap.scatter)})"
         parts.append(f"{in_sentence(gap.name)} deviates by {size}")
@@ -236,52 +254,21 @@ def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
 def significant_gaps(gaps: Sequence[Gap]) -> str:
     """Return the gaps that are significant where no missing effect is found; empty without any."""
     parts = [
-        f"{in_sentence(gap.name)} by {deviation} RMS ({p_equation(gap.p_value)}, limit {limit})"
+        f"{in_sentence(gap.name)} by {deviation} RMS ({p_equation(gap.p_value)}, matters above "
+        f"{limit})"
         for gap in gaps
         if gap.p_value < SIGNIFICANCE and isfinite(gap.deviation)
         for deviation, limit in [deviation_and_limit(gap)]
     ]
-    return f"Significant, but no missing effect by their size: {listed(parts)}." if parts else ""
+    if len(parts) > _FEW:
+        parts = [*parts[:_FEW], f"{len(parts) - _FEW} more, which the table shows"]
+    return f"Significant, but too small for a missing effect: {listed(parts)}." if parts else ""
 
 
 def significance(gaps: Sequence[Gap]) -> str:
     """Return how probable such deviations are with a correct model."""
     parts = [f"{p_words(gap.p_value)} ({balance(gap.name).title})" for gap in gaps[:_FEW]]
     return f"Probability of such a deviation with a correct model, after Holm: {listed(parts)}."
-
-
-def detectable(diagnosis: Diagnosis) -> str:
-    """Return how many effects of a typical size these runs would show, and which ones not."""
-    seen = _detectable(diagnosis)
-    if not seen:
-        return ""
-    unseen = [in_words(name) for name, known in seen.items() if not known]
-    rest = f" They would not show {listed(unseen)}: these can be present." if unseen else ""
-    count = f"{sum(seen.values())} of {len(seen)}"
-    fitted = [in_words(name) for name, why in diagnosis.not_tried.items() if why == FITTED]
-    verb = "is" if len(fitted) == 1 else "are"
-    more = f" {capital(listed(fitted))} {verb} fitted with the model's values." if fitted else ""
-    return f"These runs would show {count} known effects at a typical size.{rest}{more}"
-
-
-def undetectable(diagnosis: Diagnosis) -> str:
-    """Return how many effects of a typical size these runs would not show; empty for none."""
-    seen = _detectable(diagnosis)
-    unseen = len(seen) - sum(seen.values())
-    if not unseen:
-        return ""
-    return f"These runs would not show {unseen} of {len(seen)} known effects at a typical size."
-
-
-def _detectable(diagnosis: Diagnosis) -> dict[str, bool]:
-    """Return each known effect, and whether these runs would show a typical size of it."""
-    if diagnosis.separability is None:
-        return {}
-    seen: dict[str, bool] = {}
-    for size in diagnosis.separability.sizes:
-        seen[size.effect] = seen.get(size.effect, False) or size.detectable
-    unseen = [name for name, why in diagnosis.not_tried.items() if why != FITTED]
-    return {**seen, **dict.fromkeys(unseen, False)}
 
 
 def refit_words(diagnosis: Diagnosis) -> str:

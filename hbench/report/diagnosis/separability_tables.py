@@ -1,11 +1,13 @@
-"""Tables of the effects that some runs detect, and of the pairs that they distinguish."""
+"""Effects that some runs detect, and pairs that they distinguish, in sentences and tables."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite
 
 from hbench.records import Diagnosis, EffectPair, PlannedEffects, Separability, WordTable
-from hbench.report.diagnosis.text import not_tried_lines
+from hbench.records.diagnosis import FITTED
+from hbench.report.diagnosis.names import in_words
 from hbench.report.render.numbers import NONE, number, significant
+from hbench.report.render.symbols import capital, listed
 from hbench.report.render.terminal_table import table_lines
 
 MATRIX_TEXT = (
@@ -115,3 +117,64 @@ def _cell(pair: EffectPair) -> str:
 
 def _with_unit(value: float, unit: str) -> str:
     return f"{significant(value, 2)} {unit}" if isfinite(value) else NONE
+
+
+def detectable(diagnosis: Diagnosis) -> str:
+    """Return how many effects of a typical size these runs would show, and which ones not."""
+    seen = _detectable(diagnosis)
+    if not seen:
+        return ""
+    unseen = [in_words(name) for name, known in seen.items() if not known]
+    rest = f" They would not show {listed(unseen)}: these can be present." if unseen else ""
+    count = f"{sum(seen.values())} of {len(seen)}"
+    fitted = [in_words(name) for name, why in diagnosis.not_tried.items() if why == FITTED]
+    verb = "is" if len(fitted) == 1 else "are"
+    more = f" {capital(listed(fitted))} {verb} fitted with the model's values." if fitted else ""
+    return f"These runs would show {count} known effects at a typical size.{rest}{more}"
+
+
+def undetectable(diagnosis: Diagnosis) -> str:
+    """Return how many effects of a typical size these runs would not show; empty for none."""
+    seen = _detectable(diagnosis)
+    unseen = len(seen) - sum(seen.values())
+    if not unseen:
+        return ""
+    return f"These runs would not show {unseen} of {len(seen)} known effects at a typical size."
+
+
+def _detectable(diagnosis: Diagnosis) -> dict[str, bool]:
+    """Return each known effect, and whether these runs would show a typical size of it."""
+    if diagnosis.separability is None:
+        return {}
+    seen: dict[str, bool] = {}
+    for size in diagnosis.separability.sizes:
+        seen[size.effect] = seen.get(size.effect, False) or size.detectable
+    unseen = [name for name, why in diagnosis.not_tried.items() if why != FITTED]
+    return {**seen, **dict.fromkeys(unseen, False)}
+
+
+def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
+    """Return what each effect is confused with, and the runs that separate the two."""
+    head = ("effect", "runs that separate", "why")
+    return tuple(
+        WordTable(
+            f"What looks like {in_words(effect.name)}",
+            head,
+            tuple((other.name, other.kind, other.why) for other in effect.lookalikes),
+        )
+        for effect in diagnosis.practice
+    )
+
+
+def not_tried_lines(not_tried: Mapping[str, str]) -> list[str]:
+    """Return a line for each reason for which effects were not tried."""
+    every = by_reason(not_tried).items()
+    return [f"not tried ({reason}): {', '.join(names)}" for reason, names in every]
+
+
+def by_reason(not_tried: Mapping[str, str]) -> dict[str, list[str]]:
+    """Return the names of the effects that were not tried, by the reason."""
+    names: dict[str, list[str]] = {}
+    for name, reason in not_tried.items():
+        names.setdefault(reason, []).append(name)
+    return names

@@ -10,25 +10,32 @@ from hbench.records import (
     AddedEffect,
     Diagnosis,
 )
-from hbench.report.diagnosis.action_words import confirmation, first_edge, next_step, separation
-from hbench.report.diagnosis.change_words import along_words, friction_words, main_changes
+from hbench.report.diagnosis.action_words import (
+    confirmation,
+    next_step,
+    separation,
+    zero_check,
+)
+from hbench.report.diagnosis.change_words import (
+    along_words,
+    common_error,
+    friction_words,
+    main_changes,
+)
 from hbench.report.diagnosis.law_words import law_summary
-from hbench.report.diagnosis.names import PARTS, in_sentence, in_words
+from hbench.report.diagnosis.names import in_sentence, in_words
 from hbench.report.diagnosis.place_words import (
     at_point_words,
     change_clauses,
     residual_words,
     where_words,
     worst_places,
-    worst_region,
 )
 from hbench.report.diagnosis.sentences import (
     advice,
     agreement,
     best_candidate,
     closeness,
-    coefficients_words,
-    detectable,
     deviations,
     gap_change,
     increased,
@@ -40,12 +47,13 @@ from hbench.report.diagnosis.sentences import (
     title,
     worse_words,
 )
+from hbench.report.diagnosis.separability_tables import detectable
 from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 
-_FINDING, _SIZE, _ALONG = "Finding", "Size at the working point", "Size over all runs"
-_RESIDUALS, _FRICTION = "Residuals", "What it means for friction"
+_SIZE, _ALONG, _SENSORS = "Size", "Size over all runs", "Several sensors"
+_RESIDUALS, _FRICTION = "Residuals", "Friction"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
 _OWN_EFFECT = (
     "A cause that the catalogue does not contain can be added as an effect of your own "
@@ -86,13 +94,15 @@ def short_summary(diagnosis: Diagnosis) -> str:
 
 def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
     for effect in diagnosis.effects:
-        own = f"{title(effect.name)}: " if len(diagnosis.effects) > 1 else ""
+        own = title(effect.name) if len(diagnosis.effects) > 1 else ""
         for question, sentence in _named(diagnosis, effect):
-            yield (f"{own}{question.lower()}" if own else question), sentence
+            yield _of(own, question), sentence
     if diagnosis.effects or diagnosis.alternatives:
         yield _WORSE, worse_words(diagnosis)
     if diagnosis.alternatives:
-        yield from _ambiguous(diagnosis)
+        own = "Second deviation" if diagnosis.effects else ""
+        for question, sentence in _ambiguous(diagnosis):
+            yield _of(own, question), sentence
     if diagnosis.effects and diagnosis.rest:
         yield _NOT_EXPLAINED, f"With the effects, {deviations(diagnosis.rest)} over all runs."
         yield _NOT_EXPLAINED, increased(diagnosis)
@@ -107,6 +117,11 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         yield from _none(diagnosis)
 
 
+def _of(part: str, question: str) -> str:
+    """Return the question about a part of the finding; of all of it without one."""
+    return f"{part}: {question.lower()}" if part else question
+
+
 def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     practice = {effect.name: effect for effect in diagnosis.practice}
     for effect in diagnosis.effects:
@@ -119,7 +134,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.alternatives:
         yield _ambiguous_sizes(diagnosis, brief=True)
         yield friction_words(diagnosis)
-        yield from separation(diagnosis)
+        yield from zero_check(diagnosis) or separation(diagnosis)
     elif not diagnosis.effects:
         if diagnosis.verdict == "unknown" and not diagnosis.where:
             yield from (sentence for _, sentence in _insufficient(diagnosis))
@@ -139,23 +154,13 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
 
 def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    kind = "error of the measurement" if effect.of_sensor else "effect of the bench"
-    is_what = f"is an {kind} that the model does not contain"
-    if not effect.confirmed:
-        is_what = f"is a possible {kind}, which held-out runs do not confirm"
-    yield (
-        _FINDING,
-        f"{title(effect.name)} {is_what}: {effect.description}. "
-        f"Coefficients with their 95 % intervals: {coefficients_words(effect)}.",
-    )
     if practice:
-        yield _FINDING, _condition(effect)
+        yield _SIZE, _condition(effect)
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
         if along := along_words(practice):
             yield _ALONG, f"Over all runs it changes {along}."
-    yield _EVIDENCE, gap_change(effect)
-    yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
-    yield _EVIDENCE, odds_words(effect)
+        yield _SENSORS, common_error(practice)
+    yield _EVIDENCE, odds_words(effect) if effect.confirmed else _NO_GAIN
     yield _ACTION, _what_to_do(diagnosis, effect)
 
 
@@ -166,21 +171,23 @@ def _condition(effect: AddedEffect) -> str:
 
 def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """Return what to inspect and repair, or how to confirm the effect first."""
-    if not effect.confirmed:
-        return confirmation(diagnosis, [effect])
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    return advice(practice) if practice else ""
+    then = advice(practice) if practice else ""
+    if effect.confirmed:
+        return then
+    first = confirmation(diagnosis, [effect])
+    return f"{first} If they confirm it: {then[:1].lower()}{then[1:]}" if then else first
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
-    names = " or ".join(in_words(candidate.name) for candidate in diagnosis.alternatives)
-    if diagnosis.effects:
-        words = f"The model also does not contain {names}; these runs cannot show which it is."
-        yield "Further finding", words
     yield _SIZE, _ambiguous_sizes(diagnosis)
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    for candidate in diagnosis.alternatives:
+        if candidate.name in practice:
+            yield _SENSORS, common_error(practice[candidate.name])
     yield _FRICTION, friction_words(diagnosis)
     yield _EVIDENCE, closeness(diagnosis.alternatives)
-    for sentence in separation(diagnosis):
+    for sentence in zero_check(diagnosis) or separation(diagnosis):
         yield _ACTION, sentence
 
 
@@ -202,18 +209,11 @@ def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
     yield _UNNAMED, law_summary(diagnosis.unnamed)
-    yield _RESIDUALS, worst_region(diagnosis, gaps[0].name)
     yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
     yield _EVIDENCE, significance(gaps)
     yield _EVIDENCE, agreement(diagnosis)
     yield _WORSE, worse_words(diagnosis)
-    yield _CLOSEST, diagnosis.why
-    if diagnosis.ranking and diagnosis.ranking[0].name not in diagnosis.why:
-        yield _CLOSEST, best_candidate(diagnosis)
-    if gaps[0].name in PARTS:
-        name = capital(in_sentence(gaps[0].name))
-        yield _ACTION, f"{name} depends on {PARTS[gaps[0].name]}: inspect these."
-        yield _ACTION, first_edge(diagnosis, gaps[0].name)
+    yield _CLOSEST, best_candidate(diagnosis)
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
@@ -227,7 +227,7 @@ def _narrowing(diagnosis: Diagnosis, name: str) -> str:
     if diagnosis.missing:
         return diagnosis.missing[0]
     places = worst_places(diagnosis, name)
-    where = f" where the gap is largest ({places})" if places else ""
+    where = f" where its gap is largest ({places[0].words})" if places else ""
     return f"more steady runs{where}, and vary speed, load and pressure one at a time"
 
 

@@ -33,6 +33,7 @@ from hbench.report.diagnosis.names import (
 from hbench.report.diagnosis.place_words import edge_gaps
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.sentences import deviations, effect_words
+from hbench.report.diagnosis.separability_tables import not_tried_lines
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short
 from hbench.report.render.symbols import listed
@@ -276,20 +277,6 @@ def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
         lines.append(f"runs left out: {len(diagnosis.left_out)}")
         lines += [f"  {line}" for line in diagnosis.left_out]
     return tuple(lines)
-
-
-def not_tried_lines(not_tried: Mapping[str, str]) -> list[str]:
-    """Return a line for each reason for which effects were not tried."""
-    every = by_reason(not_tried).items()
-    return [f"not tried ({reason}): {', '.join(names)}" for reason, names in every]
-
-
-def by_reason(not_tried: Mapping[str, str]) -> dict[str, list[str]]:
-    """Return the names of the effects that were not tried, by the reason."""
-    names: dict[str, list[str]] = {}
-    for name, reason in not_tried.items():
-        names.setdefault(reason, []).append(name)
-    return names
 
 
 def _ranked(candidates: tuple[Candidate, ...]) -> Rows:

@@ -9,7 +9,12 @@ from collections.abc import Iterator, Sequence
 from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.action_words import next_step
-from hbench.report.diagnosis.change_words import friction_words, largest_words, wrong_readings
+from hbench.report.diagnosis.change_words import (
+    friction_words,
+    largest_words,
+    sizes_words,
+    wrong_readings,
+)
 from hbench.report.diagnosis.names import (
     deviation_and_limit,
     in_sentence,
@@ -25,11 +30,11 @@ from hbench.report.diagnosis.sentences import (
     increased,
     largest_deviation,
     odds_words,
-    refit_worse_words,
-    undetectable,
 )
+from hbench.report.diagnosis.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number
+from hbench.report.render.symbols import capital
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:
@@ -41,12 +46,13 @@ def verdict_words(diagnosis: Diagnosis) -> str:
 def _named(diagnosis: Diagnosis) -> Iterator[str]:
     for effect in diagnosis.effects:
         yield _effect(diagnosis, effect)
-    yield refit_worse_words(diagnosis)
     if diagnosis.alternatives:
-        names = " or ".join(in_words(candidate.name) for candidate in diagnosis.alternatives)
-        yield f"The runs also show {names}, and cannot distinguish these."
+        yield (
+            "A second deviation has several possible causes, which these runs cannot distinguish; "
+            f"at the working point: {sizes_words(diagnosis)}."
+        )
     if diagnosis.rest:
-        runs = " in all runs, with the fit to all" if of_strokes(diagnosis) else ""
+        runs = " even with the values fitted to all loads" if of_strokes(diagnosis) else ""
         yield f"Not explained: {deviations(diagnosis.rest)}{runs}."
         yield increased(diagnosis)
     yield next_step(diagnosis)
@@ -56,25 +62,30 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State an effect, its largest changes, and what it does to held-out runs."""
     name = in_words(effect.name)
     sure = effect.confirmed
-    missing = f"The model {'does' if sure else 'may'} not contain {name}"
+    missing = f"The model does not contain {name}"
     if effect.of_sensor:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
-    finding = f"{missing}: {effect.description}."
+    elif not sure:
+        missing = f"{capital(name)} may be missing in the model"
+    finding = f"{missing}: {effect.description} ({coefficients_words(effect)}; 95 % intervals)."
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     changes = largest_words(practice) if practice else ""
     verb = "changes" if sure else "would change"
-    size = f"It {verb} {changes}." if changes else f"Found: {coefficients_words(effect)}."
+    size = f"It {verb} {changes}." if changes else ""
     evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
-    return f"{finding} {size} {evidence}"
+    return " ".join(filter(None, (finding, size, evidence)))
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
-    runs = "in runs that were not used for the fit"
+    runs, gaps = "in runs that were not used for the fit", diagnosis.gap_heldout.balances.values()
     if of_strokes(diagnosis):
         runs = "when each load is predicted from the other loads"
+        given = [gap.before for gap in gaps if gap.refitted == effect.gap_before]
+        if given and given[0] < effect.gap_before:
+            runs += f" (model as given: {number(given[0], 1)})"
     return (
-        "With it, the model's deviation in these quantities falls from "
+        "With it, the model's deviation in the quantities that it touches falls from "
         f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)} times the repeatability "
         f"of the bench, {runs}."
     )
@@ -82,7 +93,7 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 
 def _no_improvement(effect: AddedEffect) -> str:
     """State the odds of an effect in the runs of the fit, and that held-out runs differ."""
-    return f"{odds_words(effect)} {gap_change(effect)}"
+    return f"The evidence is contradictory. {odds_words(effect)} {gap_change(effect)}"
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
@@ -116,7 +127,7 @@ def _largest(gaps: Sequence[Gap]) -> str:
     deviation, limit = deviation_and_limit(largest)
     return (
         f"The largest deviation that remains, {in_sentence(largest.name)} by {deviation} RMS "
-        f"(limit {limit}), {why}."
+        f"(matters above {limit}), {why}."
     )
 
 

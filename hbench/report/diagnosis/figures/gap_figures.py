@@ -110,15 +110,19 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
     norm = LogNorm(1, float(np.nanmax([_LEAST_SCALE, *every])))
     axes_names = list(dict.fromkeys(region.axis for region in diagnosis.regions))
     count = [sum(region.axis == name for region in diagnosis.regions) for name in axes_names]
-    figure = style.new_figure(height_in=(1.5 + 0.34 * len(names)) * len(sides), wide=True)
+    height_in = 1.0 + (0.4 + 0.3 * len(names)) * len(sides)
+    figure = style.new_figure(height_in=height_in, wide=True)
     panels = figure.subplots(
-        len(sides), len(axes_names), sharey=True, width_ratios=count, squeeze=False
+        len(sides), len(axes_names), sharex="col", sharey=True, width_ratios=count, squeeze=False
     )
     for row, (title, side) in zip(panels, sides.items(), strict=True):
         for axes, name in zip(row, axes_names, strict=True):
             group = [region for region in side if region.axis == name]
             image = _region_cells(axes, group, names, norm)
         style.head(row[0], capital(title), diagnosis, row[-1])
+    for axes, name in zip(panels[-1], axes_names, strict=True):
+        axis = AXES[name]
+        axes.set_xlabel(f"{axis.title} ({axis.unit})" if axis.unit else axis.title)
     _rows(panels[0, 0], [balance(name).title for name in names])
     panels[0, 0].set_ylim(len(names) - 0.5, -0.5)
     figure.colorbar(
@@ -145,8 +149,6 @@ def _region_cells(
             fontsize=9,
         )
     axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
-    axis = AXES[group[0].axis]
-    axes.set_xlabel(f"{axis.title} ({axis.unit})" if axis.unit else axis.title)
     axes.grid(visible=False)
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
