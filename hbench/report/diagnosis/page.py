@@ -177,8 +177,9 @@ def _refitted_words(diagnosis: Diagnosis) -> str:
 
 def _effects_in_words(diagnosis: Diagnosis, note: str) -> str:
     """Return a note with its effects in words; keys of files, as of an import map, are kept."""
-    candidates = (*diagnosis.ranking, *diagnosis.alternatives, *diagnosis.effects)
-    for name in {each.name for each in candidates}:
+    names = [each.name for each in (*diagnosis.ranking, *diagnosis.alternatives)]
+    names += [each.name for each in diagnosis.effects]
+    for name in dict.fromkeys(names):
         note = note.replace(name, in_words(name))
     return _sentence(note)
 
