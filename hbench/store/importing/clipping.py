@@ -3,8 +3,8 @@
 A clipped channel stays at exactly its highest or lowest value for three samples or more while
 other channels change, and longer than at any value between. An unclipped channel with little noise
 and coarse resolution does the same, at a peak or when settled. Clipping is therefore reported only
-where the noise from sample to sample is above the resolution, in the log and next to these samples:
-a lively stroke may settle quietly at its end.
+where the noise from sample to sample, just before and after, is above the resolution: a run is
+noisier while it moves or oscillates than when it has settled.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ import numpy as np
 
 LEAST_SAMPLES = 3  # consecutive
 _LEAST_NOISE = 1.5  # in units of the resolution
-_NEAR = 20  # samples on either side
+_NEAR = 30  # samples before and after, which the noise is of
 
 
 def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarray:
@@ -29,17 +29,17 @@ def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarra
         return none
     resolution = steps[steps > 1e-9 * np.ptp(known)].min()
     inside = known[(known > known.min()) & (known < known.max())]
-    if _noise(inside) <= _LEAST_NOISE * resolution:
-        return none
-    least = max(LEAST_SAMPLES, _longest(np.diff(inside) == 0)[1] + 2)
+    least = max(LEAST_SAMPLES, _longest(np.diff(inside) == 0) + 2)
+    within = np.isfinite(values) & (values > known.min()) & (values < known.max())
     clipped = none
     for limit in (known.max(), known.min()):
         at_limit = values == limit
-        start, length = _longest(at_limit[1:] & at_limit[:-1] & others_change[1:])
-        near = slice(max(start - _NEAR, 0), start + length + 1 + _NEAR)
-        beside = values[near][~at_limit[near]]
-        lively = _noise(beside) > _LEAST_NOISE * resolution or len(beside) < LEAST_SAMPLES
-        if length + 1 >= least and lively:
+        held = at_limit[1:] & at_limit[:-1] & others_change[1:]
+        if any(
+            stop - start + 1 >= least
+            and _noise_near(values, within, start, stop + 1) > _LEAST_NOISE * resolution
+            for start, stop in _stretches(held)
+        ):
             clipped = clipped | at_limit
     return clipped
 
@@ -62,17 +62,24 @@ def clipped_samples(sensed: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {name: samples for name, samples in clipped.items() if samples.any()}
 
 
-def _longest(held: np.ndarray) -> tuple[int, int]:
-    """Return the first index and the length of the longest run of True."""
+def _stretches(held: np.ndarray) -> np.ndarray:
+    """Return start and end (m, 2) of each run of True in ``held`` (n,); the end is excluded."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], held.astype(int), [0]))))
-    lengths = edges[1::2] - edges[::2]
-    if not len(lengths):
-        return 0, 0
-    longest = int(np.argmax(lengths))
-    return int(edges[2 * longest]), int(lengths[longest])
+    return edges.reshape(-1, 2)
 
 
-def _noise(values: np.ndarray) -> float:
-    """Return the standard deviation of white noise on a smooth signal, by second differences."""
-    bends = np.abs(np.diff(values, 2))
-    return float(np.median(bends) / (0.6745 * np.sqrt(6))) if len(bends) else 0.0
+def _longest(held: np.ndarray) -> int:
+    """Return the length of the longest run of True."""
+    return int(np.diff(_stretches(held)).max(initial=0))
+
+
+def _noise_near(values: np.ndarray, within: np.ndarray, start: int, stop: int) -> float:
+    """Return the noise of the samples ``within`` the limits next to those of start to stop."""
+    before = values[:start][within[:start]][-_NEAR:]
+    after = values[stop:][within[stop:]][:_NEAR]
+    return _noise(np.concatenate([np.diff(before, 2), np.diff(after, 2)]))
+
+
+def _noise(bends: np.ndarray) -> float:
+    """Return the standard deviation of white noise on a smooth signal from second differences."""
+    return float(np.median(np.abs(bends)) / (0.6745 * np.sqrt(6))) if len(bends) else 0.0
