@@ -8,11 +8,14 @@ from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
 from hbench.reconcile.search import SearchResult
 from hbench.records import KINDS, Candidate, Gap, Run, RunPlan, Verdict
+from hbench.records.diagnosis import UNEXPLAINED_GAP
 
-UNEXPLAINED_GAP = 2.0  # trial scatters
 _SIGNIFICANCE = 0.1  # p
 FEWEST_POINTS = 8  # operating points
-NO_RESIDUALS = "No balance has residuals that are significant and large enough to matter."
+NO_RESIDUALS = (
+    "No balance has residuals that are significant, large enough to matter and more than "
+    f"{UNEXPLAINED_GAP:g} trial scatters."
+)
 MISSING: Mapping[str, str] = {
     "speeds": "three or more speeds, to separate effects that grow with speed from the others",
     "loads": "a second load, to separate effects of load and pressure from offsets",

@@ -89,6 +89,7 @@ class RunGap:
     gap: GapTable
 
 
+UNEXPLAINED_GAP = 2.0  # trial scatters; a smaller one is no reason to look for a missing effect
 LEAST_EXPLAINED = 0.25  # share of the excess gap that an effect must explain to be named
 LEAST_SIZE = 0.25  # of its typical size that it must have
 

@@ -253,8 +253,8 @@ def test_a_narrow_region_has_bounds_of_more_digits_and_a_single_value_is_one_num
     regions = tuple(
         Region("load_n", "", low, high, 9, dict(named.regions[0].gaps)) for low, high in ends
     )
-    shown = replace(named, regions=regions, regions_after=regions)
-    labels = region_figure(shown).axes[1].get_xticklabels()  # of the lower panel
+    both = replace(named, regions=regions, regions_after=regions)
+    labels = region_figure(both).axes[1].get_xticklabels()  # of the lower table, for both
     texts = [label.get_text() for label in labels]
     assert texts == [*list(ends.values())[:2], "−0.5\nto\n0.6"]
 

@@ -436,10 +436,7 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "It is not named: its size of 0.22 times a typical one is too small" in text
     assert "Take it as a hint" in text and "chance" not in text
     assert "The gap of 2 held-out runs, all balances together, is 9.5" in text
-    assert (
-        "measure more steady runs where its gap is largest (while retracting), and vary speed"
-        in text
-    )
+    assert "more steady runs where its gap is largest, by direction while retracting, and" in text
 
 
 def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unnamed(compared):

@@ -97,7 +97,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         evidence = (shape, where, gap, overlay, effects)
     else:
         evidence = (gap, overlay, effects, where, shape)
-    sections = (unnamed, *evidence, which, refitted)
+    sections = (unnamed, *evidence, refitted, which)
     return document(
         f"Model {diagnosis.model} against campaign {provenance.name}",
         f"{provenance.source.capitalize()}, {provenance.started[:10]}; bench {provenance.bench}.",
@@ -178,8 +178,7 @@ def _refitted_words(diagnosis: Diagnosis) -> str:
 def _effects_in_words(diagnosis: Diagnosis, note: str) -> str:
     """Return a note with its effects in words; keys of files, as of an import map, are kept."""
     names = [each.name for each in (*diagnosis.ranking, *diagnosis.alternatives)]
-    names += [each.name for each in diagnosis.effects]
-    for name in dict.fromkeys(names):
+    for name in dict.fromkeys((*names, *(effect.name for effect in diagnosis.effects))):
         note = note.replace(name, in_words(name))
     return _sentence(note)
 

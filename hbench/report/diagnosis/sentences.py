@@ -37,18 +37,23 @@ _CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
 _MOST_WORSE = 3  # gaps of a sentence that become larger
 
 
-def gap_change(effect: AddedEffect) -> str:
+def gap_change(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """Return how an effect changes the gap of held-out runs, also where it does not reduce it."""
     before, after, where = effect.gap_before, effect.gap_after, "in the balances that it touches"
     if effect.confirmed:
         return (
             f"It reduces the gap of held-out runs {where} from {number(before, 1)} to "
-            f"{number(after, 1)}, where 1 is the repeatability of the bench."
+            f"{number(after, 1)}{with_laws(diagnosis)}, where 1 is the repeatability of the bench."
         )
     return (
         f"It does not reduce the gap of held-out runs {where}: {number(before, 2)} without it and "
         f"{number(after, 2)} with it, where 1 is the repeatability of the bench."
     )
+
+
+def with_laws(diagnosis: Diagnosis) -> str:
+    """Return that the gaps of the final model have unnamed laws in them; empty without any."""
+    return " (together with the unnamed laws)" if diagnosis.unnamed else ""
 
 
 def effect_words(effect: AddedEffect) -> str:
@@ -149,7 +154,19 @@ def agreement(diagnosis: Diagnosis) -> str:
         f"The gap of {len(diagnosis.heldout_runs)} held-out runs, all balances together, is "
         f"{number(total.refitted, 1)} with the {compared_model(diagnosis)}{after}, where 1 is the "
         "repeatability of the bench. A correct model whose values are as uncertain would have "
-        f"{number(total.floor, 1)} on average."
+        f"{number(total.floor, 1)} on average.{_worst_heldout(diagnosis)}"
+    )
+
+
+def _worst_heldout(diagnosis: Diagnosis) -> str:
+    """Return the held-out gap of the first balance that no effect explains; empty without any."""
+    name = diagnosis.rest[0].name if diagnosis.rest else ""
+    gap = diagnosis.gap_heldout.balances.get(name)
+    if gap is None:
+        return ""
+    return (
+        f" In these runs {in_sentence(name)} alone has {number(gap.refitted, 1)}, and would have "
+        f"{number(gap.floor, 1)}; in all runs it has {number(diagnosis.rest[0].gap, 1)}."
     )
 
 

@@ -128,7 +128,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         if effect.name in practice:
             yield _condition(effect)
             yield at_point_words(diagnosis.working_point, practice[effect.name], brief=True)
-        yield gap_change(effect)
+        yield gap_change(diagnosis, effect)
         yield odds_words(effect)
         yield _what_to_do(diagnosis, effect)
     if diagnosis.alternatives:
@@ -227,8 +227,11 @@ def _narrowing(diagnosis: Diagnosis, name: str) -> str:
     if diagnosis.missing:
         return diagnosis.missing[0]
     places = worst_places(diagnosis, name)
-    where = f" where its gap is largest ({places[0].words})" if places else ""
-    return f"more steady runs{where}, and vary speed, load and pressure one at a time"
+    set_by_run = [place for place in places if place.axis != "time in the run"]
+    where = "".join(
+        f" where its gap is largest, by {place.axis} {place.words}," for place in set_by_run[:1]
+    )
+    return f"more steady runs{where} and vary speed, load and pressure one at a time"
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:

@@ -110,7 +110,21 @@ def gap_line(diagnosis: Diagnosis) -> str:
     remark = " The refit increases it." if worse else ""
     return (
         f"Gap of held-out runs, all balances: {steps}.{remark} A correct model whose values are as "
-        f"uncertain would have {number(total.floor, 1)} on average."
+        f"uncertain would have {number(total.floor, 1)} on average.{_undecided(diagnosis)}"
+    )
+
+
+def _undecided(diagnosis: Diagnosis) -> str:
+    """Return which balance most of the gap is in that stays with its causes undecided."""
+    if not (diagnosis.effects and diagnosis.alternatives):
+        return ""
+    balances = diagnosis.gap_heldout.balances
+    worst = max(balances, key=lambda name: balances[name].after)
+    if balances[worst].after < diagnosis.gap_heldout.total.after:
+        return ""
+    return (
+        f" Most of the last gap is in {in_sentence(worst)}: of its possible causes, which these "
+        "runs cannot distinguish, none is added to the model."
     )
 
 

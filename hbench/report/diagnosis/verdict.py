@@ -7,6 +7,7 @@ in the tables.
 from collections.abc import Iterator, Sequence
 
 from hbench.records import AddedEffect, Diagnosis, Gap
+from hbench.records.diagnosis import UNEXPLAINED_GAP
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.action_words import next_step
 from hbench.report.diagnosis.change_words import (
@@ -30,6 +31,7 @@ from hbench.report.diagnosis.sentences import (
     increased,
     largest_deviation,
     odds_words,
+    with_laws,
 )
 from hbench.report.diagnosis.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
@@ -72,7 +74,7 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     changes = largest_words(practice) if practice else ""
     verb = "changes" if sure else "would change"
     size = f"It {verb} {changes}." if changes else ""
-    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
+    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(diagnosis, effect)
     return " ".join(filter(None, (finding, size, evidence)))
 
 
@@ -87,13 +89,13 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     return (
         "With it, the model's deviation in the quantities that it touches falls from "
         f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)} times the repeatability "
-        f"of the bench, {runs}."
+        f"of the bench{with_laws(diagnosis)}, {runs}."
     )
 
 
-def _no_improvement(effect: AddedEffect) -> str:
+def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State the odds of an effect in the runs of the fit, and that held-out runs differ."""
-    return f"The evidence is contradictory. {odds_words(effect)} {gap_change(effect)}"
+    return f"The evidence is contradictory. {odds_words(effect)} {gap_change(diagnosis, effect)}"
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
@@ -123,7 +125,10 @@ def _largest(gaps: Sequence[Gap]) -> str:
     if largest.deviation <= largest.material:
         why = "does not matter"
     elif largest.p_value < SIGNIFICANCE:
-        why = f"is {number(largest.gap, 1)} trial scatters, too few for a missing effect"
+        why = (
+            f"is {number(largest.gap, 2)} trial scatters, and only more than "
+            f"{number(UNEXPLAINED_GAP, 0)} point to a missing effect"
+        )
     deviation, limit = deviation_and_limit(largest)
     return (
         f"The largest deviation that remains, {in_sentence(largest.name)} by {deviation} RMS "
