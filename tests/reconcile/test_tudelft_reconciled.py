@@ -78,7 +78,7 @@ def test_the_mean_offset_is_ambiguous_between_a_gain_an_area_and_an_asymmetry(se
 def test_the_diagnosis_is_written_as_for_any_campaign(seal, tmp_path, undrawn):
     _, found = seal
     write_diagnosis(tmp_path, found)
-    assert "seal_pressure_friction" in (tmp_path / "report.html").read_text()
+    assert "seal pressure friction" in (tmp_path / "report.html").read_text()
     written = stroke_sections(read_yaml(tmp_path / "model.yaml"))
     coefficient = parse_strokes(written, "model").effects["seal_pressure_friction"]["test_piston"]
     value = found.effects[0].parameters["test_piston"].value

@@ -147,7 +147,15 @@ def test_odds_are_those_of_the_held_out_likelihood_and_not_overdone(named):
         text = summary(replace(named, effects=(added("internal_leakage", nats),)))
         assert f"by odds of {says}." in text
     alone = summary(replace(named, effects=(added("internal_leakage", None),)))
-    assert "No other effect of the catalogue explains these residuals." in alone
+    assert "No other effect of the catalogue that is possible here explains these" in alone
+
+
+def test_a_candidate_that_other_data_rule_out_has_the_reason_with_the_evidence(named):
+    """Its bar in the figure of the candidates may be as long as that of the named effect."""
+    ruled_out = replace(named, not_tried={"load_friction": "it differs between the series"})
+    words = "Load friction would explain 80 % of the gap too, but is ruled out: it differs between"
+    assert words in summary(ruled_out)
+    assert "ruled out" not in summary(replace(named, not_tried={}))
 
 
 def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_such(named):

@@ -78,7 +78,7 @@ def odds_words(effect: AddedEffect) -> str:
     """
     rival = effect.runner_up
     if rival is None or not isfinite(rival.margin):
-        words = "no other effect of the catalogue explains these residuals"
+        words = "no other effect of the catalogue that is possible here explains these residuals"
     else:
         words = (
             "the cross-validation favours it over the next best explanation, "
@@ -87,6 +87,16 @@ def odds_words(effect: AddedEffect) -> str:
     if effect.confirmed:
         return f"{capital(words)}."
     return f"In the runs of the fit, {words}; held-out runs do not confirm it."
+
+
+def ruled_out_words(diagnosis: Diagnosis) -> str:
+    """Return which candidates explain enough and are ruled out by other data; empty for none."""
+    return " ".join(
+        f"{title(each.name)} would explain {share(each.explained)} of the gap too, but is ruled "
+        f"out: {diagnosis.not_tried[each.name]}."
+        for each in diagnosis.ranking
+        if each.name in diagnosis.not_tried and each.score > each.threshold
+    )
 
 
 def closeness(candidates: Sequence[Candidate]) -> str:

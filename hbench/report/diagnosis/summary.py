@@ -42,6 +42,7 @@ from hbench.report.diagnosis.sentences import (
     largest_deviation,
     odds_words,
     refit_words,
+    ruled_out_words,
     significance,
     significant_gaps,
     title,
@@ -161,6 +162,7 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
             yield _ALONG, f"Over all runs it changes {along}."
         yield _SENSORS, common_error(practice)
     yield _EVIDENCE, odds_words(effect) if effect.confirmed else _NO_GAIN
+    yield _EVIDENCE, ruled_out_words(diagnosis)
     yield _ACTION, _what_to_do(diagnosis, effect)
 
 
