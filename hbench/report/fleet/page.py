@@ -201,8 +201,9 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
         for (_, count), kind, group in zip(fleet.protocols, kinds, groups, strict=True)
     )
     title = "Kinds of campaigns" if len(rows) > 1 else "Kind of campaign"
-    if any(_AT.search(protocol) for protocol, _ in fleet.protocols):
-        title += ": loads at rod-side pressures of the load cylinder"
+    pressures = any(_AT.search(protocol) for protocol, _ in fleet.protocols)
+    loads = "; loads at rod-side pressures of the load cylinder" if pressures else ""
+    title += f" (size: areas of piston and rod side{loads})"
     head = ("Campaigns", *map(capital, given), "Group")
     return (Table(head, rows, frozenset(head[1:]), title=title),) if rows else ()
 
