@@ -1,6 +1,6 @@
 """Results of ``design`` for the controllers of a bench. All quantities are SI."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -97,6 +97,7 @@ class Proposal:
     margins: tuple[Check, ...]
     closed_loop: tuple[Check, ...]  # the firmware against the nonlinear bench and its variants
     loops: tuple[ControlLoop, ...] = ()  # with these gains, at the design's operating point
+    other_ratios: dict[float, bool] = field(default_factory=dict)  # tried: whether all checks hold
 
     @property
     def holds(self) -> bool:

@@ -19,6 +19,8 @@ class Difference:
     p_value: float | None  # of no difference, by the trials alone
     p_holm: float | None = None  # corrected for the number of differences of its kind
     untested: str = ""  # why there is no p value
+    u95_a: float | None = None  # expanded uncertainty of a by itself; None where it is not known
+    u95_b: float | None = None  # the same of b
 
     @property
     def value(self) -> float:

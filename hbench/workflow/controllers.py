@@ -9,7 +9,7 @@ from hbench.config.bench import parse_bench
 from hbench.config.files.edited_yaml import with_values
 from hbench.config.files.loading import read_text, read_yaml
 from hbench.config.files.yaml_text import parse_yaml
-from hbench.errors import ConfigError
+from hbench.errors import ConfigError, ConvergenceError
 from hbench.experiment.progress import Progress
 from hbench.model.build import plant_parameters
 from hbench.records import Design
@@ -18,6 +18,8 @@ from hbench.report.design.page import design_page
 from hbench.report.design.text import design_json, gains_yaml
 from hbench.report.render.figures import figure_files
 from hbench.store.files.atomic import write_atomic, write_files
+
+RATIOS = (1.7, 1.3, 2.3)  # of neighbouring bandwidths, in the order in which they are tried
 
 
 def design(
@@ -33,7 +35,8 @@ def design(
     ``point`` may contain v_m_s, f_load_n, x_m and p_lr_pa; missing values are the middle of the
     bench's range. With ``source`` the source's numbers are compared; without a ``point``, its
     operating point is taken. ``ratio`` is that of neighbouring bandwidths; with it, gains are
-    proposed and checked with the firmware. Raises ``ConfigError``, ``ConvergenceError``.
+    proposed and checked with the firmware. If they fail, ``RATIOS`` are tried until one passes.
+    Raises ``ConfigError``, ``ConvergenceError``.
     """
     from hbench.control.grid import operating_point, point_checks  # slow import: scipy.signal
     from hbench.control.loops import design_at
@@ -57,6 +60,14 @@ def design(
     if ratio is None:
         return present
     proposed = proposal(bench, ratio, nominal, report)
+    others: dict[float, bool] = {}
+    for other in RATIOS if not proposed.holds else ():
+        if other != ratio and not any(others.values()):
+            try:
+                others[other] = proposal(bench, other, nominal, report).holds
+            except ConvergenceError:
+                others[other] = False
+    proposed = replace(proposed, other_ratios=others)
     proposed = replace(proposed, loops=analyzed(list(proposed.gains.values())).loops)
     return replace(present, proposal=proposed)
 
@@ -69,7 +80,7 @@ def write_gains(bench_file: Path, design: Design) -> None:
     if design.proposal is None or not design.proposal.holds:
         raise ConfigError(
             f"{bench_file}: unchanged, since the proposal fails a check",
-            "See the checks that fail in the table; another --ratio may pass.",
+            "See the checks that fail in the table, and the verdict for another --ratio.",
         )
     gains = parse_yaml(gains_yaml(design.proposal))["controllers"]
 

@@ -73,6 +73,29 @@ def compared(a, b, same=True, known=(INSTRUMENTS, INSTRUMENTS)):
     return campaign_differences(a, b, known, same)
 
 
+def test_each_number_has_its_own_uncertainty_of_trials_and_instruments(campaign):
+    def expanded(trials, n, parts):
+        """Welch and Satterthwaite with instruments of infinite degrees of freedom."""
+        u = np.hypot(trials, np.linalg.norm(list(parts.values())))
+        return u * stats.t.ppf(0.975, u**4 / (trials**4 / (n - 1)))
+
+    a, b = campaign(1), campaign(2, 1.05)
+    (found,), _ = compared(a, b)
+    for point, *both in zip(found.points, a.curves[0].points, b.curves[0].points, strict=True):
+        ours = point.friction_n.u95_a, point.friction_n.u95_b
+        for u95, own in zip(ours, both, strict=True):
+            assert u95 == pytest.approx(expanded(stats.sem(own.trials_n), own.n, own.parts_n))
+    one = SPEEDS[2:3]
+    a, b = campaign(1, speeds=one), campaign(2, 1.05, speeds=one)
+    (found,), _ = compared(a, b)
+    for u95, own in ((found.efficiency.u95_a, a), (found.efficiency.u95_b, b)):
+        eta = own.efficiency[0].points[0]
+        n = own.curves[0].points[0].n
+        assert u95 == pytest.approx(expanded(eta.sigma_trials, n, eta.parts))
+    (unknown,), _ = compared(a, b, known=(INSTRUMENTS, None))
+    assert unknown.mean_n.u95_a is None
+
+
 def test_a_point_is_compared_as_scipys_welch_test_does(campaign):
     a, b = campaign(1), campaign(2, 1.05)
     (found,), notes = compared(a, b)

@@ -98,6 +98,16 @@ def test_poor_data_and_unknown_forms_are_refused(file, tmp_path):
         workflow.certify(SAMPLE, file, tmp_path / "c.docx")
 
 
+def test_a_name_that_nothing_in_campaign_and_limits_has_is_refused_with_the_known_ones(
+    file, tmp_path
+):
+    content = FILE | STATED | {"names": {"P-1": "Muster", "no laod": "ohne Last"}}
+    file.write_text(yaml.safe_dump(content, allow_unicode=True))
+    with pytest.raises(ConfigError, match="'no laod' is no series") as refused:
+        workflow.certify(SAMPLE, file, tmp_path / "c.html")
+    assert "'P-1'" in refused.value.hint
+
+
 def test_the_example_file_is_valid_and_its_keys_are_known():
     text = (ROOT / "configs" / "certificate.yaml").read_text()
     with_comments = "\n".join(

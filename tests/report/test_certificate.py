@@ -224,6 +224,27 @@ def test_both_languages_have_the_same_words_and_fields():
     assert {key for key in english if english[key] == german[key]} == {"name", "k"}
 
 
+def test_names_of_files_are_printed_as_the_certificate_file_has_them(certificate):
+    measured = Measurement(1.0, 0.1, label="no load", v_m_s=0.02)
+    made = certificate(language="de")
+    requirement = Requirement("friction", "N", None, 9.0, name="no-load friction")
+    check = ConformityCheck(requirement, measured, 1.0, "PASS")
+    acceptance = replace(made.acceptance, checks=(check,), product="demo cylinder")
+    made = replace(made, acceptance=acceptance, values=(Certified("friction", measured, 2.0),))
+    names = {
+        "no load": "ohne Last",
+        "no-load friction": "Reibung ohne Last",
+        "demo cylinder": "Musterzylinder",
+        made.results.provenance.name: "Stribeck-Kurven",
+    }
+    named = replace(made, file=made.file.model_copy(update={"names": names}))
+    for text in (page_text(named), pdf_text(named)):
+        assert all(printed in text for printed in names.values())
+        assert not [name for name in names if re.search(rf"\b{re.escape(name)}\b", text)]
+        assert "wie in ihren Dateien" not in text
+    assert "wie in ihren Dateien" in page_text(made)
+
+
 def test_german_results_have_decimal_commas(certificate):
     shown = content(certificate(language="de"))
     cells = {c for p in shown.parts.values() for t in p.tables for row in t.rows for c in row}

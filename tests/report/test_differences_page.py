@@ -137,10 +137,11 @@ def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_set
     assert settings_that_differ(changed) == ()
     page = ordinary_spaces(differences_page(changed, ()))
     identity = page[page.index('<dl class="identity"') : page.index("</dl>")]
-    assert f"A: plant file {12 * 'a'}; B: plant file {12 * 'b'}." in identity
+    assert "simulated with different plant files, which represent two cylinders" in identity
     assert "Simulated plants" not in differences_page(replace(changed, b=a), ())
     own = replace(changed, b=replace(b, details={"port": "sim"}))
-    assert "B: the bench file" in ordinary_spaces(differences_page(own, ()))
+    text = ordinary_spaces(differences_text(own))
+    assert "A was simulated with a plant file, B with the bench file's plant." in text
 
 
 def test_the_verdict_states_the_largest_drift_that_speed_hides(found):

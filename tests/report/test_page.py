@@ -226,6 +226,60 @@ def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small)
     assert steps[0] == "" and steps[1].startswith("Make more trials of each point")
 
 
+def test_the_next_step_of_poor_data_is_that_of_its_poor_checks_and_refers_to_the_reasons(stribeck):
+    grades = {"runs_accepted": "poor", "instruments": "with care"}
+    checks = tuple(
+        replace(check, grade=grades.get(check.name, "good")) for check in stribeck.quality.checks
+    )
+    poor = replace(stribeck.quality, grade="poor", checks=checks)
+    document = report_document(replace(stribeck, quality=poor), ())
+    text = Parsed(page_of(document)).text
+    (number,) = re.findall(
+        r"Correct the causes of the rejected runs \(Table (\d+) states what to look for\), then "
+        r"measure again\.(?! Calibrate)",
+        text,
+    )
+    assert f"Table {number}. Reasons, and what to look for" in text
+
+
+def test_a_quantity_that_no_series_has_has_no_column(small):
+    assert "Breakaway ± U (N)" in Parsed(page_html(small, ())).text
+    series = tuple(
+        replace(each, breakaway_n=None, breakaway_pa=None) for each in small.headline.series
+    )
+    headline = replace(small.headline, series=series)
+    assert "Breakaway" not in summary_table_head(replace(small, headline=headline))
+
+
+def summary_table_head(results):
+    part, *_ = report_document(results, ()).sections[0].parts
+    return " ".join(part.tables[0].head)
+
+
+def test_a_label_that_all_runs_share_is_in_the_identity_and_in_no_table(small):
+    def labelled(number):
+        """Return the results with the label of seal A in all runs, or in the first ``number``."""
+        runs = tuple(
+            replace(run, run=replace(run.run, plan=replace(run.run.plan, label="seal A")))
+            for run in small.runs[:number]
+        )
+        curves = tuple(replace(curve, label="seal A") for curve in small.curves)
+        return replace(small, runs=runs + small.runs[number:] if number else runs, curves=curves)
+
+    every, some = (report_document(labelled(n), ()) for n in (None, 1))
+    assert dict(every.identity)["Label of the runs"] == "seal A"
+    assert "Label of the runs" not in dict(some.identity)
+    tables = [re.findall("seal A", page_of(each)) for each in (every, some)]
+    assert len(tables[0]) == 1 < len(tables[1])
+
+
+def test_an_imported_campaign_has_the_time_of_its_import_and_the_name_of_its_bench(small):
+    provenance = replace(small.provenance, source="imported", bench="seal stand")
+    facts = dict(report_document(replace(small, provenance=provenance), ()).identity)
+    assert facts["Bench"] == "seal stand (name in the map of the import)"
+    assert facts["Imported"] and "Measured" not in facts
+
+
 def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_once():
     point = PointTrials("steady", "", "extend", 500.0, None, None, 0.1, 0, 3)
     checks = (
@@ -259,7 +313,7 @@ def test_parameters_are_shown_with_the_half_width_of_their_interval(page):
 
 def test_rejected_runs_stand_with_their_reasons_and_fold_when_many(stribeck):
     html = page_html(stribeck, ())
-    assert re.search(r"off reference: [^<]*\b187\.3\smm/s", html)
+    assert re.search(r"Off reference: [^<]*\b187\.3\smm/s", html)
     assert "<details open>" in html
     many = replace(
         stribeck, runs=tuple(replace(r, reasons=("end_stop: x",)) for r in stribeck.runs)

@@ -111,3 +111,7 @@ def test_a_run_without_samples_has_no_trace(small):
 def test_a_run_counts_once_for_a_reason_that_it_has_twice(small):
     results = rejected(small, 2, "not_steady: speed", "not_steady: friction", "gapped: x")
     assert reason_counts(results) == {"not_steady": 2, "gapped": 2}
+
+
+def test_a_checksum_that_differs_has_no_trace_and_other_reasons_of_the_run_have(small):
+    assert list(traces(rejected(small, 1, "changed: x", "gapped: x"))) == ["gapped"]

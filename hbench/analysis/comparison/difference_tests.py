@@ -50,12 +50,16 @@ def tested(
     contributions: tuple[Contributions, Contributions] | None,
     same: bool,
     drifts: Sequence[float] = (),
+    errors: Sequence[tuple[float, float] | None] = (),
 ) -> Difference:
     """Return the difference with its interval and p value.
 
     ``contributions`` are the instruments' to a and to b, if known; ``same`` are the instruments of
-    both. ``drifts`` are standard uncertainties by a drift within a and within b.
+    both. ``drifts`` are standard uncertainties by a drift within a and within b. ``errors`` are
+    standard error and degrees of freedom of a and of b by themselves, if their U are wanted.
     """
+    known = zip(errors, contributions or (), drifts, strict=False)
+    own = [_own_u95(error, parts, drift) for error, parts, drift in known] or [None, None]
     ci95 = student_factor(dof) * se
     return Difference(
         a=a,
@@ -72,7 +76,19 @@ def tested(
             ]
         ).expanded(),
         p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
+        u95_a=own[0],
+        u95_b=own[1],
     )
+
+
+def _own_u95(
+    error: tuple[float, float] | None, contributions: Contributions, drift: float
+) -> float | None:
+    """Return the expanded uncertainty of one campaign's number; None without scatter."""
+    if error is None:
+        return None
+    parts = [StandardUncertainty(*error), StandardUncertainty(drift), *contributions.values()]
+    return combined(parts).expanded()
 
 
 def untested(a: float, b: float, reason: str) -> Difference:

@@ -189,10 +189,11 @@ def _friction(
     same: bool,
 ) -> Difference:
     """Return the difference of weighted sums of |F|."""
-    terms, sums, contributions, drifts = [], [], [], []
+    terms, sums, contributions, drifts, errors = [], [], [], [], []
     for (curve, weights), side, known in zip((a, b), (-1.0, 1.0), instruments, strict=True):
         curve_terms = _terms(curve, weights)
         terms += [(side * w, trials) for w, trials in curve_terms]
+        errors.append(welch(curve_terms))
         sums.append(sum(w * float(np.mean(trials)) for w, trials in curve_terms))
         drifts.append(sum(w * (curve.points[i].sigma_drift_n or 0.0) for i, w in weights.items()))
         if known is not None:
@@ -207,7 +208,7 @@ def _friction(
     if error is None:
         return untested(mean_a, mean_b, NO_SCATTER)
     both = (contributions[0], contributions[1]) if len(contributions) == 2 else None
-    return tested(mean_a, mean_b, *error, both, same, drifts)
+    return tested(mean_a, mean_b, *error, both, same, drifts, errors)
 
 
 def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
@@ -250,12 +251,17 @@ def _efficiency(
     mean_a, mean_b = (
         float(np.mean([pair[side][1].efficiency for pair in pairs])) for side in (0, 1)
     )
-    points = [point for pair in pairs for point in pair]
-    errors = [eta.sigma_trials for _, eta in points if eta.sigma_trials is not None]
-    if len(errors) < len(points):
+    sides = [[pair[side] for pair in pairs] for side in (0, 1)]
+    points = sides[0] + sides[1]
+    if any(eta.sigma_trials is None for _, eta in points):
         return untested(mean_a, mean_b, NO_SCATTER)
-    variances = [(error / len(pairs)) ** 2 for error in errors]
-    se, dof = satterthwaite(variances, [point.n - 1 for point, _ in points])
+    (se, dof), *errors = (
+        satterthwaite(
+            [((eta.sigma_trials or 0.0) / len(pairs)) ** 2 for _, eta in some],
+            [point.n - 1 for point, _ in some],
+        )
+        for some in (points, *sides)
+    )
     if se <= ROUNDING * max(abs(mean_a), abs(mean_b)):
         return untested(mean_a, mean_b, "no scatter between the trials")
     of_a, of_b = (
@@ -273,7 +279,7 @@ def _efficiency(
         / len(pairs)
         for side in (0, 1)
     ]
-    return tested(mean_a, mean_b, se, dof, both, same, drifts)
+    return tested(mean_a, mean_b, se, dof, both, same, drifts, errors)
 
 
 def _with_efficiency(

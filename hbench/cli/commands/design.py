@@ -29,7 +29,11 @@ def design(
         False, "--propose", help="Propose gains, and check them with the firmware."
     ),
     ratio: float = typer.Option(
-        1.7, min=1.0, max=10.0, help="Ratio of neighbouring loops' bandwidths in the proposal."
+        1.7,
+        min=1.0,
+        max=10.0,
+        help="Ratio of neighbouring loops' bandwidths in the proposal. If it fails a check, others "
+        "are tried, and the verdict states one that passes.",
     ),
     write: bool = typer.Option(
         False, "--write", help="Write the proposed gains into BENCH if they pass all checks."

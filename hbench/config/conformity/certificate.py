@@ -70,6 +70,8 @@ class CertificateFile(Identified):
     language: Language = "en"
     method: Text = ""  # the laboratory's procedure with its issue
     external: Text = ""  # results from external providers
+    # Of series, limits, product and schedule: as campaign and limits have it, and as it is printed.
+    names: dict[Text, Text] = Field(default={}, max_length=200)
     remarks: tuple[Text, ...] = Field(default=(), max_length=20)
     limits: str | None = (
         None  # file of limits, beside this one: then with a statement of conformity

@@ -17,6 +17,7 @@ from hbench.report.campaign.fit_tables import (
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
 from hbench.report.campaign.summary import headline_words, summary_section
 from hbench.report.oil_temperature import temperature_section
@@ -58,6 +59,10 @@ _NOT_PRINTED = (
     "curves.csv and efficiency.csv, beside this page, contain every point. A table of more than "
     f"{_SHEET} points is on the page and not on paper."
 )
+_TRACES = (
+    "Each reason has a figure of the first rejected runs, in the channel that shows it: velocity "
+    "with its reference, valve voltages, pressures, or else the position."
+)
 _TESTED = (
     "Difference of friction over a range of speeds ± half-width of its 95 % interval "
     "over the trials. p is corrected after Holm for the number of tests."
@@ -74,6 +79,7 @@ def report_document(
 
     ``folder`` is the name of the campaign's folder, which distinguishes campaigns of one schedule.
     """
+    label, results = common_label(results), without_common_label(results)
     figures: dict[str, tuple[Drawing, ...]] = {}
     for drawing in drawings:
         figures[drawing.section] = (*figures.get(drawing.section, ()), drawing)
@@ -108,7 +114,7 @@ def report_document(
         BANNERS[provenance.source],
         provenance.source,
         folder,
-        identity_facts(results),
+        identity_facts(results, label),
         alarm,
     )
 
@@ -322,9 +328,13 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     if remarks.rows:
         title = f"Remarks on accepted runs ({len(remarks.rows)})"
         subsections.append(Section(title, tables=(remarks,), folded=True))
-    none = () if has_rejected(results) else ("None.",)
+    words = "None." if not has_rejected(results) else _TRACES if drawings[1:] else ""
     return Section(
-        "Rejected runs", none, drawings=drawings, parts=tuple(subsections), anchor="rejected"
+        "Rejected runs",
+        (words,) if words else (),
+        drawings=drawings,
+        parts=tuple(subsections),
+        anchor="rejected",
     )
 
 

@@ -15,6 +15,7 @@ from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import CAUSES, code_of, first_reason_counts, reason_counts
 from hbench.report.campaign.series_words import TITLES, AnySeries, kind_words, load_words
 from hbench.report.render.numbers import (
+    NONE,
     force,
     number,
     significant,
@@ -22,6 +23,7 @@ from hbench.report.render.numbers import (
     with_interval,
     with_minus,
 )
+from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -216,7 +218,7 @@ def balance_table(results: Results) -> Table:
 def rejected_table(results: Results) -> Table:
     """Return the rejected runs, each with every reason."""
     rows = [
-        (*_run(plan), "; ".join(_reason_words(reason) for reason in run.reasons))
+        (*_run(plan), " ".join(f"{capital(_reason_words(reason))}." for reason in run.reasons))
         for run, plan in _planned(results)
         if not run.accepted
     ]
@@ -254,7 +256,8 @@ _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
 _WHERE_GIVEN = (
     *("Label", "Kind", _ROD_SIDE, "Remark"),
     *("Trials alone (N)", "U with instruments (N)", "Energy of a cycle (J)"),
-    *(_OIL, _HERSEY),
+    *("Friction ± U (N)", "Friction ± U (bar)", "Breakaway ± U (N)", "Breakaway ± U (bar)"),
+    *("Efficiency ± U (%)", _OIL, _HERSEY),
 )
 
 
@@ -277,7 +280,7 @@ def table(
     kept = [
         i
         for i, name in enumerate(head)
-        if name not in _WHERE_GIVEN or any(row[i].text for row in cells)
+        if name not in _WHERE_GIVEN or any(row[i].text not in ("", NONE) for row in cells)
     ]
     return Table(
         tuple(head[i] for i in kept),

@@ -41,7 +41,8 @@ _LIMITS = {
 }
 _STEPS = {
     "complete": "make the missing runs",
-    "runs_accepted": "correct the causes of the rejected runs, then measure again{causes}",
+    "runs_accepted": "correct the causes of the rejected runs ([[rejected]] states what to look "
+    "for), then measure again",
     "trials_per_point": "make at least three trials of each point",
     "repeatability": "make more trials of each point, or find what changes between them",
     "drift": "warm the bench up first, and measure in random order",
@@ -65,23 +66,20 @@ def quality_count(quality: Quality) -> str:
     return f"{good} of {len(quality.checks)} checks {'is' if good == 1 else 'are'} good"
 
 
-def next_step(quality: Quality, parts: str, aborted: bool = False, causes: str = "") -> str:
-    """Return what makes the checks good that are not; empty if all are.
+def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
+    """Return what improves the worst checks; empty if all are good.
 
-    ``parts`` names the largest parts of the uncertainty and their table, as far as known;
-    ``causes`` are sentences on the rejected runs. An ``aborted`` campaign is continued first,
-    which makes its missing runs and trials; --resume refuses another bench file or schedule, so
-    what changes them comes afterwards.
+    ``parts`` names the largest parts of the uncertainty and their table, as far as known. An
+    ``aborted`` campaign is continued first, which makes its missing runs and trials; --resume
+    refuses another bench file or schedule, so what changes them comes afterwards.
     """
     missing = ("complete", "trials_per_point") if aborted else ()
     if not quality.completeness.not_completed:
         missing = (*missing, "complete")  # no run is missing, but trials are
     steps = [
-        _STEPS[check.name].format(
-            parts=f" ({parts})" if parts else "", causes=f". {causes}" if causes else ""
-        )
+        _STEPS[check.name].format(parts=f" ({parts})" if parts else "")
         for check in quality.checks
-        if check.grade != "good" and check.name not in missing
+        if check.grade == quality.grade != "good" and check.name not in missing
     ]
     if aborted:
         first = [f"before the next campaign, {step}" for step in steps[:1]]

@@ -1,6 +1,7 @@
-"""Direction, load and kind of a series of runs in words."""
+"""Direction, load and kind of a series of runs in words, and the label that all runs share."""
 
-from typing import TypeAlias
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, TypeAlias, TypeVar
 
 from hbench.records import (
     KINDS,
@@ -9,6 +10,7 @@ from hbench.records import (
     HeadlineSeries,
     ImplausiblePoint,
     PointTrials,
+    Results,
     RunPlan,
 )
 from hbench.report.render.numbers import force, short
@@ -17,6 +19,8 @@ from hbench.units import from_si
 AnySeries: TypeAlias = (
     Curve | EfficiencyCurve | HeadlineSeries | ImplausiblePoint | PointTrials | RunPlan
 )
+
+Record = TypeVar("Record")
 
 TITLES = {"extend": "Extending", "retract": "Retracting"}  # of directions
 
@@ -35,3 +39,28 @@ def kind_words(series: AnySeries) -> str:
     if kind.is_ramp and series.a_ref_m_s2 is not None:
         return f"{kind.display_name} {short(series.a_ref_m_s2)} m/s²"
     return "" if kind.has_constant_speed else kind.display_name
+
+
+def common_label(results: Results) -> str:
+    """Return the label of all runs; empty if they have none, or several."""
+    labels = {run.run.plan.label for run in results.runs}
+    return labels.pop() if len(labels) == 1 else ""
+
+
+def without_common_label(results: Results) -> Results:
+    """Return the results with an empty label in every record, if all runs share one."""
+    return _without_label(results) if common_label(results) else results
+
+
+def _without_label(value: Record) -> Record:
+    changed: Any = value
+    if is_dataclass(value) and not isinstance(value, type):
+        old = {field.name: getattr(value, field.name) for field in fields(value) if field.init}
+        new = {name: "" if name == "label" else _without_label(old[name]) for name in old}
+        if any(new[name] is not old[name] for name in old):
+            changed = replace(value, **new)
+    elif isinstance(value, tuple) and type(value) is tuple:
+        entries = tuple(_without_label(entry) for entry in value)
+        if any(entry is not value[i] for i, entry in enumerate(entries)):
+            changed = entries
+    return changed

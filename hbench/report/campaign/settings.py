@@ -24,26 +24,32 @@ _OF_COMPLETED = (
 )
 
 
-def identity_facts(results: Results) -> tuple[tuple[str, str], ...]:
-    """Return what was measured, where, when and by whom, as far as the campaign states it."""
+def identity_facts(results: Results, label: str = "") -> tuple[tuple[str, str], ...]:
+    """Return what was measured, where, when and by whom, as far as the campaign states it.
+
+    ``label`` is that of all runs. An imported campaign has the name that its map states for the
+    bench.
+    """
     provenance = results.provenance
     specimen, test = (provenance.settings.get(name, {}) for name in ("specimen", "test"))
     sizes = ", ".join(f"{name} {specimen[name]}" for name in _SIZES if specimen.get(name))
     specimens = {run.run.plan.specimen for run in results.runs if run.accepted}
     if not sizes and len(specimens) == 1:
         sizes = _dimensions(next(iter(specimens)))
+    bench, when = provenance.bench, {"Measured": _period(provenance.started, provenance.stopped)}
     if provenance.source == "imported":
-        when = f"imported {_time(provenance.started)}"
-    else:
-        when = _period(provenance.started, provenance.stopped)
+        bench = f"{bench} (name in the map of the import)"
+        when = {"Measured": test.get("date", ""), "Imported": _time(provenance.started)}
     facts = {
         "Cylinder": specimen.get("serial", "") or "no serial number recorded",
         "Dimensions": sizes,
         **{_name(name): specimen.get(name, "") for name in ("maker", "order", "seals", "wear")},
-        **{f"Test {name}": test.get(name, "") for name in ("number", "date")},
+        "Label of the runs": label,
+        "Test number": test.get("number", ""),
+        **({} if "Imported" in when else {"Test date": test.get("date", "")}),
         **{_name(name): test.get(name, "") for name in _TEST},
-        "Bench": provenance.bench,
-        "Measured": when,
+        "Bench": bench,
+        **when,
         "Instruments": _calibrations(provenance.settings.get("instruments", {})),
         "Analysis": f"hbench {provenance.software.get('hbench', '')}".strip(),
     }

@@ -17,7 +17,6 @@ from hbench.report.campaign.quality import (
     quality_table,
     short_point_table,
 )
-from hbench.report.campaign.reasons import CAUSES, first_reason_counts
 from hbench.report.campaign.settings import aborted_words
 from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
 from hbench.report.oil_words import temperature_words
@@ -32,7 +31,6 @@ from hbench.report.render.numbers import (
     span,
     with_interval,
 )
-from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -40,7 +38,6 @@ _ONE_TRIAL = (
     " A number of one trial has no U: a single trial does not show the scatter of repetitions."
 )
 _MIXED = "not separated from speed"  # so no test of it alone
-_CAUSES = 3  # in the next step; the table of reasons has them all
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -56,7 +53,7 @@ def summary_section(results: Results) -> Section:
     series = results.headline.series
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
-    title = "Friction, breakaway and efficiency, each with its expanded uncertainty U"
+    title = "Results of each direction and load, with expanded uncertainty U"
     tables = (replace(_table(series), title=title),) if series else ()
     budget = friction_budget_table(results)
     folded = True if len(series) > _LONG else None
@@ -66,12 +63,7 @@ def summary_section(results: Results) -> Section:
         ("Measured", _measured(results)),
         (
             "Next step",
-            next_step(
-                results.quality,
-                _largest(results, parts),
-                bool(aborted_words(results)),
-                _causes(results),
-            ),
+            next_step(results.quality, _largest(results, parts), bool(aborted_words(results))),
         ),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Oil", temperature_words(results)),
@@ -178,19 +170,6 @@ def _largest(results: Results, table: str) -> str:
     return "; ".join(filter(None, (" and ".join(name for name, _ in names.most_common(2)), table)))
 
 
-def _causes(results: Results) -> str:
-    """Name the causes to look for of the most frequent reasons for rejection, in sentences."""
-    counts = first_reason_counts(results).most_common()
-    named = [
-        f"{capital(code.replace('_', ' '))} ({count} run{'' if count == 1 else 's'}): look for "
-        f"{CAUSES[code]}"
-        for code, count in counts[:_CAUSES]
-        if code in CAUSES
-    ]
-    more = ["[[rejected]] contains the others"] if len(counts) > _CAUSES else []
-    return ". ".join([*named, *more])
-
-
 def _drift(drift: Drift | None) -> Iterable[Section]:
     if drift is not None:
         said = f"Steady friction changed by {drift_words(drift)}."
@@ -219,10 +198,12 @@ def _quality_details(results: Results) -> Iterable[Section]:
     for title, each in details:
         count = len(each.rows)
         if count:
-            folded = True if count > _LONG else None
-            printed = not (folded and aborted_words(results))  # nearly all points are short then
-            name = f"{title} ({count})"
-            yield Section(name, tables=(each,), folded=folded, printed=printed)
+            if count <= _LONG:
+                yield Section(tables=(replace(each, title=title),))
+            else:
+                printed = not aborted_words(results)  # nearly all points are short then
+                name = f"{title} ({count})"
+                yield Section(name, tables=(each,), folded=True, printed=printed)
 
 
 def _tiles(results: Results) -> Iterable[Tile]:

@@ -13,7 +13,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.render.numbers import NONE, significant, with_interval
+from hbench.report.render.numbers import NONE, half_width, significant, with_interval
 
 _REAL, _NOT = "differs", "not significant"
 _INSTRUMENTS = "U of B\N{NO-BREAK SPACE}−\N{NO-BREAK SPACE}A"
@@ -25,7 +25,8 @@ def difference_table(
 ) -> WordTable:
     """Return a table whose rows end with ``cells``; without U where no row has one."""
     rows = tuple(rows)
-    head = (*head, *HEAD)
+    own = " ± U" if any("±" in cell for row in rows for cell in row[-2:]) else ""
+    head = (*head, *HEAD[:-2], f"A{own}", f"B{own}")
     u95 = head.index(_INSTRUMENTS)
     if any(row[u95] != NONE for row in rows):
         return WordTable(title, head, rows)
@@ -44,9 +45,19 @@ def cells(difference: Difference, scale: float) -> tuple[str, ...]:
         NONE if u95 is None else significant(u95, 2),
         difference.untested or (_REAL if difference.real else _NOT),
         NONE if difference.p_holm is None else _p(difference.p_holm),
-        significant(scale * difference.a, 4),
-        significant(scale * difference.b, 4),
+        _with_u95(scale * difference.a, difference.u95_a, scale),
+        _with_u95(scale * difference.b, difference.u95_b, scale),
     )
+
+
+def _with_u95(value: float, u95: float | None, scale: float) -> str:
+    """Write A's or B's number with its own U.
+
+    It has four digits, more than its U allows: the difference of the two, in which the errors that
+    both have in common cancel, is smaller than U.
+    """
+    text = significant(value, 4)
+    return text if u95 is None else f"{text} ± {half_width(scale * u95)}"
 
 
 def _p(value: float) -> str:

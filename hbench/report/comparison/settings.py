@@ -57,14 +57,19 @@ def settings_words(differences: CampaignDifferences) -> str:
 
 def plants_words(differences: CampaignDifferences) -> str:
     """State that the simulated plants differ; empty if they are equal or none is simulated."""
-    plants = [
-        _short(str((each.details.get(_PLANT) or {}).get("sha256", "")))
+    a, b = (
+        str((each.details.get(_PLANT) or {}).get("sha256", ""))
         for each in (differences.a, differences.b)
-    ]
-    if plants[0] == plants[1]:
+    )
+    if a == b:
         return ""
-    a, b = (f"plant file {checksum}" if checksum else "the bench file's" for checksum in plants)
-    return f"They differ, as two cylinders would. A: {a}; B: {b}."
+    if a and b:
+        return (
+            "A and B were simulated with different plant files, which represent two cylinders. "
+            "The campaigns record their checksums, not their values."
+        )
+    own, other = ("B", "A") if b else ("A", "B")
+    return f"{own} was simulated with a plant file, {other} with the bench file's plant."
 
 
 def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tuple[str, str], str]]:

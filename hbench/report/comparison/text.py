@@ -246,7 +246,8 @@ _READ = (
     "± is the half-width of the 95 % interval of the trials alone. U also contains the errors of "
     "the instruments and any significant drift within a campaign; it is a little smaller where "
     "more degrees of freedom make its coverage factor smaller. Neither contains a drift that is "
-    "not significant, nor what changes when the cylinder is mounted again."
+    "not significant, nor what changes when the cylinder is mounted again. U of A or B by itself "
+    "also contains the errors that both have in common, which cancel in the difference."
 )
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "

@@ -87,6 +87,9 @@ def _proposal(proposal: Proposal | None) -> dict[str, Any] | None:
     return {
         "holds": proposal.holds,
         "ratio": proposal.ratio,
+        "other_ratios": [
+            {"ratio": ratio, "holds": holds} for ratio, holds in proposal.other_ratios.items()
+        ],
         "gains": {
             name: {"gain": gain, "time_constant_s": tau}
             for name, (gain, tau) in proposal.gains.items()

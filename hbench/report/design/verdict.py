@@ -6,20 +6,9 @@ from collections.abc import Sequence
 from hbench.records import Check, ControlLoop, Design, Proposal, Reproduced
 from hbench.report.design.checks import cause_of, causes_of, check_value, shown, unstable
 from hbench.report.render.numbers import short
-from hbench.report.render.symbols import capital
+from hbench.report.render.symbols import capital, listed
 
 _BENCHES = {"bench": " on the bench"}
-# Which way to change the ratio for a check that fails. With ratios of 1, 1.2, 1.7, 3 and 5 the demo
-# bench has a slowest loop of 88, 89, 71, 21 and 7 rad/s, load pressure errors of 0.04, 0.04, 0.14,
-# 5.9 and 26 bar, and on the softer bench overshoots of 21 mm/s at 1 and of 16 mm/s at 1.7.
-_RATIO_OF_CHECKS = {
-    ("a smaller", ", which makes the slowest loop faster"): {
-        "mean speed error",
-        "load pressure error",
-    },
-    ("a larger", ", with which the overshoot is usually smaller"): {"overshoot"},
-}
-_ANOTHER = ("another", "")
 _BENCHES |= {name: f" on the {name} bench" for name in ("softer", "stiffer")}
 
 
@@ -45,17 +34,23 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
             *([stops] if stopped else []),
             *([others] if worst else []),
             *([f"Unstable with the present gains: {', '.join(present)}."] if present else []),
-            f"Propose again with {_ratio(failed, proposal.ratio)}, or correct the bench file.",
+            _next_step(proposal),
         )
     )
 
 
-def _ratio(failed: Sequence[Check], ratio: float) -> str:
-    """Return in which direction to change the ratio of the bandwidths, and why."""
-    quantities = {check.what.rpartition(": ")[2] for check in failed}
-    ways = [way for way, those in _RATIO_OF_CHECKS.items() if quantities & those]
-    way, why = ways[0] if len(ways) == 1 else _ANOTHER
-    return f"{way} --ratio (now {ratio:g}){why}"
+def _next_step(proposal: Proposal) -> str:
+    """Return the ratio that passes, or else what failed with every ratio that was tried."""
+    for ratio, holds in proposal.other_ratios.items():
+        if holds:
+            return (
+                f"With --ratio {ratio:g} the proposed gains pass all checks: propose again with it."
+            )
+    tried = listed([f"{ratio:g}" for ratio in (proposal.ratio, *proposal.other_ratios)])
+    return (
+        f"No ratio of the bandwidths that was tried passes ({tried}): correct the bench file, "
+        "first the values that the failed checks depend on."
+    )
 
 
 def _worst(failed: Sequence[Check], tick_s: float) -> list[str]:

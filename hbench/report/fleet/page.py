@@ -26,7 +26,7 @@ from hbench.report.fleet.names import (
 )
 from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
 from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
-from hbench.report.fleet.row import kind_difference
+from hbench.report.fleet.row import kind_difference, kind_parts
 from hbench.report.fleet.text import (
     ROW_WORDS,
     WORST_HEAD,
@@ -45,6 +45,7 @@ from hbench.report.fleet.verdict import (
 from hbench.report.render.document import BANNERS, Document, Section, Tile, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike
+from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 
 _AT = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
@@ -165,12 +166,13 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
     if any(suspect.deviations for suspect in fleet.worst):
         yield Tile(str(fleet.outliers), "", _OUTLIERS[fleet.outliers != 1], "method-outliers")
     if stepped := stepped_numbers(fleet):
-        changed = f"of {len(fleet.charts)} numbers changed at a campaign"
+        changed = f"of {len(fleet.charts)} numbers with a control chart changed from a campaign on"
         yield Tile(str(len(stepped)), "", changed, "method-change-points")
     if trends := steady_trends(fleet):
-        others = "other " if stepped else ""
+        without = "without such a change " if stepped else ""
         drifts = sum(trend.real for trend in trends)
-        yield Tile(str(drifts), "", f"of {len(trends)} {others}numbers drift", "method-trends")
+        caption = f"of {len(trends)} numbers {without}drift over time"
+        yield Tile(str(drifts), "", caption, "method-trends")
     for spread in main_spreads(fleet):
         if spread.quantity.name in _TILES:
             scale = spread.quantity.scale
@@ -188,17 +190,22 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
         f"not compared: {kind_difference(protocol, evaluated)}" for protocol, _ in fleet.protocols
     ]
     groups[:1] = ["evaluated here"][: len(groups)]
+    kinds = [kind_parts(protocol) for protocol, _ in fleet.protocols]
+    given = [name for name in kinds[0] if any(kind[name] for kind in kinds)] if kinds else []
     rows = tuple(
-        (Cell(str(count)), Cell(_AT.sub(" at ", protocol)), Cell(group))
-        for (protocol, count), group in zip(fleet.protocols, groups, strict=True)
+        (
+            Cell(str(count)),
+            *(Cell(_AT.sub(" at ", "; ".join(kind[name]))) for name in given),
+            Cell(group),
+        )
+        for (_, count), kind, group in zip(fleet.protocols, kinds, groups, strict=True)
     )
     title = "Kinds of campaigns" if len(rows) > 1 else "Kind of campaign"
-    pressure = ", and rod-side pressure of the load cylinder"
-    loads = pressure if any(_AT.search(protocol) for protocol, _ in fleet.protocols) else ""
-    kind = f"Bench; areas of piston and rod side; load{loads}; working speed"
-    text_columns = (kind, "Group")
-    head = ("Campaigns", *text_columns)
-    return (Table(head, rows, frozenset(text_columns), title=title),) if rows else ()
+    pressures = any(_AT.search(protocol) for protocol, _ in fleet.protocols)
+    loads = "; loads at rod-side pressures of the load cylinder" if pressures else ""
+    title += f" (size: areas of piston and rod side{loads})"
+    head = ("Campaigns", *map(capital, given), "Group")
+    return (Table(head, rows, frozenset(head[1:]), title=title),) if rows else ()
 
 
 def _about_numbers(fleet: Fleet) -> tuple[str, ...]:

@@ -84,12 +84,12 @@ def _protocol(plans: list[RunPlan], speed: float | None, source: str, bench: str
 
 def kind_difference(kind: str, evaluated: str) -> str:
     """Return in which settings two kinds of campaigns differ, as their rows have them."""
-    a, b = (_parts(each) for each in (kind, evaluated))
+    a, b = (kind_parts(each) for each in (kind, evaluated))
     differing = [name for name in a if a[name] != b[name]]
     return ", ".join(f"other {name}" for name in differing) or "other settings"
 
 
-def _parts(kind: str) -> dict[str, list[str]]:
+def kind_parts(kind: str) -> dict[str, list[str]]:
     """Return the settings of a kind of campaign by what they are."""
     bench, *settings = kind.split("; ")
     parts: dict[str, list[str]] = {

@@ -21,6 +21,10 @@ _NO_OUTLIER = (
     "No campaign is an outlier: no deviation from the fleet's median is significant after the "
     "correction for the number of values."
 )
+_LIMITS_ARE_NARROWER = (
+    " Control limits are narrower: they follow from the differences of successive campaigns, "
+    "without this correction."
+)
 _NAMED = 3  # steps, outliers and drifts in a sentence
 
 
@@ -85,6 +89,10 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
     for at, sizes in list(steps.items())[:_NAMED]:
         first = next(iter(sizes.values()))
         yield capital(f"{' and '.join(sizes)} changed from {at} on ({first}).")
+    beyond = len({name for chart in fleet.charts for name in chart.outside})
+    if beyond:
+        verb = "is" if beyond == 1 else "are"
+        yield f"{beyond} of {fleet.compared} campaigns {verb} beyond a control limit."
     if fleet.outliers:
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
@@ -93,9 +101,9 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
     known = steady_trends(fleet)
     drifts = sum(trend.real for trend in known)
     if drifts:
-        others = "other " if stepped_numbers(fleet) else ""
+        without = "without such a change " if stepped_numbers(fleet) else ""
         verb = "drifts" if drifts == 1 else "drift"
-        yield f"{drifts} of {len(known)} {others}numbers {verb} significantly."
+        yield f"{drifts} of {len(known)} numbers {without}{verb} significantly."
 
 
 def finding_sentences(fleet: Fleet) -> Iterator[str]:
@@ -109,7 +117,8 @@ def finding_sentences(fleet: Fleet) -> Iterator[str]:
         more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
         some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}: "
         some += f"{'; '.join(names[:_NAMED])}{more}."
-        yield some if fleet.outliers else _NO_OUTLIER
+        narrower = _LIMITS_ARE_NARROWER if any(chart.outside for chart in fleet.charts) else ""
+        yield some if fleet.outliers else _NO_OUTLIER + narrower
     else:
         yield "Outliers are not identified: that takes at least 10 campaigns of the same kind."
     drifts = [

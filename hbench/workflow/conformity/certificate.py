@@ -95,6 +95,15 @@ def _certificate(folder: Path, path: Path, today: date) -> Certificate:
     acceptance = None if file.limits is None else decided(results, path.parent / file.limits)
     checks = () if acceptance is None else acceptance.checks
     measured = [check.measurement for check in checks if check.measurement is not None]
+    known = {results.provenance.name, *(run.run.plan.label for run in results.runs)}
+    if acceptance is not None:
+        known |= {acceptance.product, *(check.requirement.name for check in checks)}
+    for name in file.names:
+        if not name or name not in known:
+            raise ConfigError(
+                f"{path}: names: {name!r} is no series, limit, product or schedule here",
+                f"Known are {', '.join(repr(each) for each in sorted(known - {''}))}.",
+            )
     values, all_speeds = certified_values(results, instruments, measured)
     if not values:
         raise DataError(f"{folder}: gets no certificate: none of its quantities was measured")

@@ -39,6 +39,7 @@ from hbench.report.campaign.figures.pressure import friction_pressure, has_press
 from hbench.report.campaign.figures.ramps import comparisons, has_comparisons, has_ramps, ramps
 from hbench.report.campaign.figures.rejected import has_rejected, rejected
 from hbench.report.campaign.figures.traces import has_traces, traces
+from hbench.report.campaign.series_words import without_common_label
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.style import RC
 
@@ -60,7 +61,7 @@ def draw_all(results: Results, png: bool = False) -> tuple[Drawing, ...]:
 
     ``png`` draws them as PNG too.
     """
-    sketches: list[Sketch] = []
+    results, sketches = without_common_label(results), list[Sketch]()
     for kind in FIGURES:
         for series, label in _series(results) if kind.each_series else [(results, "")]:
             if kind.applies(series):
@@ -245,16 +246,14 @@ FIGURES = (
     FigureKind(
         name="rejected",
         section="rejected",
-        caption="Rejected runs by reason; a run with two reasons counts under both.",
+        caption="A run with two reasons counts under both.",
         applies=has_rejected,
         draw=rejected,
     ),
     FigureKind(
         name="rejected",
         section="rejected",
-        caption="Rejected runs of one reason, in the relevant channel: velocity with its "
-        "reference, valve voltages, pressures, or else the position. Grey: the steady window, "
-        "where there is one.",
+        caption="",  # the section's paragraph describes all of them
         applies=has_traces,
         draw=traces,
     ),

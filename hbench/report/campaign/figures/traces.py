@@ -46,6 +46,8 @@ def traces(results: Results) -> dict[str, Figure]:
     figures = {}
     rejected = [run for run in results.runs if not run.accepted and len(run.run.t_s)]
     for code, _ in reason_counts(results).most_common(MOST_REASONS):
+        if code in _WITHOUT_TRACE:
+            continue
         runs = [run for run in rejected if any(code_of(r) == code for r in run.reasons)]
         if runs:
             figures[code] = _figure(results, code, runs)
@@ -182,6 +184,7 @@ def _measured(run: Run, names: tuple[str, ...], scale: float) -> list[_Line]:
 
 _SPEED = ("Velocity (mm/s)", _speeds)
 _POSITION = ("Position (mm)", _positions)
+_WITHOUT_TRACE = ("changed",)  # a checksum that differs does not show in a channel
 # The channel drawn for each reason; position for all others, such as a gap or an early end.
 _CHANNELS: dict[str, tuple[str, Callable[[Run], list[_Line]]]] = {
     "off_reference": _SPEED,

@@ -82,6 +82,10 @@ class Certificate:
         """Return words of the certificate's language."""
         return WORDS[self.file.language][key].format(**values)
 
+    def named(self, name: str) -> str:
+        """Return a name of the campaign or of the limits as the certificate file prints it."""
+        return self.file.names.get(name, name)
+
     def calibrations(
         self,
     ) -> Iterator[tuple[str, ForceInstrument | PressureInstrument, Calibration]]:

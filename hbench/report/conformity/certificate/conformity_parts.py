@@ -35,7 +35,7 @@ def conformity_part(certificate: Certificate) -> Part:
     paragraphs = (word("decision_rule", rule=rule), " ".join(_remarks(certificate, acceptance)))
     decision = word("overall", decision=word(acceptance.decision), limits=_file(acceptance))
     if acceptance.product:
-        decision += " " + word("of_product", product=acceptance.product)
+        decision += " " + word("of_product", product=certificate.named(acceptance.product))
     decision = " ".join(filter(None, (decision, _reservation(certificate))))
     title = word("conformity")
     return Part("conformity", title, tables=(table,), paragraphs=paragraphs, lead=decision)
@@ -49,7 +49,9 @@ def _remarks(certificate: Certificate, acceptance: Acceptance) -> Iterator[str]:
         yield word("leak_conforms")
     if any(check.at_worst_speed for check in measured):
         yield word("worst_speed")
-    if any(c.requirement.name or c.measurement.label for c in measured if c.measurement):
+    names = {c.requirement.name for c in measured}
+    names |= {c.measurement.label for c in measured if c.measurement}
+    if names - {"", *certificate.file.names}:
         yield word("names")
 
 
@@ -77,7 +79,8 @@ def _decision_row(
     if series.p_lr_ref_pa is not None and (with_back_pressure or measured is None):
         back = localized(certificate, short(from_si(series.p_lr_ref_pa, "bar")))
         pressure = word("at_back_pressure", pressure=back)
-    where = filter(None, (series.label, direction, localized(certificate, load), pressure))
+    label = certificate.named(series.label or "")
+    where = filter(None, (label, direction, localized(certificate, load), pressure))
     text, percent = NONE, NONE
     if measured is not None:
         half = None if measured.u95 is None else from_si(measured.u95, unit)
@@ -110,7 +113,7 @@ def quantity_words(certificate: Certificate, check: ConformityCheck) -> str:
     if dwell is not None:
         parts.append(word("after_rest", dwell=localized(certificate, short(dwell))))
     text = " ".join(parts)
-    return f"{requirement.name}: {text}" if requirement.name else text
+    return f"{certificate.named(requirement.name)}: {text}" if requirement.name else text
 
 
 def limit_words(certificate: Certificate, requirement: Requirement) -> str:

@@ -316,7 +316,7 @@ def _values(certificate: Certificate, value: Certified) -> Element:
         filter(
             None,
             (
-                each.label,
+                certificate.named(each.label),
                 word(each.direction) if each.direction else "",
                 word(value.leak) if value.leak else "",
             ),

@@ -97,7 +97,7 @@ def test_part(certificate: Certificate) -> Part:
         ("performed", performed, True),
         ("operator", test.operator, False),
         ("mounting", test.mounting, False),
-        ("campaign", printable(results.provenance.name), True),
+        ("campaign", printable(certificate.named(results.provenance.name)), True),
         ("runs", word("runs_accepted", accepted=accepted, planned=planned), True),
     ]
     return Part("test", word("test"), stated_facts(certificate, pairs))

@@ -58,7 +58,7 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
         rows = tuple(
             (
                 word(value.leak or ""),
-                value.measurement.label,
+                certificate.named(value.measurement.label),
                 _interval(certificate, value, from_si(1.0, "ml/min") / from_si(1.0, "bar")),
             )
             for value in certificate.of("leakage")
@@ -118,6 +118,7 @@ def _breakaways(certificate: Certificate) -> GridTable:
 
 def _series(certificate: Certificate, series: Iterable) -> tuple[str, str, str, str]:
     label, direction, f_load_n, p_lr_ref_pa = series
+    label = certificate.named(label)
     back = None if p_lr_ref_pa is None else from_si(p_lr_ref_pa, "bar")
     return (
         label if len(label) > _SHORT else label.replace(" ", "\N{NO-BREAK SPACE}"),
