@@ -43,6 +43,7 @@ from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_results
+from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision
 from hbench.store.campaign.stored_diagnosis import diagnoses
 from hbench.untrusted_text import printable
 
@@ -78,6 +79,7 @@ def report(
     from hbench.report.campaign.figures.all_figures import draw_all  # slow import: matplotlib
     from hbench.report.campaign.page import report_document
     from hbench.report.campaign.reconciled import reconciled_section
+    from hbench.report.conformity.decision_section import decision_section
     from hbench.report.render.document import Document, page
     from hbench.report.render.figures import figure_files
     from hbench.report.render.markdown import markdown
@@ -88,7 +90,9 @@ def report(
     drawings = draw_all(results, png=form == "pdf")
     reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
     name = printable(folder.resolve().name)
-    document = report_document(results, drawings, reconciled, name)
+    decision = stored_decision(folder)
+    decided = decision_section(decision, stored_checks(folder)) if decision else None
+    document = report_document(results, drawings, reconciled, name, decided)
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,
         "md": markdown,

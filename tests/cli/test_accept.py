@@ -8,6 +8,7 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
+from hbench import workflow
 from hbench.cli.main import app
 from hbench.report.schemas import schema_text
 from tests.support.cut_campaign import one_load
@@ -62,6 +63,20 @@ def test_the_files_hold_each_decision(accept, tmp_path):
     assert int(suite.get("failures")) > 0 and suite.get("errors") == "1"
     assert cases[0].get("name").startswith("A.1: friction")
     assert suite.get("name").endswith("(simulated)")
+
+
+def test_the_report_begins_with_the_decision_and_lists_the_checks(accept, tmp_path, undrawn):
+    def reported():
+        workflow.report(tmp_path / "campaign", form="md")
+        return (tmp_path / "campaign" / "results" / "report.md").read_text()
+
+    assert "Decision" not in reported()
+    accept(MET, MISSED, NOT_MEASURED)
+    before, _, after = reported().partition("## Summary")
+    assert "Decision: FAIL (by the last hbench accept)." in before
+    table = after[after.index("## Decision") : after.index("## Friction")]
+    assert "at most 1 N" in table and "at most 10 kN" in table.replace("10000 N", "10 kN")
+    assert table.count("FAIL") > 1 and "NOT TESTED" in table
 
 
 def test_the_table_states_how_a_speed_was_chosen_and_what_u_contains(accept):

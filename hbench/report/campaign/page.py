@@ -74,10 +74,12 @@ def report_document(
     drawings: Iterable[Drawing],
     more: tuple[Section, ...] = (),
     folder: str = "",
+    decision: Section | None = None,
 ) -> Document:
     """Return the report, with the sections ``more`` before the rejected runs.
 
     ``folder`` is the name of the campaign's folder, which distinguishes campaigns of one schedule.
+    ``decision`` is the section of an acceptance; its first paragraph begins the verdict.
     """
     label, results = common_label(results), without_common_label(results)
     figures: dict[str, tuple[Drawing, ...]] = {}
@@ -91,6 +93,7 @@ def report_document(
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
     sections = (
         summary_section(results),
+        *((decision,) if decision else ()),
         _friction(results, figures.get("friction", ())),
         *_fits(results),
         *temperature_section(results, figures.get("temperature", ())),
@@ -109,7 +112,14 @@ def report_document(
         " · ".join(filter(None, subtitle)),
         sections,
         " ".join(
-            filter(None, (headline_words(results), quality_verdict(results.quality, not alarm)))
+            filter(
+                None,
+                (
+                    *(decision.paragraphs if decision else ()),
+                    headline_words(results),
+                    quality_verdict(results.quality, not alarm),
+                ),
+            )
         ),
         BANNERS[provenance.source],
         provenance.source,
