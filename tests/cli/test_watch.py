@@ -465,6 +465,20 @@ def test_a_station_shows_an_interrupted_campaign_and_its_rejected_runs(
 
 
 @pytest.mark.parametrize(
+    "changes",
+    [
+        {"quantity": "leakage", "unit": "ml/min", "leak": "across_piston"},
+        {"quantity": "leakage", "unit": "cm^3/h", "leak": "rod_side_out"},
+        {"quantity": "efficiency", "unit": "%"},
+    ],
+)
+def test_a_decision_in_any_unit_of_limits_is_read_back(tmp_path, changes):
+    decided(tmp_path, 1e-9, **changes)
+    (check,) = stored_checks(tmp_path)
+    assert (check.requirement.unit, check.measurement.value) == (changes["unit"], 1e-9)
+
+
+@pytest.mark.parametrize(
     ("changes", "measured"),
     [
         ({"quantity": "__class__"}, 1.0),

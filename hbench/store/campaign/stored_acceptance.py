@@ -16,7 +16,7 @@ from hbench.records.conformity.acceptance import (
 from hbench.records.flow import DIRECTIONS
 from hbench.records.motions import Leak
 from hbench.store.campaign.stored_diagnosis import read_document
-from hbench.units import UNITS
+from hbench.units import parse_unit
 from hbench.untrusted_text import printable
 
 FILE_NAME = "acceptance.json"
@@ -91,7 +91,7 @@ def _record(kind: type, content: Any) -> dict[str, Any]:
             if value is not None and not isinstance(value, str):
                 return {}
             if (known and value is not None and value not in known) or (
-                field.name == "unit" and value not in UNITS
+                field.name == "unit" and not _is_unit(value)
             ):
                 return {}
             value = None if value is None else printable(value)
@@ -103,6 +103,14 @@ def _record(kind: type, content: Any) -> dict[str, Any]:
             found[field.name] = None
     needed = {"value"} if kind is Measurement else {"quantity", "unit"}
     return found if needed <= set(found) else {}
+
+
+def _is_unit(text: str | None) -> bool:
+    try:
+        parse_unit(text or "")
+    except ValueError:
+        return False
+    return True
 
 
 def _is_number(value: Any) -> bool:
