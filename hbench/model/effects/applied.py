@@ -64,7 +64,7 @@ def _composed(before: Callable, law: Callable, number: int, at: int) -> Callable
     return both
 
 
-_DROOP = list(EFFECTS).index("supply_droop")
+SUPPLY_DROOP = list(EFFECTS).index("supply_droop")
 
 _openings, _oil, _flows, _friction = (compose(place, EFFECTS) for place in MOVING)
 
@@ -126,7 +126,7 @@ def flow_effects(
     if effects is None:
         return q
     q = _flows(q, bristles_end(par), state, rates, par)
-    learned_supply(q.drawn, par.learned, effects[_DROOP], state, rates, par)
+    learned_supply(q.drawn, par.learned, effects[SUPPLY_DROOP], state, rates, par)
     return learned_flows(q, par.learned, state, par)
 
 

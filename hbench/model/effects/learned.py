@@ -147,7 +147,7 @@ def learned_friction(
 
 @inlined
 def _law(c: np.ndarray, state: np.ndarray, drawn: float, par: PlantParameters) -> float:
-    """Return g of one row at a state; ``drawn`` is the flow from the supply, of flows' laws."""
+    """Return g of one row at a state; ``drawn`` is the flow from the supply, for its laws."""
     spool = SPOOL_L2 if c[0] == 2.0 else SPOOL_L1 if c[0] == 3.0 else SPOOL_T
     is_load = c[0] == 2.0 or c[0] == 3.0 or c[0] == 5.0 or c[0] == 7.0
     n, m = int(c[_COUNTS]), int(c[_COUNTS + 1])

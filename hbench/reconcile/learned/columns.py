@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hbench.config.effects import Target
+from hbench.model.effects.applied import SUPPLY_DROOP
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.parameters import CylinderParameters
 from hbench.reconcile.learned.table import Table, mode_name
@@ -19,7 +20,6 @@ from hbench.reconcile.measured.session import Session
 
 _ENDS = 0.5, 99.5  # percentiles of the samples: first and last knot
 _SLOW_M_S = 1e-3  # the direction of dry friction changes over this speed
-_DROOP = list(EFFECTS).index("supply_droop")
 _DROOP_LAG = list(EFFECTS["supply_droop"].coefficients).index("lag")
 
 
@@ -117,7 +117,7 @@ def _lagging(modes: np.ndarray, session: Session, model: BalanceModel) -> np.nda
     from scipy.signal import lfilter  # slow import
 
     assert model.par.effects is not None  # a balance model has them all
-    lag = model.par.effects[_DROOP][_DROOP_LAG]
+    lag = model.par.effects[SUPPLY_DROOP][_DROOP_LAG]
     rest = np.exp(-session.window.dt_s / lag)
     out = np.empty_like(modes)
     for start, stop in zip(session.edges[:-1], session.edges[1:], strict=True):

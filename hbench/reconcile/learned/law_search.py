@@ -4,17 +4,18 @@ For each balance that remains, tables over one and over two quantities are compa
 cross-validated likelihood over the training points, as candidates are (``evidence.py``): a table
 over two quantities must be better by 5 nats; where it is not kept, the best over one is tried. In a
 flow they compete with an error of the position sensor, which changes all four flows by one table.
-It may repeat with the sensor's pitch, so it has
-8, 16 or 32 knots along the stroke, the number with the best score. The best is kept if
+It may repeat with the sensor's pitch, so it has 8, 16 or 32 knots along the stroke, the number with
+the best score. The first of these that meets all of the following is kept, best score first:
 
-    its score exceeds 5 nats and the threshold of all tables with null data sets, which are its own
-    residuals with random signs (``candidates.AcceptanceCriteria``),
+    its score exceeds 5 nats and the threshold of itself and of all tables over one quantity with
+    null data sets: its own residuals with random signs (``candidates.AcceptanceCriteria``),
     it explains more than a quarter of the excess gap of its balances at training points, and
     it reduces the residuals at held-out operating points: a permutation test with random signs of
     the points' logarithmic reductions has p < 0.05, which takes five points.
 
-The last two are tested about the linearised model first, and again after the model is refitted with
-the table. A learned law has no name, so it does not change the verdict.
+Up to three tables are tried at the same held-out points; p is that of a single one. The last two
+are tested about the linearised model first, and again after the model is refitted with the table. A
+learned law has no name, so it does not change the verdict.
 """
 
 from collections.abc import Iterable, Sequence
