@@ -90,7 +90,7 @@ def test_broken_yaml_is_refused_with_its_line(parts):
     [
         ("hbench.campaign/1", "hbench.campaign/9", "'hbench.campaign/9'.*'hbench.campaign/1'"),
         ("name: test\n", "", "'name'"),
-        ("kind: steady", "sort: steady", "campaign.yaml: runs.0: "),
+        ('"kind": "steady"', '"sort": "steady"', "campaign.yaml: runs.0: "),
         ("'0001'", "'../1'", "campaign.yaml: runs.0: run '../1'"),
     ],
 )
@@ -111,7 +111,7 @@ def test_an_edited_section_is_told_by_its_name(parts, header):
 
 def test_an_edited_plan_is_told_by_its_run(parts):
     text = "".join(parts)
-    edited = text.replace("f_load_n: -500.0", "f_load_n: 500.0", 1)
+    edited = text.replace('"f_load_n": -500.0', '"f_load_n": 500.0', 1)
     (warning,) = parse_journal(edited.encode(), "c").warnings
     assert "plan of 0001: " in warning
 

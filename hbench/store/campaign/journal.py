@@ -5,9 +5,9 @@
     sha256: {bench: ..., ...}          of its sections: an edit is reported, not refused
     runs:
     - run: '0001'                      start part, appended when a run starts
-      plan: {kind: steady, ...}
-      start: {at: '2024-05-01T12:00:00+00:00', plan_sha256: ...}
-      stop: {at: ..., outcome: done, records: 812, sha256: ...}      appended when it ends
+      plan: {"kind": "steady", ...}
+      start: {"at": "2024-05-01T12:00:00+00:00", "plan_sha256": ...}
+      stop: {"at": ..., "outcome": "done", "records": 812, "sha256": ...}     appended when it ends
 
 A run without stop part was interrupted by a crash of the host. A crash can also leave the last
 line half-written; it is then left out, with a warning. A repeated run is a second item. A run that
@@ -27,6 +27,7 @@ from hbench.errors import DataError
 from hbench.records import Outcome, RunPlan
 from hbench.store.campaign.checksums import content_checksum, edited_sections, section_checksums
 from hbench.store.campaign.plan_fields import read_plan
+from hbench.store.campaign.run_lines import json_line, parse_run_lines
 from hbench.untrusted_text import printable
 
 SCHEMA = "hbench.campaign/1"
@@ -158,7 +159,7 @@ def parse_journal(data: bytes, source: str) -> JournalContent:
         line = intact.count(b"\n") + 1
         warnings = (f"{source}: line {line}: half-written, left out; the host crashed there",)
     try:
-        content = parse_yaml(intact.decode("utf-8"))
+        content = _parsed(intact.decode("utf-8"))
     except UnicodeDecodeError as error:
         line = intact.count(b"\n", 0, error.start) + 1
         raise DataError(f"{source}: line {line}: is not UTF-8 text") from None
@@ -178,6 +179,15 @@ def parse_journal(data: bytes, source: str) -> JournalContent:
     checksums = content.pop("sha256", None)
     warnings += tuple(f"{source}: {edit}" for edit in _edits(content, checksums, items))
     return JournalContent(content, entries, warnings)
+
+
+def _parsed(text: str) -> Any:
+    header, begin, lines = text.partition(_RUNS.decode())
+    runs = parse_run_lines(lines) if begin and "runs" not in header else None
+    if runs is None:
+        return parse_yaml(text)
+    content = parse_yaml(header + "\n")
+    return content | {"runs": runs} if isinstance(content, dict) else content
 
 
 def _check_header(header: dict[str, Any], source: str) -> None:
@@ -248,9 +258,12 @@ def _edits(header: Mapping[str, Any], checksums: Any, items: list[Any]) -> Itera
 
 
 def _dump(value: Any, *, flow: bool = True) -> str:
-    """Return YAML: block style, or flow style on one line without its end."""
+    """Return YAML: block style, or flow style on one line without its end, JSON if possible."""
+    value = _printable(value)
+    if flow and (line := json_line(value)) is not None:
+        return line
     text = yaml.dump(
-        _printable(value),
+        value,
         Dumper=_Dumper,
         default_flow_style=flow,
         width=_ONE_LINE,
