@@ -10,10 +10,10 @@ as beyond 3 sigma of an individuals chart (370). With L = 2.814 it would be 489,
 give 500 for limits that do not depend on i (Lucas and Saccucci, Technometrics 32, 1990).
 """
 
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import lfilter
 
 WEIGHT, WIDTH = 0.1, 2.7  # lambda and L
 
@@ -39,7 +39,8 @@ def ewma(
     ``weight`` is lambda, between 0 and 1; ``width`` is L.
     """
     x = np.asarray(x, dtype=float)
-    averages = lfilter([weight], [1.0, weight - 1.0], x - centre) + centre
+    shares = (weight * (x - centre)).tolist()
+    averages = np.fromiter(accumulate(shares, lambda z, y: y + (1 - weight) * z), float) + centre
     i = np.arange(1, len(x) + 1)
     half = width * sigma * np.sqrt(weight / (2 - weight) * (1 - (1 - weight) ** (2 * i)))
     return Ewma(averages, centre - half, centre + half)

@@ -21,7 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.special import stdtr
-from scipy.stats import kendalltau, theilslopes
 
 from hbench.analysis.rounding import ROUNDING, is_constant, merged
 from hbench.records import FEWEST_CAMPAIGNS
@@ -113,6 +112,8 @@ def trend_line(t: np.ndarray, x: np.ndarray) -> TrendLine | None:
         x = np.array([np.median(x[group]) for group in groups])
     if t[0] == t[-1] or is_constant(x):
         return None
+    from scipy.stats import kendalltau, theilslopes  # slow import
+
     line = theilslopes(x, t)
     return TrendLine(
         float(line.slope),
