@@ -63,7 +63,10 @@ def test_linear_algebra_has_one_thread_unless_the_user_sets_a_number(hbench, mon
     ("modules", "heavy"),
     [
         ("hbench.workflow.campaign, hbench.cli.bench_display", {"scipy.optimize", "matplotlib"}),
-        ("hbench.workflow.results, hbench.report.campaign.terminal", {"matplotlib"}),
+        (
+            "hbench.workflow.results, hbench.report.campaign.terminal",
+            {"matplotlib", "scipy", "hbench.records.diagnosis"},
+        ),
         ("hbench.workflow.results, hbench.report.campaign.figures.all_figures", set()),
     ],
     ids=["run", "analyze", "report"],
