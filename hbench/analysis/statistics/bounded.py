@@ -187,7 +187,7 @@ def _offset(
 def _levenberg_marquardt(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
-    """Take damped Gauss-Newton steps, cut off at the bounds; return ``x`` and convergence.
+    """Take damped Gauss-Newton steps within the bounds; return ``x`` and convergence.
 
     A parameter at a bound is held there while the cost falls outwards. It has converged where an
     undamped step of the others is expected to change the cost by no more than the tolerance.
@@ -208,9 +208,10 @@ def _levenberg_marquardt(
             if damping:
                 rows = np.vstack([jacobian, damping * size * np.eye(len(moved))])
                 right = np.append(residual, np.zeros(len(moved)))
-            change = np.linalg.lstsq(rows, right, rcond=None)[0]
+            ends = (bound[moved] - x[moved] for bound in (problem.lower, problem.upper))
+            change = _step(rows, right, *(end / problem.scale[moved] for end in ends))
             y = x.copy()
-            y[moved] -= change * problem.scale[moved]
+            y[moved] += change * problem.scale[moved]
             y = np.where(free, np.clip(y, problem.lower, problem.upper), y)
             after = problem.residual(y)
             squares = after @ after
@@ -224,3 +225,22 @@ def _levenberg_marquardt(
         x, residual, least = y, after, squares
         damping = damping / 10.0 if damping > _LEAST_DAMPING else 0.0
     return x, False
+
+
+def _step(
+    jacobian: np.ndarray, residual: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
+    """Return the step (p,) that minimises |r + J step|, within ``low`` to ``high``.
+
+    Parameters that would leave their bounds are put on them, and the others are solved again.
+    """
+    step, free = np.zeros(len(low)), np.ones(len(low), dtype=bool)
+    while free.any():
+        left = residual + jacobian[:, ~free] @ step[~free]
+        step[free] = np.linalg.lstsq(jacobian[:, free], -left, rcond=None)[0]
+        beyond = free & ((step < low) | (step > high))
+        if not beyond.any():
+            break
+        step = np.clip(step, low, high)
+        free &= ~beyond
+    return step
