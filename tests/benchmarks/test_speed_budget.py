@@ -21,7 +21,7 @@ from tests.support import ROOT
 CONFIGS = Path(__file__).parents[2] / "configs"
 PLAIN = ROOT / "tests" / "support" / "analysis"
 HBENCH = [sys.executable, "-P", "-m", "hbench"]  # the installed one
-REPORT_S = 5.0  # for 360 runs
+REPORT_S = 4.0  # for 360 runs
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,11 @@ def campaign(schedule: str, folder: Path) -> Iterator[Row]:
     yield Row(f"run, {runs} runs", again, "the bench itself", bench_s, 0.03)
     analyze = [*HBENCH, "analyze", made]
     plain = python(PLAIN / "plain_analysis.py", made)
-    yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 0.9)
+    yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 0.6)
     report = [*HBENCH, "report", made]
     call(report)
     plain = python(PLAIN / "plain_figures.py", made, folder)
-    yield Row(f"report, {runs} runs", report, "as many figures, plainly", plain, 2.5)
+    yield Row(f"report, {runs} runs", report, "as many figures, plainly", plain, 2.0)
 
 
 def reconciled(schedule: str, folder: Path) -> Iterator[Row]:
