@@ -11,12 +11,14 @@ those of the catalogue.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 
 from hbench.records import Run, RunPlan, Specimen
 
+START = datetime(2026, 1, 1, tzinfo=UTC)
 RATE_HZ, FINE = 200, 10  # samples a second, and steps of the generator in each
 MASS_KG, COULOMB_N, VISCOUS = 14.0, 22.0, 60.0
 CENTRE_M, REACH_M = 0.25, 0.15
