@@ -1,6 +1,7 @@
 """Motion of a driven mass: effects of another form than the catalogue's, and two errors."""
 
 import json
+from collections import Counter
 from copy import deepcopy
 from dataclasses import replace
 from functools import cache
@@ -12,8 +13,10 @@ import yaml
 
 from hbench import workflow
 from hbench.config.stroke_model import parse_motion
+from hbench.errors import DataError
 from hbench.reconcile.motion.motion_diagnosis import MotionTask, diagnose_motion, error_words
 from hbench.records import HeldOutError, Provenance
+from hbench.report.diagnosis.text import diagnosis_text
 from tests.support import driven_axis as axis
 from tests.support.commands import hbench
 
@@ -80,16 +83,6 @@ def test_a_hidden_effect_is_named_and_both_errors_fall(effect, name, friction):
     assert "The effects improve" not in found.why  # one without the other
 
 
-def test_where_the_refit_makes_up_for_an_effect_in_the_motion_the_force_alone_improves():
-    """The friction of a first guess five times too high is refitted to a tight place's mean."""
-    found = hidden(axis.tight_place, friction=5.0)
-    assert names_of(found) == ["position_friction"]
-    errors = errors_of(found)
-    assert errors["force"].after < 0.6 * errors["force"].refitted
-    assert errors["position"].after == pytest.approx(errors["position"].refitted, rel=0.02)
-    assert "The effects improve the force without the position" in found.why
-
-
 def test_a_weight_is_an_offset_of_its_force():
     found = hidden(axis.weight)
     (effect,) = found.effects
@@ -107,13 +100,15 @@ def test_twice_the_mass_in_addition_is_named_with_its_size():
     assert mass == pytest.approx(3 * axis.MASS_KG, rel=0.1)
 
 
-def test_a_better_force_with_a_motion_that_is_no_better_is_reported():
-    found = hidden(axis.shear)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_better_force_with_a_motion_that_is_no_better_is_reported(seed):
+    """A constant force that differs from run to run decides how far the motion drifts."""
+    found = diagnosis(axis.axis_runs(axis.shear, seed=seed, wander_n=4.0))
     (effect,) = found.effects
     assert effect.name == "presliding"
     assert effect.parameters["force"].value == pytest.approx(16.0, rel=0.1)
     errors = errors_of(found)
-    assert errors["force"].after < 0.3 * errors["force"].refitted
+    assert errors["force"].after < 0.8 * errors["force"].refitted
     assert errors["position"].after > errors["position"].refitted
     assert "The effects improve the force without the position" in found.why
 
@@ -148,6 +143,25 @@ def test_a_bench_of_another_size_has_the_same_verdict_and_forces_in_proportion(s
     assert after["force"].after == pytest.approx(size * before["force"].after, rel=1e-4)
     assert after["position"].after == pytest.approx(before["position"].after, rel=1e-4)
     assert other.where[0].scatter == pytest.approx(size * own.where[0].scatter, rel=1e-4)
+
+
+def test_an_unknown_law_has_the_parts_of_a_driven_mass_to_inspect():
+    soft = deepcopy(axis.MODEL)
+    soft["friction"]["test"]["law"] = "lugre"  # with bristles far softer than the axis
+    found = diagnosis(axis.axis_runs(axis.no_effect), soft)
+    assert found.verdict == "unknown" and not found.effects
+    words = diagnosis_text(found)
+    assert "inspect the guide and its seals, the drive" in words and "P_Tp" not in words
+
+
+def test_a_log_without_noise_and_one_without_motion():
+    runs = axis.axis_runs(axis.weight, noise=0.0)
+    assert names_of(diagnosis(runs)) == ["load_cell_offset"]
+    still = tuple(
+        replace(run, x_m=np.full_like(run.x_m, 0.2), f_drive_n=0 * run.f_drive_n) for run in runs
+    )
+    with pytest.raises(DataError, match="no friction is measured"):
+        diagnosis(still)
 
 
 def test_few_runs_and_runs_without_a_drive_force_are_reported():
@@ -251,3 +265,26 @@ def test_the_strokes_of_real_cylinders_are_a_motion_with_drive_force_too(
     assert errors["force"].after < 0.5 * errors["force"].refitted < 0.5 * errors["force"].before
     # An open-loop motion under a force that nothing balances exactly: of no use here.
     assert errors["position"].after > 500
+
+
+@pytest.mark.slow
+def test_over_many_runs_no_wrong_effect_is_named():
+    """Seeds that no choice was made with; ``-s`` shows the verdicts."""
+    counts = {}
+    for effect, name in {
+        axis.no_effect: "",
+        axis.asymmetry: "direction_asymmetry",
+        axis.tight_place: "position_friction",
+        axis.weight: "load_cell_offset",
+        axis.more_mass: "added_mass",
+        axis.shear: "presliding",
+        axis.late_friction: "friction_lag",
+    }.items():
+        found = [hidden(effect, seed) for seed in range(11, 17 if name else 31)]
+        verdicts = Counter((each.verdict, *names_of(each)) for each in found)
+        print(effect.__name__, dict(verdicts))
+        counts[effect.__name__] = verdicts
+        assert {key[1:] for key in verdicts} <= ({(), (name,)} if name else {()})
+    assert counts["no_effect"]["none",] >= 17
+    clear = [c for name, c in counts.items() if name not in ("no_effect", "late_friction")]
+    assert sum(n for c in clear for key, n in c.items() if key[0] == "named") >= 28

@@ -87,6 +87,13 @@ def shear(motion: Motion) -> np.ndarray:
     return force - 16.0 * np.tanh(motion.v_m_s / 2e-3)
 
 
+def late_friction(motion: Motion) -> np.ndarray:
+    """The rise of the dry friction at low speed follows the speed 100 ms late."""
+    late = np.interp(motion.t_s - 0.1, motion.t_s, motion.v_m_s)
+    now, then = (0.6 / (1 + (v / 0.04) ** 2) for v in (motion.v_m_s, late))
+    return COULOMB_N * np.tanh(motion.v_m_s / 2e-3) * (then - now)
+
+
 def motion(rng: np.random.Generator, duration_s: float = 12.0) -> Motion:
     t = np.arange(round(duration_s * RATE_HZ * FINE)) / (RATE_HZ * FINE)
     ramp = np.clip(t - 0.3, 0, 1)
@@ -101,11 +108,17 @@ def motion(rng: np.random.Generator, duration_s: float = 12.0) -> Motion:
 
 
 def axis_runs(
-    effect: Effect, count: int = 15, seed: int = 1, wander_n: float = 0.0, scale: float = 1.0
+    effect: Effect,
+    count: int = 15,
+    seed: int = 1,
+    scale: float = 1.0,
+    noise: float = 1.0,
+    wander_n: float = 0.0,
 ) -> tuple[Run, ...]:
-    """Return runs with position and drive force; ``wander_n`` is of a force, from run to run.
+    """Return runs with position and drive force.
 
-    ``scale`` multiplies all forces, as on a bench of another size.
+    ``scale`` multiplies all forces, as on a bench of another size; ``noise`` that of the sensors;
+    ``wander_n`` is the standard deviation of a constant force that differs from run to run.
     """
     rng, runs = np.random.default_rng(seed), []
     for i in range(count):
@@ -113,8 +126,8 @@ def axis_runs(
         viscous = VISCOUS * np.sign(m.v_m_s) * np.abs(m.v_m_s) ** 0.9
         force = MASS_KG * m.a_m_s2 + m.dry_n + viscous + effect(m) + wander_n * rng.normal()
         t, x, force = (y[::FINE] for y in (m.t_s, m.x_m, force))
-        x = x + 2e-6 * rng.standard_normal(len(t))
-        force = scale * (force + 0.4 * rng.standard_normal(len(t)))
+        x = x + 2e-6 * noise * rng.standard_normal(len(t))
+        force = scale * (force + 0.4 * noise * rng.standard_normal(len(t)))
         plan = RunPlan(f"{i + 1:04d}", "triangle", 1, 0.1, Specimen(0.0, 0.0))
         runs.append(Run(plan, t, x, f_drive_n=force))
     return tuple(runs)

@@ -15,6 +15,7 @@ from typing import Any
 from hbench.config.scaling import replaced, value_paths
 from hbench.config.stroke_model import MotionPlant
 from hbench.model.effects.catalogue import EFFECTS, read_effects
+from hbench.reconcile.estimates import times
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.records import Candidate, Change, Diagnosis, FitParameter, Gap, WorkingPoint
 
@@ -104,15 +105,7 @@ def _gap(gap: Gap, unit_n: float) -> Gap:
 
 
 def _parameter(parameter: FitParameter, unit_n: float) -> FitParameter:
-    if parameter.unit not in _OF_FORCE:
-        return parameter
-    se, ends = parameter.se, parameter.ci95
-    return replace(
-        parameter,
-        value=unit_n * parameter.value,
-        se=None if se is None else unit_n * se,
-        ci95=None if ends is None else (unit_n * ends[0], unit_n * ends[1]),
-    )
+    return times(parameter, unit_n) if parameter.unit in _OF_FORCE else parameter
 
 
 def _candidate(candidate: Candidate, unit_n: float) -> Candidate:

@@ -15,8 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.rounding import is_constant
+from hbench.analysis.rounding import ROUNDING, is_constant
 from hbench.config.stroke_model import MotionPlant
+from hbench.errors import DataError
 from hbench.model.build import friction_parameters, lone_cylinder
 from hbench.model.effects.catalogue import EFFECTS, read_effects, with_all_effects
 from hbench.model.parameters import CylinderParameters
@@ -29,7 +30,7 @@ from hbench.reconcile.measured.balances import BALANCES, BalanceModel, balance_v
 from hbench.reconcile.measured.session import Session, sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.motion.force_unit import in_unit, unit_of
-from hbench.reconcile.nuisance import ASSUMED_TOLERANCE
+from hbench.reconcile.nuisance import ASSUMED_TOLERANCE, standard_deviation
 from hbench.records import Gap, Run
 from hbench.records.diagnosis import REST_M_S
 
@@ -58,6 +59,11 @@ class MeasuredMotion(MeasuredCampaign):
         """Limits of the coefficients that are nuisances within them: the offset of the force."""
         return {_OFFSET: ASSUMED_TOLERANCE * self.largest_force}
 
+    @cached_property
+    def drifts(self) -> Mapping[str, float]:
+        """Standard deviation of the drift of the force over all runs, by channel."""
+        return {"f_applied": standard_deviation(0.5 * self.tolerances[_OFFSET])}
+
     def balance_model(self, hypothesis: Hypothesis) -> BalanceModel:
         """Return the balances' model of a hypothesis."""
         plant = hypothesis.plant(self.plant)
@@ -81,7 +87,8 @@ class MeasuredMotion(MeasuredCampaign):
         model = self.balance_model(hypothesis)
         noise, variance = np.full((2, len(BALANCES)), np.nan)
         column = BALANCES.index(BALANCE)
-        noise[column] = self._noise(model.par.mass_test_kg)
+        rounding = (ROUNDING * self.largest_force) ** 2
+        noise[column] = self._noise(model.par.mass_test_kg) + rounding
         own = self._level_variance(model, residuals.difference[:, column], residuals.run)
         variance[column] = noise[column] + own
         scatter = np.tile(np.sqrt(variance), (len(residuals.run), 1))
@@ -139,8 +146,13 @@ class MeasuredMotion(MeasuredCampaign):
 
 def measured_motion(plant: MotionPlant, runs: Sequence[Run], material: float) -> MeasuredMotion:
     """Return the measurements of some runs with a drive force. Raises ``DataError``."""
-    in_si = _with_unit(plant, runs, material, 1.0)
-    return _with_unit(plant, runs, material, unit_of(_friction(in_si)))
+    friction = _friction(_with_unit(plant, runs, material, 1.0))
+    if not friction > 0:
+        raise DataError(
+            "the drive force less inertia is constant in all motion, so no friction is measured",
+            "Check columns.x_m and columns.f_drive_n of the import map.",
+        )
+    return _with_unit(plant, runs, material, unit_of(friction))
 
 
 def _with_unit(
@@ -157,7 +169,7 @@ def _as_test_cylinder(run: Run, unit_n: float) -> Run:
     zeros = np.zeros(len(run.t_s))
     applied = zeros if run.f_applied_n is None else run.f_applied_n / unit_n
     return Run(
-        plan=replace(run.plan, label=f"{run.plan.label} {run.plan.run}"),
+        plan=replace(run.plan, label=f"{run.plan.label} {run.plan.run}".strip()),
         t_s=run.t_s,
         x_m=run.x_m,
         p_tp_pa=run.channel("f_drive_n") / (unit_n * _AREA_M2),

@@ -30,7 +30,7 @@ from hbench.reconcile.motion.open_loop import open_loop_positions
 from hbench.reconcile.search import CampaignSearch, SearchResult, silent
 from hbench.reconcile.separation.observable import divided_points
 from hbench.reconcile.verdict import FEWEST_POINTS
-from hbench.records import Diagnosis, HeldOutError, Provenance, Run
+from hbench.records import Diagnosis, HeldOutError, Overlay, Provenance, Run
 
 _SHORTEST_S = 1.0
 _EQUAL = 0.02  # of an error: a smaller change is none
@@ -102,13 +102,14 @@ def diagnose_motion(task: MotionTask) -> Diagnosis:
         whole, measured, result, held_out, not_tried, (), tuple(left_out), gaps_of_motion
     )
     fitted = frozenset(measured.start.effects) | frozenset(result.names)
-    errors = _held_out_errors(measured, result, held_out)
+    errors, shown = _held_out_errors(measured, result, held_out)
     words = error_words(errors, refitted=not result.refused, effects=bool(result.names))
     notes = tuple(note for note in diagnosis.notes if note != NOT_SIMULATED)
     return replace(
         in_newtons(diagnosis, measured.unit_n, fitted),
         why=f"{diagnosis.why} {words}",
         errors=errors,
+        overlays=(shown,),
         notes=(*_NOTES, *notes),
     )
 
@@ -122,8 +123,9 @@ def _unusable(run: Run) -> str:
     duration = float(run.t_s[-1] - run.t_s[0])
     if duration < _SHORTEST_S:
         return f"lasts {duration:.2g} s (limit: {_SHORTEST_S:g} s)"
-    signals = run.x_m, run.channel("f_drive_n")
-    return "" if all(np.isfinite(y).all() for y in signals) else "position or force has gaps"
+    signals = (run.x_m, run.f_drive_n, run.f_applied_n)
+    gaps = any(y is not None and not np.isfinite(y).all() for y in signals)
+    return "position or force has gaps" if gaps else ""
 
 
 def _listed(parts: Sequence[str]) -> str:
@@ -133,11 +135,26 @@ def _listed(parts: Sequence[str]) -> str:
 
 def _held_out_errors(
     measured: MeasuredMotion, result: SearchResult, held_out: np.ndarray
-) -> tuple[HeldOutError, ...]:
+) -> tuple[tuple[HeldOutError, ...], Overlay]:
+    """Return both errors, and the positions of the run with the largest error of the final model.
+
+    An error is nan where a simulated motion diverges.
+    """
     models = (result.given, result.refitted, result.final)
     forces = [measured.unit_n * _force_error(model.gap_map, held_out) for model in models]
-    positions = [1e3 * _position_error(measured, m.hypothesis, held_out) for m in models]
-    return HeldOutError("force", "N", *forces), HeldOutError("position", "mm", *positions)
+    runs = [run for log in measured.logs for run in log.runs]
+    simulated = [_positions(measured, model.hypothesis) for model in models]
+    squares = np.array([[_mean_square(x[i] - runs[i].x_m) for i in held_out] for x in simulated])
+    samples = [len(runs[i].t_s) for i in held_out]
+    positions = 1e3 * np.sqrt(np.average(squares, axis=1, weights=samples))
+    worst = int(held_out[np.argmax(np.nan_to_num(squares[-1], nan=np.inf))])
+    run, (_, refitted, final) = runs[worst], (x[worst] for x in simulated)
+    t_s = run.t_s - run.t_s[0]
+    shown = Overlay(run.plan.run, "x", "m", t_s, run.x_m, refitted, final)
+    return (
+        HeldOutError("force", "N", *forces),
+        HeldOutError("position", "mm", *positions.tolist()),
+    ), shown
 
 
 def _force_error(residuals: GapMap, points: np.ndarray) -> float:
@@ -145,16 +162,18 @@ def _force_error(residuals: GapMap, points: np.ndarray) -> float:
     return float(np.sqrt(np.nanmean(chosen**2)))
 
 
-def _position_error(measured: MeasuredMotion, hypothesis: Hypothesis, points: np.ndarray) -> float:
-    """Return the root mean square error [m] of the simulated positions; nan if one diverges."""
-    model, first, squares = measured.balance_model(hypothesis), 0, []
-    for log in measured.logs:
-        error = open_loop_positions(log, model) - log.channels["x_m"]
-        for r, own in enumerate(np.split(error, log.edges[1:-1])):
-            if first + r in points:
-                squares.append(own**2)
-        first += len(log.runs)
-    return float(np.sqrt(np.mean(np.concatenate(squares))))
+def _positions(measured: MeasuredMotion, hypothesis: Hypothesis) -> list[np.ndarray]:
+    """Return the simulated positions of each run."""
+    model = measured.balance_model(hypothesis)
+    return [
+        own
+        for log in measured.logs
+        for own in np.split(open_loop_positions(log, model), log.edges[1:-1])
+    ]
+
+
+def _mean_square(values: np.ndarray) -> float:
+    return float(np.mean(values**2))
 
 
 def error_words(errors: Sequence[HeldOutError], *, refitted: bool, effects: bool) -> str:
