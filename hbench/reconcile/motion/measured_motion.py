@@ -30,7 +30,7 @@ from hbench.reconcile.measured.balances import BALANCES, BalanceModel, balance_v
 from hbench.reconcile.measured.session import Session, sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.motion.force_unit import in_unit, unit_of
-from hbench.reconcile.nuisance import ASSUMED_TOLERANCE, standard_deviation
+from hbench.reconcile.nuisance import ASSUMED_TOLERANCE
 from hbench.records import Gap, Run
 from hbench.records.diagnosis import REST_M_S
 
@@ -61,8 +61,8 @@ class MeasuredMotion(MeasuredCampaign):
 
     @cached_property
     def drifts(self) -> Mapping[str, float]:
-        """Standard deviation of the drift of the force over all runs, by channel."""
-        return {"f_applied": standard_deviation(0.5 * self.tolerances[_OFFSET])}
+        """No drift of a sensor: the order of imported files need not be that of the time."""
+        return {}
 
     def balance_model(self, hypothesis: Hypothesis) -> BalanceModel:
         """Return the balances' model of a hypothesis."""
@@ -73,8 +73,7 @@ class MeasuredMotion(MeasuredCampaign):
         mass = CylinderParameters(_AREA_M2, _AREA_M2, high - low, 1.0, 1.0, -low, friction)
         par = with_all_effects(lone_cylinder(mass, float(plant.moving_mass.test)), effects, ())
         sensors = sensor_maps(ideal_sensors(), ideal_sensors(), effects)
-        drifts = {name: share * self.drifts[name] for name, share in hypothesis.drifts.items()}
-        return BalanceModel(par, sensors, None, {}, drifts)
+        return BalanceModel(par, sensors, None, {})
 
     def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
         """Return the residuals of all runs. Their scatter is noise and the runs' own friction.
