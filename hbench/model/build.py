@@ -39,6 +39,25 @@ def plant_parameters(plant: Plant) -> PlantParameters:
     return with_effects(par, read_effects(plant.effects), plant.learned)
 
 
+def lone_cylinder(test: CylinderParameters, mass_kg: float = 1.0) -> PlantParameters:
+    """Return parameters of a plant in which only the test cylinder and its mass are known.
+
+    The load cylinder has no friction; valves, supply and oil have arbitrary values.
+    """
+    without_friction = FrictionParameters(law=LAWS["tustin"].code)
+    return PlantParameters(
+        test=test,
+        load=test._replace(friction=without_friction),
+        mass_test_kg=mass_kg,
+        mass_load_kg=0.0,
+        bulk_modulus_pa=1e9,
+        supply=SupplyParameters(False, *[0.0] * 11),
+        valve=ValveParameters(*[1.0] * 4),
+        end_stop=EndStopParameters(0.0, 0.0),
+        substeps=1,
+    )
+
+
 def _cylinder(cylinder: Cylinder, friction: Friction) -> CylinderParameters:
     return CylinderParameters(
         area_piston_m2=float(cylinder.area_piston_m2),

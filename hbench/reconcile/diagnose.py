@@ -18,7 +18,7 @@ from hbench.reconcile.diagnosis_fields import (
     residual_map,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.gaps.gap_map import column_means, point_of
+from hbench.reconcile.gaps.gap_map import GapMap, column_means, point_of
 from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.gaps.overlays import overlays
 from hbench.reconcile.gaps.regions import regions
@@ -47,6 +47,7 @@ from hbench.reconcile.verdict import (
 from hbench.records import (
     AddedEffect,
     Diagnosis,
+    Gap,
     Overlay,
     Provenance,
     Run,
@@ -56,7 +57,7 @@ from hbench.records import (
 from hbench.records.diagnosis import MATERIAL
 
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
-_NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
+NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
 _ASSUMED = (
     "No instruments are stated. Tolerances of 1 % of the largest reading are assumed: errors of "
     "sensors below that are not named."
@@ -120,12 +121,10 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     task = replace(task, runs=usable)
     names, not_tried = observable_effects(task.runs, task.plant)
     measured, result, held_out = run_search(task, names)
-    return _assembled(
-        task, measured, result, held_out, not_tried, tuple(missing.values()), left_out
-    )
+    return assembled(task, measured, result, held_out, not_tried, tuple(missing.values()), left_out)
 
 
-def _assembled(
+def assembled(
     task: ReconcileTask,
     measured: MeasuredCampaign,
     result: SearchResult,
@@ -133,7 +132,9 @@ def _assembled(
     not_tried: Mapping[str, str],
     missing: tuple[str, ...],
     left_out: tuple[str, ...],
+    rank: Callable[[GapMap, np.ndarray], tuple[Gap, ...]] = ranked_gaps,
 ) -> Diagnosis:
+    """Return the diagnosis that the result of a search gives; ``rank`` returns the gaps."""
     refitted, final = result.refitted, result.final
     points = final.gap_map.points
     held_out_points = frozenset(points[i] for i in held_out)
@@ -149,9 +150,9 @@ def _assembled(
     )
     runs = tuple(run for log in measured.logs for run in log.runs)
     simulated, overlaid, notes = _verification(task, result, held_out_points)
-    where = ranked_gaps(refitted.gap_map, _allowed(measured, refitted))
+    where = rank(refitted.gap_map, _allowed(measured, refitted))
     by_effects = (result.unlearned or final).gap_map.in_units_of(refitted.gap_map)
-    unexplained = unexplained_gaps(ranked_gaps(by_effects, _allowed(measured, refitted)))
+    unexplained = unexplained_gaps(rank(by_effects, _allowed(measured, refitted)))
     last = result.steps[-1]
     rivals = {
         each.candidate.name: each.model
@@ -282,7 +283,7 @@ def _verification(
     trials = Counter(point_of(run.plan) for run in task.runs)
     runs = [run for run in task.runs if run.plan.motion and trials[point_of(run.plan)] > 1]
     if task.simulate is None:
-        return None, (), (_NOT_SIMULATED,)
+        return None, (), (NOT_SIMULATED,)
     if not runs:
         return None, (), (_NO_TRIALS,)
     task.stage("simulating the schedule with the given, the refitted and the final model")

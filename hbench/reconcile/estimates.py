@@ -1,7 +1,7 @@
 """Parameter estimates of the revised model: nuisance factors and coefficients, with intervals."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -99,6 +99,17 @@ class ParameterEstimates:
         if self.beta[i] <= self.low[i] + _AT_BOUND:
             return "lower"
         return "upper" if self.beta[i] >= self.high[i] - _AT_BOUND else None
+
+
+def times(parameter: FitParameter, factor: float) -> FitParameter:
+    """Return a parameter that is ``factor`` times another."""
+    se, ends = parameter.se, parameter.ci95
+    return replace(
+        parameter,
+        value=factor * parameter.value,
+        se=None if se is None else factor * se,
+        ci95=None if ends is None else (factor * ends[0], factor * ends[1]),
+    )
 
 
 def whole_dof(dof: float) -> int:

@@ -48,6 +48,7 @@ _MODULES = {
         "EffectPair",
         "Gap",
         "GapTable",
+        "HeldOutError",
         "Lookalike",
         "Overlay",
         "PlannedEffects",

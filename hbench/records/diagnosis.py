@@ -283,6 +283,21 @@ class Overlay:
 
 
 @dataclass(frozen=True)
+class HeldOutError:
+    """Root mean square error of the models of a driven mass over held-out runs, in ``unit``.
+
+    Of ``force``, that of the force balance along the measured motion; of ``position``, that of the
+    motion simulated under the measured drive force from each run's first sample.
+    """
+
+    quantity: Literal["force", "position"]
+    unit: str  # a bench's
+    before: FloatOrNan  # model as given
+    refitted: FloatOrNan
+    after: FloatOrNan  # with the effects
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """Disagreement of model and measurement, its cause, and the revised model."""
 
@@ -319,3 +334,4 @@ class Diagnosis:
     regions_after: tuple[Region, ...] = ()  # of the final model, in the same scatters
     # Why the refit without effects was refused: "refitted" then is the model as given. Empty: not.
     refit_refused: str = ""
+    errors: tuple[HeldOutError, ...] = ()  # of the motion of a driven mass

@@ -35,17 +35,20 @@ def reconcile(
     The model is a bench file, or a plant file applied to the campaign's bench. ``report`` gets the
     numbers of finished and of all simulations, ``stage`` what begins. Logs of a whole bench, with
     chamber pressures and commands, are compared along their samples, whoever made them. Of other
-    imported logs the steady strokes of one ``series`` are compared, which must be specified if
-    there are several.
+    imported logs one ``series`` is compared, which must be specified if there are several: the
+    motion of a mass whose drive force was measured, or else steady strokes.
     Deviations below a share ``material`` of a signal's range do not matter. Raises ``ConfigError``,
     ``DataError``.
     """
     # Slow imports: they compile.
     from hbench.workflow import campaign_diagnosis
+    from hbench.workflow.motion_diagnosis import diagnosed_motion, has_drive
     from hbench.workflow.stroke_diagnosis import diagnosed_strokes
 
     campaign = load_campaign(folder)
     runs = tuple(r for r in calibrated_runs(campaign) if KINDS[r.plan.kind].is_reconciled)
+    if campaign.imported and has_drive(runs):
+        return diagnosed_motion(campaign, runs, model_file, series, material, stage)
     if campaign.imported and not campaign_diagnosis.has_whole_bench(runs):
         return diagnosed_strokes(campaign, model_file, series)
     if series is not None:

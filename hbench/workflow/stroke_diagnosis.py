@@ -19,17 +19,7 @@ def diagnosed_strokes(campaign: StoredCampaign, model_file: Path, series: str | 
     The model's file needs only test_cylinder and friction.test. Raises ``ConfigError``,
     ``DataError``.
     """
-    labels = list(dict.fromkeys(entry.plan.label for entry in campaign.entries))
-    names = ", ".join(map(repr, labels))
-    if series is None and len(labels) > 1:
-        raise ConfigError(
-            f"{campaign.folder}: contains several series: {names}", "Choose one with --series."
-        )
-    chosen = labels[0] if series is None else series
-    if chosen not in labels:
-        raise ConfigError(
-            f"--series: {campaign.folder} contains no {chosen!r}", f"Choose one of: {names}."
-        )
+    chosen = chosen_series(campaign, series)
     bench = (campaign.header.get("bench") or {}).get("content")
     data = read_yaml(model_file)
     if bench:
@@ -46,6 +36,22 @@ def diagnosed_strokes(campaign: StoredCampaign, model_file: Path, series: str | 
             series=by_label,
         )
     )
+
+
+def chosen_series(campaign: StoredCampaign, series: str | None) -> str:
+    """Return the label of a ``series``, or of the only one. Raises ``ConfigError``."""
+    labels = list(dict.fromkeys(entry.plan.label for entry in campaign.entries))
+    names = ", ".join(map(repr, labels))
+    if series is None and len(labels) > 1:
+        raise ConfigError(
+            f"{campaign.folder}: contains several series: {names}", "Choose one with --series."
+        )
+    chosen = labels[0] if series is None else series
+    if chosen not in labels:
+        raise ConfigError(
+            f"--series: {campaign.folder} contains no {chosen!r}", f"Choose one of: {names}."
+        )
+    return chosen
 
 
 def _of_the_same_cylinder(campaign: StoredCampaign, label: str) -> StoredCampaign:

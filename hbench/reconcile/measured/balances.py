@@ -122,10 +122,10 @@ def balance_model(bench: Bench | None, plant: Plant) -> BalanceModel:
     bare = plant_parameters(plant.model_copy(update={"effects": {}, "learned": ()}))
     par = with_all_effects(bare, effects, plant.learned)
     if bench is None:
-        return BalanceModel(par, _sensor_maps(ideal_sensors(), ideal_sensors(), effects), None, {})
+        return BalanceModel(par, sensor_maps(ideal_sensors(), ideal_sensors(), effects), None, {})
     board: Controllers = changed_by("board", bench.controllers, effects)
     steps = {name: gain / FRACTION for name, (gain, _) in sensor_gains(bench.sensors).items()}
-    maps = _sensor_maps(
+    maps = sensor_maps(
         sensor_parameters(_sensors(plant, bench)), sensor_parameters(bench.sensors), effects
     )
     lag = 0.0 if bench.sensors.accelerometer else board.velocity_filter
@@ -136,7 +136,7 @@ def _sensors(plant: Plant, bench: Bench) -> Sensors:
     return plant.sensors or bench.sensors
 
 
-def _sensor_maps(
+def sensor_maps(
     own: SensorParameters, assumed: SensorParameters, effects: Mapping[str, Mapping[str, float]]
 ) -> dict[str, tuple[float, float]]:
     """Return each channel's reading as a * value + b: (a, b), by channel."""
@@ -227,6 +227,14 @@ def laws_along(
     session: Session, signals: np.ndarray, model: BalanceModel, forces: tuple[np.ndarray, ...]
 ) -> AlongLog:
     """Return the laws along all logs; ``forces`` are the measured frictions of both cylinders."""
+    at_start, levels = starts(session, signals, model, forces), np.array(model.levels)
+    return along(signals, session.window.dt_s, model.par, at_start, levels, model.step_s)
+
+
+def starts(
+    session: Session, signals: np.ndarray, model: BalanceModel, forces: tuple[np.ndarray, ...]
+) -> Starts:
+    """Return what all logs start with; ``forces`` are the measured frictions of both cylinders."""
     friction = np.array(
         [
             [_at_start(force[start:stop]) for force in forces]
@@ -234,9 +242,7 @@ def laws_along(
         ]
     )
     share = _share_of_static(friction[:, 0], signals[:, session.edges[:-1]], model.par)
-    starts = Starts(session.edges, friction, share[:, None] * _DEFLECTS, _BUILDS_UP)
-    levels = np.array(model.levels)
-    return along(signals, session.window.dt_s, model.par, starts, levels, model.step_s)
+    return Starts(session.edges, friction, share[:, None] * _DEFLECTS, _BUILDS_UP)
 
 
 def _at_start(records: np.ndarray) -> float:

@@ -5,17 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from hbench.config.stroke_model import StrokePlant
-from hbench.model.build import friction_parameters
+from hbench.model.build import friction_parameters, lone_cylinder
 from hbench.model.effects.applied import friction_effects
 from hbench.model.effects.catalogue import read_effects, with_effects
 from hbench.model.friction.laws import steady_parts
-from hbench.model.parameters import (
-    CylinderParameters,
-    EndStopParameters,
-    PlantParameters,
-    SupplyParameters,
-    ValveParameters,
-)
+from hbench.model.parameters import CylinderParameters, PlantParameters
 from hbench.model.plant import P_TP, P_TR, V, bristles_end, n_states
 from hbench.model.sensors import SensorParameters
 
@@ -43,18 +37,7 @@ def plant_with_test_cylinder(plant: StrokePlant) -> PlantParameters:
     bore, friction = plant.test_cylinder, friction_parameters(plant.friction.test)
     areas = bore.area_piston_m2, bore.area_rod_m2
     test = CylinderParameters(*areas, _STROKE_M, 1e-3, 1e-3, 0.5 * _STROKE_M, friction)
-    par = PlantParameters(
-        test=test,
-        load=test,
-        mass_test_kg=1.0,
-        mass_load_kg=1.0,
-        bulk_modulus_pa=1e9,
-        supply=SupplyParameters(False, *[0.0] * 11),
-        valve=ValveParameters(*[1.0] * 4),
-        end_stop=EndStopParameters(0.0, 0.0),
-        substeps=1,
-    )
-    return with_effects(par, read_effects(plant.effects))
+    return with_effects(lone_cylinder(test), read_effects(plant.effects))
 
 
 def load_cell_reading(stroke: Stroke, par: PlantParameters, sensors: SensorParameters) -> float:

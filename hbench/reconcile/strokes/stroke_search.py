@@ -28,7 +28,7 @@ from hbench.reconcile.candidates import (
     EvaluatedCandidate,
     indistinguishable,
 )
-from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, whole_dof
+from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, times, whole_dof
 from hbench.reconcile.evidence import rotated
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
@@ -84,20 +84,9 @@ class SeriesSearch(CandidateEvaluator):
     def factors(self, estimates: ParameterEstimates) -> dict[str, FitParameter]:
         """Return the factors on the given model's values, by dotted path."""
         return {
-            path: _times(parameter, self.levels.get(path, 1.0))
+            path: times(parameter, self.levels.get(path, 1.0))
             for path, parameter in estimates.factors().items()
         }
-
-
-def _times(parameter: FitParameter, level: float) -> FitParameter:
-    """Return a factor that is ``level`` times another."""
-    se, ends = parameter.se, parameter.ci95
-    return replace(
-        parameter,
-        value=level * parameter.value,
-        se=None if se is None else level * se,
-        ci95=None if ends is None else (level * ends[0], level * ends[1]),
-    )
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from hbench.records import (
     Lookalike,
 )
 from hbench.report.diagnosis.change_words import readings_words
-from hbench.report.diagnosis.names import PARTS, in_words
+from hbench.report.diagnosis.names import in_words, parts_of
 from hbench.report.diagnosis.place_words import CLEARLY_LARGER, edge_gaps, worst_region
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
@@ -148,11 +148,12 @@ def next_step(diagnosis: Diagnosis) -> str:
 def _where_to_look(diagnosis: Diagnosis) -> str:
     """Return what to inspect, and under which conditions, where no effect explains the gaps."""
     name = (diagnosis.rest or diagnosis.where)[0].name
-    if name not in PARTS:
+    inspect = parts_of(diagnosis, name)
+    if not inspect:
         return ""
     words = (
         worst_region(diagnosis, name),
-        f"Next, inspect {PARTS[name]}.",
+        f"Next, inspect {inspect}.",
         first_edge(diagnosis, name),
     )
     return " ".join(filter(None, words))

@@ -60,6 +60,10 @@ _STROKES = (
     "residual forces is friction; their mean is what does not turn with the direction, such as an "
     "offset or a wrong gain of the load cell."
 )
+_MOTION = (
+    "Newton's law of the driven mass: the force of the drive less the applied force, friction and "
+    "inertia. It is evaluated along the measured logs, and it decides."
+)
 _SIGNALS = (
     "The same schedule, simulated in closed loop and in open loop. They check the revised model; "
     "the verdict does not depend on them, and no expected gap is computed for them."
@@ -129,7 +133,7 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     held_out = _LEAVE_ONE_OUT if strokes else _not_fitted(diagnosis)
     return (
         ("Gap", _GAP),
-        ("Balances", _STROKES if strokes else _BALANCES),
+        ("Balances", _MOTION if diagnosis.errors else _STROKES if strokes else _BALANCES),
         *([("Signals", _SIGNALS)] if diagnosis.gap_heldout.signals else []),
         *([] if diagnosis.refit_refused else [("Refitted", _REFITTED_STAGE)]),
         ("Expected", _EXPECTED),

@@ -45,7 +45,7 @@ LAYOUTS: Layouts = {
         **keys("ranking", "threshold", "refitted"),
         "refit_refused": NullIfEmpty("refit_refused"),
         **keys("regions", "regions_after", "heldout_runs", "not_tried"),
-        **keys("missing", "left_out", "notes", "unnamed", "separability"),
+        **keys("missing", "left_out", "notes", "unnamed", "separability", "errors"),
     },
     Gap: {
         "balance": "name",

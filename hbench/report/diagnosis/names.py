@@ -88,6 +88,7 @@ PARTS = {
     "kinematics": "the position transducer and the velocity filter",
     "supply": "the pump, the accumulator and the transducer of P_S",
 }
+_PARTS_OF_MASS = "the guide and its seals, the drive, the factor of its force, and the moving mass"
 # Metering edge of each chamber while the piston extends, and while it retracts.
 EDGES = {
     "flow_tp": ("supply", "tank"),
@@ -112,6 +113,11 @@ def balance(name: str) -> DisplayName:
 def of_strokes(diagnosis: Diagnosis) -> bool:
     """Return whether pairs of steady strokes were compared, not the logs of a whole bench."""
     return any(gap.name in STROKE_NAMES for gap in diagnosis.where)
+
+
+def parts_of(diagnosis: Diagnosis, name: str) -> str:
+    """Return the parts of the bench that a balance depends on; empty where none are listed."""
+    return _PARTS_OF_MASS if diagnosis.errors else PARTS.get(name, "")
 
 
 def residual_name(name: str) -> DisplayName:

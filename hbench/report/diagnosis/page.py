@@ -43,6 +43,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "The gap before and after" if diagnosis.effects else "The gap",
         (text.gap_line(diagnosis),),
         drawings=drawn("gap"),
+        tables=_with_rows(text.errors_table(diagnosis)),
         facts=definitions.of_gaps(diagnosis),
         parts=(
             *_numbers("Gaps of held-out runs in numbers", *_held_out_tables(diagnosis)),

@@ -35,7 +35,7 @@ from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.sentences import deviations, effect_words
 from hbench.report.diagnosis.separability_tables import not_tried_lines
 from hbench.report.diagnosis.summary import short_summary
-from hbench.report.render.numbers import NONE, number, short
+from hbench.report.render.numbers import NONE, number, short, significant
 from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
 
@@ -133,6 +133,7 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     every = (
         candidates_table(diagnosis),
         *changes_tables(diagnosis),
+        errors_table(diagnosis),
         effects_table(diagnosis),
         alternatives_table(diagnosis),
         where_table(diagnosis),
@@ -176,6 +177,20 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
         (*head, "score (nats)", "next best, below by (nats)"),
         tuple(rows),
     )
+
+
+def errors_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the errors of held-out runs of a driven mass."""
+    steps = steps_of(diagnosis, of_balances=False)
+    rows = tuple(
+        (
+            f"{_ERRORS[error.quantity]} ({error.unit})",
+            *(significant(getattr(error, step), 3) for step in steps),
+        )
+        for error in diagnosis.errors
+    )
+    title = "Root mean square errors of held-out runs"
+    return WordTable(title, ("error", *steps.values()), rows)
 
 
 def alternatives_table(diagnosis: Diagnosis) -> WordTable:
@@ -262,6 +277,7 @@ def with_total(table: GapTable) -> dict[str, BeforeAfter]:
     return {"all": table.total, **table.balances} if table.balances else {}
 
 
+_ERRORS = {"force": "force along the motion", "position": "open-loop position"}
 _FEW = 8  # candidates, and runs, that a terminal is shown
 _RANK_HEAD = ("candidate", "score (nats)", "must exceed", "explains", "size", "tried")
 

@@ -71,6 +71,11 @@ _OVERLAY = (
     "A held-out run as measured, and as simulated with the same firmware in closed loop. Right: "
     "simulated less measured."
 )
+_OPEN_LOOP = (
+    "The held-out run with the largest position error of the final model: as measured, and as "
+    "simulated under the measured drive force from its first sample. Nothing corrects this motion. "
+    "Right: simulated less measured."
+)
 _SHRUNK = " Of all held-out runs and signals, these gaps shrink most by what is added to the model."
 _LARGEST = " Of all held-out runs and signals, these gaps are largest."
 _NONE_SHRANK = " What is added to the model reduces the gap of no signal; these gaps are largest."
@@ -121,7 +126,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
     plans = {run_gap.plan.run: run_gap.plan for run_gap in diagnosis.gap_runs}
     for run, figure in overlay_figures(diagnosis).items():
         title = f"Run {run}: {plan_words(plans[run])}" if run in plans else f"Run {run}"
-        yield "overlay", f"run {run}", title, _OVERLAY + _chosen(diagnosis), figure
+        yield "overlay", f"run {run}", title, _overlay_caption(diagnosis), figure
     if diagnosis.ranking:
         yield "ranking", "ranking", "Candidates", _RANKING, ranking_figure(diagnosis)
     if diagnosis.refitted:
@@ -146,8 +151,12 @@ def _stages(diagnosis: Diagnosis) -> str:
     return stages if added else ""
 
 
+def _overlay_caption(diagnosis: Diagnosis) -> str:
+    """Return how these signals of held-out runs were simulated, and why they are shown."""
+    return _OPEN_LOOP if diagnosis.errors else _OVERLAY + _chosen(diagnosis)
+
+
 def _chosen(diagnosis: Diagnosis) -> str:
-    """Return why these signals of held-out runs are shown."""
     if "after" not in steps_of(diagnosis):
         return _LARGEST
     return _SHRUNK if all(each.shrank for each in diagnosis.overlays) else _NONE_SHRANK

@@ -1,0 +1,1 @@
+"""Reconciliation of the motion of a driven mass without hydraulics."""

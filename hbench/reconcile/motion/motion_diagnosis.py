@@ -1,0 +1,206 @@
+"""Diagnosis of a driven mass: force error and open-loop position error of held-out runs.
+
+Every fifth run is held out from refit and search. The force error is that of the balance along the
+measured motion. The position error is that of the motion that a model makes of the measured drive
+force. A model can improve one alone, so both are always reported.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from hbench.config.stroke_model import MotionPlant
+from hbench.reconcile.diagnose import NOT_SIMULATED, ReconcileTask, assembled
+from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
+from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.measured.balances import BALANCES, incomplete_reason
+from hbench.reconcile.motion.force_unit import in_newtons
+from hbench.reconcile.motion.measured_motion import (
+    BALANCE,
+    MeasuredMotion,
+    gaps_of_motion,
+    measured_motion,
+    observable_in_motion,
+)
+from hbench.reconcile.motion.open_loop import open_loop_positions
+from hbench.reconcile.search import CampaignSearch, SearchResult, silent
+from hbench.reconcile.separation.observable import divided_points
+from hbench.reconcile.verdict import FEWEST_POINTS
+from hbench.records import Diagnosis, HeldOutError, Overlay, Provenance, Run
+
+_SHORTEST_S = 1.0
+_EQUAL = 0.02  # of an error: a smaller change is none
+_STAGES = {"before": "as given", "refitted": "refitted", "after": "with the effects"}
+_SUBJECTS = {
+    ("before", "refitted"): "The refit improves",
+    ("before", "after"): "Compared with the model as given, the revised model improves",
+    ("refitted", "after"): "The effects improve",
+}
+_MEANING = {
+    "force": "the simulated motion is no better",
+    "position": "errors of the force may cancel in the simulated motion",
+}
+_TEXTS = {"force": "force error", "position": "open-loop position error"}
+_NOTES = (
+    "Motion of a driven mass: the force of the test cylinder is that of the drive, the balance is "
+    "drive force less applied force, friction and inertia. load_cell_offset is any constant "
+    "force, such as a weight or an offset of the drive. A trial scatter is the noise of the "
+    "measured signals and the change of friction from run to run.",
+    "The open-loop position error is that of the motion simulated under the measured drive force "
+    "from the first sample of each held-out run. Nothing corrects this motion, so errors of the "
+    "force accumulate.",
+)
+
+
+@dataclass(frozen=True)
+class MotionTask:
+    """Task of a diagnosis: runs with position and drive force, and a model of the mass."""
+
+    provenance: Provenance
+    model: str  # file name
+    plant: MotionPlant  # of the model
+    plant_data: Mapping[str, Any]  # sections of the model's file
+    runs: tuple[Run, ...]
+    material: float
+    stage: Callable[[str], None] = silent  # receives a description of each stage
+
+
+def diagnose_motion(task: MotionTask) -> Diagnosis:
+    """Determine the effects behind the residuals of the force balance; see ``Diagnosis``."""
+    usable, left_out = [], []
+    for run in task.runs:
+        if reason := _unusable(run):
+            left_out.append(f"run {run.plan.run}: {reason}")
+        else:
+            usable.append(run)
+    if len(usable) < FEWEST_POINTS:
+        runs = (
+            f"at least {FEWEST_POINTS} runs of {_SHORTEST_S:g} s with position and drive force; "
+            f"there are {len(usable)}"
+        )
+        return insufficient_data_diagnosis(task, (runs,), tuple(left_out))
+    names, not_tried = observable_in_motion(usable, task.plant)
+    measured = measured_motion(task.plant, usable, task.material)
+    train, held_out = divided_points(len(usable))
+    result = CampaignSearch(measured, train, names, task.stage).run()
+    whole = ReconcileTask(
+        provenance=task.provenance,
+        bench=None,
+        model=task.model,
+        plant=measured.plant,
+        plant_data=task.plant_data,
+        runs=tuple(run for log in measured.logs for run in log.runs),
+        instruments=None,
+        material=task.material,
+        stage=task.stage,
+    )
+    diagnosis = assembled(
+        whole, measured, result, held_out, not_tried, (), tuple(left_out), gaps_of_motion
+    )
+    fitted = frozenset(measured.start.effects) | frozenset(result.names)
+    errors, shown = _held_out_errors(measured, result, held_out)
+    words = error_words(errors, refitted=not result.refused, effects=bool(result.names))
+    notes = tuple(note for note in diagnosis.notes if note != NOT_SIMULATED)
+    return replace(
+        in_newtons(diagnosis, measured.unit_n, fitted),
+        why=f"{diagnosis.why} {words}",
+        errors=errors,
+        overlays=(shown,),
+        notes=(*_NOTES, *notes),
+    )
+
+
+def _unusable(run: Run) -> str:
+    """Return why a run is left out; empty for a usable one."""
+    if run.f_drive_n is None:
+        return "no drive force"
+    if reason := run.aborted or incomplete_reason(run):
+        return reason
+    duration = float(run.t_s[-1] - run.t_s[0])
+    if duration < _SHORTEST_S:
+        return f"lasts {duration:.2g} s (limit: {_SHORTEST_S:g} s)"
+    signals = (run.x_m, run.f_drive_n, run.f_applied_n)
+    gaps = any(y is not None and not np.isfinite(y).all() for y in signals)
+    return "position or force has gaps" if gaps else ""
+
+
+def _listed(parts: Sequence[str]) -> str:
+    """Return parts of a sentence with commas and a final "and"."""
+    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
+
+
+def _held_out_errors(
+    measured: MeasuredMotion, result: SearchResult, held_out: np.ndarray
+) -> tuple[tuple[HeldOutError, ...], Overlay]:
+    """Return both errors, and the positions of the run with the largest error of the final model.
+
+    An error is nan where a simulated motion diverges.
+    """
+    models = (result.given, result.refitted, result.final)
+    forces = [measured.unit_n * _force_error(model.gap_map, held_out) for model in models]
+    runs = [run for log in measured.logs for run in log.runs]
+    simulated = [_positions(measured, model.hypothesis) for model in models]
+    squares = np.array([[_mean_square(x[i] - runs[i].x_m) for i in held_out] for x in simulated])
+    samples = [len(runs[i].t_s) for i in held_out]
+    positions = 1e3 * np.sqrt(np.average(squares, axis=1, weights=samples))
+    worst = int(held_out[np.argmax(np.nan_to_num(squares[-1], nan=np.inf))])
+    run, (_, refitted, final) = runs[worst], (x[worst] for x in simulated)
+    t_s = run.t_s - run.t_s[0]
+    shown = Overlay(run.plan.run, "x", "m", t_s, run.x_m, refitted, final)
+    return (
+        HeldOutError("force", "N", *forces),
+        HeldOutError("position", "mm", *positions.tolist()),
+    ), shown
+
+
+def _force_error(residuals: GapMap, points: np.ndarray) -> float:
+    chosen = residuals.difference[np.isin(residuals.point, points), BALANCES.index(BALANCE)]
+    return float(np.sqrt(np.nanmean(chosen**2)))
+
+
+def _positions(measured: MeasuredMotion, hypothesis: Hypothesis) -> list[np.ndarray]:
+    """Return the simulated positions of each run."""
+    model = measured.balance_model(hypothesis)
+    return [
+        own
+        for log in measured.logs
+        for own in np.split(open_loop_positions(log, model), log.edges[1:-1])
+    ]
+
+
+def _mean_square(values: np.ndarray) -> float:
+    return float(np.mean(values**2))
+
+
+def error_words(errors: Sequence[HeldOutError], *, refitted: bool, effects: bool) -> str:
+    """Return both errors of held-out runs, and each step that improves one without the other.
+
+    ``refitted`` and ``effects`` are whether the model was refitted, and whether it has effects.
+    """
+    stages = ("before", *(["refitted"] if refitted else []), *(["after"] if effects else []))
+    parts = [
+        f"the {_TEXTS[error.quantity]} is "
+        + _listed(
+            [f"{getattr(error, stage):.3g} {error.unit} {_STAGES[stage]}" for stage in stages]
+        )
+        for error in errors
+    ]
+    sentences = [f"In held-out runs {'; '.join(parts)}."]
+    steps = [*pairwise(stages), *([("before", "after")] if len(stages) > 2 else [])]
+    for start, end in steps:
+        better = [error.quantity for error in errors if _improves(error, start, end)]
+        if len(better) == 1:
+            (other,) = (each.quantity for each in errors if each.quantity not in better)
+            sentences.append(
+                f"{_SUBJECTS[start, end]} the {better[0]} without the {other}: "
+                f"{_MEANING[better[0]]}."
+            )
+    return " ".join(sentences)
+
+
+def _improves(error: HeldOutError, start: str, end: str) -> bool:
+    return bool(getattr(error, end) < (1 - _EQUAL) * getattr(error, start))
