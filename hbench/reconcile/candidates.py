@@ -346,10 +346,8 @@ def explained_share(
     that acts for a moment is a small part of the values.
     """
     columns = [model.column(which) for which in model.coefficients_of([name])]
-    nonzero = np.einsum("pgjj->gj", model.data.columns)[:, columns].any(axis=1)
-    balances = {
-        balance for (balance, _), changed in zip(model.data.groups, nonzero, strict=True) if changed
-    }
+    changed = np.flatnonzero(model.data.columns.nonzero[:, columns].any(axis=1))
+    balances = {model.data.groups[i][0] for i in changed}
     touched = np.isin([balance for balance, _ in model.data.groups], list(balances))
     change = np.array([is_change(kind) for _, kind in model.data.groups])
 

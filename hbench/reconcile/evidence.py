@@ -88,8 +88,8 @@ def expected_loss(
     known = data.sums(chosen, points, None)
     sums = replace(
         known,
-        mixed=np.einsum("bj,gjk->bgk", causes, columns[:, :, list(chosen)], optimize=True),
-        squares=np.einsum("bj,gjk,bk->bg", causes, columns, causes, optimize=True),
+        mixed=columns.times(causes)[:, :, list(chosen)],
+        squares=columns.squares(causes),
     )
     selected = priors.select(chosen)
     fitted = _cost(sums, selected, _most_likely(sums, selected))
@@ -100,7 +100,7 @@ def information(data: Products, points: np.ndarray) -> np.ndarray:
     """Return the information (q, q) on all columns: sum n_g / (m_g v_g) c c', v_g that of noise."""
     sums = data.sums((), points, None)
     weight = sums.points / (sums.windows * sums.noise)
-    return np.tensordot(weight, data.summed_columns(points), axes=1)
+    return data.summed_columns(points).weighted(weight[None])[0]
 
 
 def cost(data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarray) -> float:
@@ -144,7 +144,7 @@ def _reweighted_fit(sums: Sums, priors: Priors, variance: np.ndarray) -> np.ndar
 def _weighted_fit(sums: Sums, priors: Priors, variance: np.ndarray) -> np.ndarray:
     """Return beta (b, q) within its bounds where the groups' variances (b, g) are known."""
     weight = sums.points / (sums.windows * variance)
-    curved = np.tensordot(weight, sums.columns, axes=1)
+    curved = sums.columns.weighted(weight)
     driven = np.einsum("bg,bgj->bj", weight, sums.mixed)
     beta = np.zeros_like(driven)
     fixed = np.zeros_like(driven, bool)
@@ -177,12 +177,12 @@ def intervals(
     """
     selected, sums = priors.select(chosen), data.sums(chosen, points, None)
     weight = (sums.points / (sums.windows * sums.variance(beta[None])))[0]
-    information = np.einsum("g,gjj->gj", weight, sums.columns)
+    information = weight[:, None] * sums.columns.diagonal()
     prior_information = np.diag(selected.sigma**-2.0)
-    inverse = np.linalg.inv(np.einsum("g,gjk->jk", weight, sums.columns) + prior_information)
+    inverse = np.linalg.inv(sums.columns.weighted(weight[None])[0] + prior_information)
     index = np.ix_(points, np.arange(len(weight)), np.array(chosen, dtype=int))
-    columns = data.columns[points][..., list(chosen), :][..., list(chosen)]
-    residual = data.mixed[index] - columns @ beta
+    of_columns = data.columns.select(np.array(chosen, dtype=int)).times(beta)
+    residual = data.mixed[index] - of_columns[points]
     slope = np.einsum("g,pgj->pj", weight, residual)
     meat = slope.T @ slope * len(points) / max(len(points) - 1, 1) + prior_information
     covariance = inverse @ meat @ inverse
@@ -199,7 +199,7 @@ class Fit(NamedTuple):
 
     def changing(self, data: Products, groups: np.ndarray) -> list[int]:
         """Return the columns that change some groups."""
-        return [j for j in self.chosen if data.nonzero[groups, j].any()]
+        return [j for j in self.chosen if data.columns.nonzero[groups, j].any()]
 
 
 class Comparison(NamedTuple):
@@ -238,9 +238,10 @@ def touched(data: Products, base: Sequence[int], more: Sequence[int]) -> np.ndar
 
     The others cancel in a score.
     """
-    groups = data.nonzero[:, list(more)].any(axis=1)
-    shared = [j for j in base if data.nonzero[groups, j].any()]
-    return np.flatnonzero(groups | data.nonzero[:, shared].any(axis=1))
+    nonzero = data.columns.nonzero
+    groups = nonzero[:, list(more)].any(axis=1)
+    shared = [j for j in base if nonzero[groups, j].any()]
+    return np.flatnonzero(groups | nonzero[:, shared].any(axis=1))
 
 
 @dataclass(frozen=True)

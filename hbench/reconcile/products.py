@@ -1,11 +1,139 @@
 """Products of residuals and columns by operating point and group, and their sums over points."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+
+class Block(NamedTuple):
+    """Products of those columns that are not 0 in some groups, such as the groups of a balance."""
+
+    groups: np.ndarray  # (k,) indices
+    columns: np.ndarray  # (u,) indices
+    values: np.ndarray  # (p, k, u, u) by operating point, or (k, u, u)
+
+
+@dataclass(frozen=True)
+class ColumnSums:
+    """Products of q columns by group g. Most columns are 0 in most of the groups."""
+
+    blocks: tuple[Block, ...]
+    shape: tuple[int, int]  # g, q
+
+    def select(self, groups: np.ndarray, columns: np.ndarray) -> "ColumnSums":
+        """Return the products of some columns in some groups, which get the indices there."""
+        return ColumnSums(
+            tuple(_selected(self.blocks, self.shape, groups, columns)), (len(groups), len(columns))
+        )
+
+    def diagonal(self) -> np.ndarray:
+        """Return the squares (g, q) of the columns."""
+        out = np.zeros(self.shape)
+        for groups, columns, values in self.blocks:
+            out[np.ix_(groups, columns)] = np.einsum("kjj->kj", values)
+        return out
+
+    def weighted(self, weight: np.ndarray) -> np.ndarray:
+        """Return the sums (b, q, q) over the groups with a weight (b, g) of each."""
+        q = self.shape[1]
+        out = np.zeros((len(weight), q, q))
+        for groups, columns, values in self.blocks:
+            u = len(columns)
+            part = weight[:, groups] @ values.reshape(len(groups), u * u)
+            out[:, columns[:, None], columns] += part.reshape(-1, u, u)
+        return out
+
+    def times(self, beta: np.ndarray) -> np.ndarray:
+        """Return the products (b, g, q) with the sum of the columns, each times beta (b, q)."""
+        out = np.zeros((len(beta), *self.shape))
+        for groups, columns, values in self.blocks:
+            part = np.einsum("bj,kji->bki", beta[:, columns], values)
+            out[:, groups[:, None], columns] = part
+        return out
+
+    def squares(self, beta: np.ndarray) -> np.ndarray:
+        """Return the squares (b, g) of the sum of the columns, each times beta (b, q)."""
+        out = np.zeros((len(beta), self.shape[0]))
+        for groups, columns, values in self.blocks:
+            own = beta[:, columns]
+            out[:, groups] = np.sum((own @ values) * own, axis=2).T
+        return out
+
+
+@dataclass(frozen=True)
+class ColumnProducts:
+    """Products of q columns by operating point p and group g. Groups in no block have only 0."""
+
+    blocks: tuple[Block, ...]
+    shape: tuple[int, int, int]  # p, g, q
+
+    @cached_property
+    def nonzero(self) -> np.ndarray:
+        """Which columns (g, q) change a group."""
+        out = np.zeros(self.shape[1:], bool)
+        for groups, columns, values in self.blocks:
+            out[np.ix_(groups, columns)] = np.einsum("pkjj->kj", values) > 0
+        return out
+
+    @property
+    def dense(self) -> np.ndarray:
+        """All products (p, g, q, q)."""
+        out = np.zeros((*self.shape, self.shape[2]))
+        for groups, columns, values in self.blocks:
+            out[:, groups[:, None, None], columns[:, None], columns] = values
+        return out
+
+    def summed(self, points: np.ndarray) -> ColumnSums:
+        """Return the sums over some operating points."""
+        blocks = (each._replace(values=each.values[points].sum(axis=0)) for each in self.blocks)
+        return ColumnSums(tuple(blocks), self.shape[1:])
+
+    def select(self, columns: np.ndarray) -> "ColumnProducts":
+        """Return the products of some columns."""
+        p, g, q = self.shape
+        blocks = _selected(self.blocks, (g, q), np.arange(g), columns)
+        return ColumnProducts(tuple(blocks), (p, g, len(columns)))
+
+    def times(self, beta: np.ndarray) -> np.ndarray:
+        """Return the products (p, g, q) with the sum of the columns, each times beta (q,)."""
+        out = np.zeros(self.shape)
+        for groups, columns, values in self.blocks:
+            out[:, groups[:, None], columns] = values @ beta[columns]
+        return out
+
+
+def column_products(dense: np.ndarray) -> ColumnProducts:
+    """Return products (p, g, q, q) as blocks of the groups that the same columns change."""
+    nonzero = np.einsum("pgjj->gj", dense) > 0
+    blocks = []
+    for pattern in np.unique(nonzero, axis=0):
+        groups = np.flatnonzero((nonzero == pattern).all(axis=1))
+        columns = np.flatnonzero(pattern)
+        values = dense[:, groups[:, None, None], columns[:, None], columns]
+        blocks.append(Block(groups, columns, values))
+    return ColumnProducts(tuple(blocks), dense.shape[:3])
+
+
+def _selected(
+    blocks: Iterable[Block], shape: tuple[int, int], groups: np.ndarray, columns: np.ndarray
+) -> Iterator[Block]:
+    """Yield blocks of some groups and columns; -1 is the place of those that are not among them."""
+    places = [np.full(size, -1) for size in shape]
+    for place, chosen in zip(places, (groups, columns), strict=True):
+        place[chosen] = np.arange(len(chosen))
+    for block in blocks:
+        at, used = (
+            place[own] for place, own in zip(places, (block.groups, block.columns), strict=True)
+        )
+        k, u = np.flatnonzero(at >= 0), np.flatnonzero(used >= 0)
+        if len(k) and len(u):
+            values = block.values
+            if len(k) < len(at) or len(u) < len(used):
+                values = values[..., k[:, None, None], u[:, None], u]
+            yield Block(at[k], used[u], values)
 
 
 @dataclass(frozen=True)
@@ -13,13 +141,13 @@ class Products:
     """Sums of products over windows, by operating point p and group g, for q columns."""
 
     names: tuple[str, ...]  # (q,) names of the columns
-    columns: np.ndarray  # (p, g, q, q)
+    columns: ColumnProducts
     mixed: np.ndarray  # (p, g, q) columns with d
     squares: np.ndarray  # (p, g) of d
     noise: np.ndarray  # (p, g) expected sum of squares of d's noise
     windows: np.ndarray  # (p, g) number of windows
     groups: tuple[tuple[str, str], ...]  # (g,) balance and motion
-    _sums: dict[bytes, np.ndarray] = field(default_factory=dict, init=False, repr=False)
+    _sums: dict[bytes, ColumnSums] = field(default_factory=dict, init=False, repr=False)
 
     def with_residuals(
         self, mixed: np.ndarray, squares: np.ndarray, noise: np.ndarray
@@ -29,22 +157,17 @@ class Products:
         other._sums.update(self._sums)
         return other
 
-    def summed_columns(self, points: np.ndarray) -> np.ndarray:
-        """Return the products of the columns (g, q, q) over some operating points."""
+    def summed_columns(self, points: np.ndarray) -> ColumnSums:
+        """Return the products of the columns over some operating points."""
         key = points.tobytes()
         if key not in self._sums:
-            self._sums[key] = self.columns[points].sum(axis=0)
+            self._sums[key] = self.columns.summed(points)
         return self._sums[key]
 
     @cached_property
     def predictions(self) -> dict[tuple, Any]:
         """Cross-validations of these data that are known, by what they depend on."""
         return {}
-
-    @cached_property
-    def nonzero(self) -> np.ndarray:
-        """Which columns (g, q) change a group."""
-        return np.einsum("pgjj->gj", self.columns) > 0
 
     def sums(
         self,
@@ -72,7 +195,7 @@ class Products:
             mixed = np.einsum("bpg,pgj->bgj", turned, mixed)
             squares = np.einsum("bpg,pg->bg", turned**2, self.squares[at])
         return Sums(
-            columns=self.summed_columns(points)[np.ix_(groups, columns, columns)],
+            columns=self.summed_columns(points).select(groups, columns),
             mixed=mixed,
             squares=squares,
             noise=np.maximum(self.noise[at].sum(axis=0) / np.maximum(windows, 1), 1e-12),
@@ -85,7 +208,7 @@ class Products:
 class Sums:
     """Products summed over some operating points."""
 
-    columns: np.ndarray  # (g, q, q)
+    columns: ColumnSums
     mixed: np.ndarray  # (b, g, q)
     squares: np.ndarray  # (g,) or (b, g)
     noise: np.ndarray  # (g,) per window
@@ -102,8 +225,7 @@ class Sums:
     def squared_residuals(self, beta: np.ndarray) -> np.ndarray:
         """Return sums (b, g) of (d - beta c)^2."""
         crossed = (self.mixed @ beta[:, :, None])[:, :, 0]
-        curved = np.sum((beta @ self.columns) * beta, axis=2).T
-        return np.maximum(self.squares - 2 * crossed + curved, 0.0)
+        return np.maximum(self.squares - 2 * crossed + self.columns.squares(beta), 0.0)
 
     def variance(self, beta: np.ndarray) -> np.ndarray:
         """Return the variances v (b, g), at least the noise."""

@@ -19,7 +19,7 @@ import numpy as np
 
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.gaps.log_map import between_runs
-from hbench.reconcile.products import Products
+from hbench.reconcile.products import Block, ColumnProducts, Products
 from hbench.records.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady", "reversing")
@@ -74,9 +74,9 @@ def products(
     groups = tuple((name, kind) for name in residuals.names for kind in GROUPS)
     size, width = (len(residuals.points), len(groups)), values.matrix.shape[2]
     mixed, immaterial, counts = np.zeros((*size, width)), np.zeros(size), np.zeros(size)
-    of_columns = np.zeros((*size, width - 2, width - 2)) if known is None else None
+    blocks = None if known else _empty_blocks(values.matrix, len(residuals.points))
     for rows in every:
-        _add(rows, mixed, immaterial, counts, of_columns)
+        _add(rows, mixed, immaterial, counts, blocks)
     squares = mixed[:, :, 0]
     if residuals.white is None:
         noise = _noise(residuals, values, counts)
@@ -86,8 +86,19 @@ def products(
     mixed = mixed[:, :, 1:-1]
     if known is not None:
         return known.with_residuals(mixed, squares, noise)
-    assert of_columns is not None
+    assert blocks is not None
+    of_columns = ColumnProducts(blocks, (*size, width - 2))
     return Products(tuple(columns), of_columns, mixed, squares, noise, counts, groups)
+
+
+def _empty_blocks(matrix: np.ndarray, points: int) -> tuple[Block, ...]:
+    """Return a block of zeros for each balance, of the columns that change it."""
+    blocks = []
+    for c in range(matrix.shape[1]):
+        groups = np.arange(c * len(GROUPS), (c + 1) * len(GROUPS))
+        used = np.flatnonzero(matrix[:, c, 1:-1].any(axis=0))
+        blocks.append(Block(groups, used, np.zeros((points, len(groups), len(used), len(used)))))
+    return tuple(blocks)
 
 
 def _values(residuals: GapMap, columns: Mapping[str, np.ndarray]) -> _Rows:
@@ -133,11 +144,11 @@ def _add(
     mixed: np.ndarray,
     immaterial: np.ndarray,
     counts: np.ndarray,
-    of_columns: np.ndarray | None,
+    blocks: tuple[Block, ...] | None,
 ) -> None:
     """Add the products of some rows to those of their operating points and groups.
 
-    ``mixed`` (p, g, 1 + q + 1) are those of the residuals, ``of_columns`` (p, g, q, q) may be None.
+    ``mixed`` (p, g, 1 + q + 1) are those of the residuals, ``blocks`` those of the columns.
     """
     order = np.lexsort((rows.kind, rows.point))
     point, kind = rows.point[order], rows.kind[order]
@@ -154,13 +165,13 @@ def _add(
         unneeded = np.where(usable, matrix[order, -1], 0.0)
         immaterial[point, group] += np.add.reduceat(unneeded**2, first)
         counts[point, group] += np.add.reduceat(usable, first, dtype=float)
-        if of_columns is None:
+        if blocks is None:
             continue
-        inner = (used > 0) & (used < matrix.shape[1] - 1)
-        where = used[inner] - 1
+        inner = np.isin(used, blocks[c].columns + 1)
         runs = np.split(np.ascontiguousarray(part[:, inner]), first[1:])
-        blocks = np.array([run.T @ run for run in runs])
-        of_columns[point[:, None, None], group[:, None, None], where[:, None], where] += blocks
+        place = np.searchsorted(blocks[c].columns, used[inner] - 1)
+        own = point[:, None, None], kind[:, None, None], place[:, None], place
+        blocks[c].values[own] += np.array([run.T @ run for run in runs])
 
 
 def _noise(residuals: GapMap, values: _Rows, counts: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Fits and scores of differences drawn here: their columns, sizes and truth are known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ from hbench.reconcile.evidence import (
     random_signs,
     touched,
 )
-from hbench.reconcile.products import Products
+from hbench.reconcile.products import Products, column_products
 
 NOISE = 1e-3  # variance of d, in squares of the scatter
 NEAR = 0.1  # nats: a search decides by 3 and by 5
@@ -36,7 +36,7 @@ class Drawn:
         p, g, w, q = self.columns.shape
         return Products(
             names=tuple(f"c{j}" for j in range(q)),
-            columns=np.einsum("pgwj,pgwk->pgjk", self.columns, self.columns),
+            columns=column_products(np.einsum("pgwj,pgwk->pgjk", self.columns, self.columns)),
             mixed=np.einsum("pgw,pgwj->pgj", self.d, self.columns),
             squares=np.sum(self.d**2, axis=2),
             noise=np.full((p, g), noise * w),
@@ -333,19 +333,12 @@ def test_degrees_of_freedom_are_the_points_that_tell_a_parameter():
     raw = drawn(np.random.default_rng(8), [1.0, 1.0], points=20, spread=(1.0, 1.0))
     shown = np.array([[1, 0], [0, 1]])
     data = Drawn(raw.d, raw.columns * shown[:, None]).products()
-    few = Products(
-        **{
-            **{key: value for key, value in data.__dict__.items() if key[0] != "_"},
-            **{
-                name: np.where(
-                    (np.arange(20) < 5).reshape(-1, *[1] * (getattr(data, name).ndim - 1))
-                    | (np.arange(2) == 0).reshape(1, 2, *[1] * (getattr(data, name).ndim - 2)),
-                    getattr(data, name),
-                    0,
-                )
-                for name in ("columns", "mixed", "squares", "noise", "windows")
-            },
-        }
+    known = (np.arange(20) < 5)[:, None] | (np.arange(2) == 0)
+    few = replace(
+        data,
+        columns=column_products(data.columns.dense * known[:, :, None, None]),
+        mixed=data.mixed * known[:, :, None],
+        **{name: getattr(data, name) * known for name in ("squares", "noise", "windows")},
     )  # the second group is measured at five points alone
     beta = maximum_likelihood(few, freedom(2), [0, 1], np.arange(20))[0]
     _, dof = intervals(few, freedom(2), [0, 1], beta, np.arange(20))

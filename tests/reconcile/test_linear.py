@@ -111,7 +111,7 @@ def test_products_are_those_of_the_windows_that_are_compared():
             windows[p, group] += 1
     assert data.squares == pytest.approx(expected[:, :, 0, 0])
     assert data.mixed == pytest.approx(expected[:, :, 0, 1:])
-    assert data.columns == pytest.approx(expected[:, :, 1:, 1:])
+    assert data.columns.dense == pytest.approx(expected[:, :, 1:, 1:])
     assert data.noise == pytest.approx(noise)
     assert np.array_equal(data.windows, windows)
     assert data.names == ("one", "two")
@@ -129,9 +129,12 @@ def test_known_products_of_columns_serve_other_residuals():
     known, points = products(found, columns), np.array([0, 2])
     known.summed_columns(points)
     again, anew = products(other, columns, known), products(other, columns)
-    for name in ("columns", "mixed", "squares", "noise", "windows"):
+    for name in ("mixed", "squares", "noise", "windows"):
         np.testing.assert_allclose(getattr(again, name), getattr(anew, name), atol=1e-12)
-    np.testing.assert_allclose(again.summed_columns(points), anew.summed_columns(points))
+    np.testing.assert_allclose(again.columns.dense, anew.columns.dense)
+    beta = np.array([[0.3, -2.0]])
+    sums = [each.summed_columns(points).squares(beta) for each in (again, anew)]
+    np.testing.assert_allclose(*sums)
     assert not np.allclose(known.mixed, again.mixed)
 
 
@@ -245,7 +248,7 @@ def test_changes_are_those_over_windows_that_share_no_sample():
     pairs = [((r[o][2:] - r[o][:-2]), (c[o][2:] - c[o][:-2])) for o in runs]
     change = where["change"]
     assert data.mixed[:, change].sum() == pytest.approx(sum(d @ e for d, e in pairs) / 2)
-    assert data.columns[:, change].sum() == pytest.approx(sum(e @ e for _, e in pairs) / 2)
+    assert data.columns.dense[:, change].sum() == pytest.approx(sum(e @ e for _, e in pairs) / 2)
     assert data.windows[:, change].sum() == RUNS * (PER_RUN - 2)
 
 
@@ -341,7 +344,7 @@ def test_columns_of_a_balance_lose_the_level_and_those_of_others_do_not():
     group = len(GROUPS) + 1  # flow_tr, steady
     assert after.squares[0, group] == pytest.approx(d @ d)
     assert after.mixed[0, group, 0] == pytest.approx(d @ c)
-    assert after.columns[0, group, 0, 0] == pytest.approx(c @ c)
+    assert after.columns.dense[0, group, 0, 0] == pytest.approx(c @ c)
     assert before.squares[0, group] != pytest.approx(d @ d)
     others = np.delete(np.arange(3 * len(GROUPS)), group)
     assert np.array_equal(before.squares[:, others], after.squares[:, others])

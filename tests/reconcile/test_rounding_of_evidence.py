@@ -17,7 +17,7 @@ from hbench.reconcile.evidence import Comparison, Fit, Priors, intervals
 from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.measured.balances import WindowedRun
-from hbench.reconcile.products import Products
+from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.strokes.series import MeasuredStrokes, Stroke, StrokePair
 from hbench.records import RunPlan, Specimen
 
@@ -37,7 +37,7 @@ def products(d, columns):
     p, g, w, q = columns.shape
     return Products(
         names=tuple(f"c{j}" for j in range(q)),
-        columns=np.einsum("pgwj,pgwk->pgjk", columns, columns),
+        columns=column_products(np.einsum("pgwj,pgwk->pgjk", columns, columns)),
         mixed=np.einsum("pgw,pgwj->pgj", d, columns),
         squares=np.sum(d**2, axis=2),
         noise=np.full((p, g), 1e-3 * w),

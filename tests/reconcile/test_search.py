@@ -17,7 +17,7 @@ from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.products import Products
+from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.search import CampaignSearch, silent
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule
@@ -134,7 +134,7 @@ def lacking(force_test):
     columns = np.stack([cushion, bore], axis=1)
     data = Products(
         names=("end_cushion.damping", "position_friction.slope"),
-        columns=np.einsum("pj,pk->pjk", columns, columns)[:, None],
+        columns=column_products(np.einsum("pj,pk->pjk", columns, columns)[:, None]),
         mixed=(force_test[:, None] * columns)[:, None],
         squares=force_test[:, None] ** 2,
         noise=np.full((points, 1), 0.01),

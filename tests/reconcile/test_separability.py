@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from hbench.reconcile.candidates import CRITERIA
 from hbench.reconcile.evidence import Priors
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.products import Products
+from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.separation.separability import (
     Separation,
     principal_angle_deg,
@@ -30,7 +30,7 @@ def separation(columns, noise=0.5, sigma=1.0, tolerance=()):
     groups = values.shape[1]
     data = Products(
         names=names,
-        columns=np.tile(products, (POINTS, 1, 1, 1)),
+        columns=column_products(np.tile(products, (POINTS, 1, 1, 1))),
         mixed=np.zeros((POINTS, groups, len(names))),
         squares=np.zeros((POINTS, groups)),
         noise=np.full((POINTS, groups), noise * WINDOWS),

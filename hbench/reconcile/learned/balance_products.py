@@ -27,7 +27,7 @@ from hbench.reconcile.learned.table import Table, empty_table
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.products import Products
+from hbench.reconcile.products import ColumnProducts, Products
 from hbench.reconcile.window_sums import products
 
 _KNOTS, _KNOTS_OF_TWO = 6, 4
@@ -110,7 +110,7 @@ class BalanceProducts:
         every = {**self.columns, **self._modes(table)}
         fitted = sum(np.nan_to_num(c) * b for c, b in zip(every.values(), beta, strict=True))
         steps, base = beta[:n], self.base
-        curved = base.columns @ steps
+        curved = base.columns.times(steps)
         rest = replace(
             base,
             mixed=base.mixed - curved,
@@ -138,13 +138,13 @@ class BalanceProducts:
         modes, base, n = self._modes(table), self.base, len(self.columns)
         own = products(self.residuals, {**self.columns, **modes})
         q, groups = n + len(modes), self._groups
-        shape = base.squares.shape
-        columns, mixed = np.zeros((*shape, q, q)), np.zeros((*shape, q))
+        mixed = np.zeros((*base.squares.shape, q))
+        mixed[..., :n], mixed[:, groups] = base.mixed, own.mixed
         squares = base.squares.copy()
-        columns[..., :n, :n], mixed[..., :n] = base.columns, base.mixed
-        columns[:, groups], mixed[:, groups], squares[:, groups] = (
-            own.columns, own.mixed, own.squares,
-        )  # fmt: skip
+        squares[:, groups] = own.squares
+        others = (each for each in base.columns.blocks if not np.isin(each.groups, groups).any())
+        changed = (each._replace(groups=groups[each.groups]) for each in own.columns.blocks)
+        columns = ColumnProducts((*others, *changed), mixed.shape)
         wide = zip(
             (self.priors.centre, self.priors.sigma, self.priors.low, self.priors.high),
             (0.0, 1.0, -np.inf, np.inf),
@@ -171,7 +171,7 @@ def balance_products(
     base = replace(
         data,
         names=names,
-        columns=data.columns[..., chosen, :][..., chosen],
+        columns=data.columns.select(np.array(chosen)),
         mixed=data.mixed[..., chosen],
     )
     return BalanceProducts(

@@ -253,9 +253,9 @@ def _model_of(evaluated: EvaluatedCandidate) -> LinearisedModel:
 def _visible_effects(model: LinearisedModel, balance: str) -> set[str]:
     """Return the effects with a nonzero column in a balance."""
     groups = [i for i, (name, _) in enumerate(model.data.groups) if name == balance]
-    energies = np.einsum("pgjj->gj", model.data.columns)[groups].sum(axis=0)
-    columns = zip(model.data.names, energies, strict=True)
-    return {name.partition(".")[0] for name, e in columns if e > 0 and not name.startswith("/")}
+    visible = np.flatnonzero(model.data.columns.nonzero[groups].any(axis=0))
+    names = [model.data.names[j] for j in visible]
+    return {name.partition(".")[0] for name in names if not name.startswith("/")}
 
 
 def _inconsistency(estimates: Sequence[ParameterEstimates], name: str) -> str:

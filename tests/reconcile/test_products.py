@@ -1,0 +1,55 @@
+"""Products of columns in blocks: as if all columns were stored for all groups."""
+
+import numpy as np
+import pytest
+
+from hbench.reconcile.products import column_products
+
+POINTS, GROUPS, COLUMNS = 5, 6, 4
+CHANGES = np.array(  # which columns change which groups; the last group has none
+    [[1, 1, 0, 0], [1, 1, 0, 0], [0, 1, 1, 1], [0, 1, 1, 1], [1, 0, 0, 1], [0, 0, 0, 0]], bool
+)
+
+
+@pytest.fixture
+def dense():
+    """Products (p, g, q, q) of columns over three windows of each point and group."""
+    columns = np.random.default_rng(1).standard_normal((POINTS, GROUPS, 3, COLUMNS))
+    columns *= CHANGES[:, None]
+    return np.einsum("pgwj,pgwk->pgjk", columns, columns)
+
+
+@pytest.fixture
+def beta():
+    return np.random.default_rng(2).standard_normal((7, COLUMNS))
+
+
+def test_blocks_have_no_columns_that_are_zero_and_all_products(dense):
+    found = column_products(dense)
+    assert sorted(len(block.columns) for block in found.blocks) == [0, 2, 2, 3]
+    np.testing.assert_array_equal(found.dense, dense)
+    np.testing.assert_array_equal(found.nonzero, CHANGES)
+
+
+@pytest.mark.parametrize(
+    ("groups", "columns"),
+    [(range(GROUPS), range(COLUMNS)), ([4, 0, 3], [3, 1]), ([5], [0, 2]), ([2, 3], [])],
+)
+def test_sums_over_points_are_those_of_all_products(dense, beta, groups, columns):
+    groups, columns, points = np.array(groups), np.array(columns, int), np.array([0, 2, 3])
+    sums = column_products(dense).summed(points).select(groups, columns)
+    whole = dense[points].sum(axis=0)[np.ix_(groups, columns, columns)]
+    own, weight = beta[:, columns], np.random.default_rng(3).random((7, len(groups)))
+    close = {"rtol": 1e-12, "atol": 1e-12}
+    np.testing.assert_allclose(sums.diagonal(), np.einsum("gjj->gj", whole), **close)
+    np.testing.assert_allclose(sums.weighted(weight), np.tensordot(weight, whole, axes=1), **close)
+    np.testing.assert_allclose(sums.times(own), np.einsum("gij,bj->bgi", whole, own), **close)
+    curved = np.einsum("bi,gij,bj->bg", own, whole, own)
+    np.testing.assert_allclose(sums.squares(own), curved, **close)
+
+
+def test_some_columns_times_their_factors(dense, beta):
+    chosen = np.array([3, 1])
+    found = column_products(dense).select(chosen).times(beta[0, chosen])
+    expected = dense[..., chosen, :][..., chosen] @ beta[0, chosen]
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
