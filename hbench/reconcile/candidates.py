@@ -4,13 +4,14 @@ The searches in campaigns (``search.py``) and in imported strokes (``strokes/str
 share this evaluation.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.evidence import (
     Comparison,
     CrossValidation,
@@ -109,6 +110,25 @@ def indistinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
         for each in accepted
         if is_close(each, best) and not balances.isdisjoint(EFFECTS[each.name].balances)
     )
+
+
+def score_to_exceed(
+    score: float,
+    scores_on_nulls: Callable[[np.ndarray], Sequence[np.ndarray]],
+    points: int,
+    families: int,
+) -> float:
+    """Return what a ``score`` must exceed: the threshold of a family of candidates.
+
+    ``scores_on_nulls`` returns the scores (b,) of each candidate for random signs (b, ``points``).
+    """
+    signs = random_signs(NULLS, points, seed=1)
+    for few in (signs[:_FEW_NULLS], signs):
+        largest = np.max(scores_on_nulls(few), axis=0, initial=0.0)
+        threshold = CRITERIA.threshold(largest, families)
+        if score > _FAR * threshold:
+            break
+    return threshold
 
 
 @dataclass(frozen=True)
@@ -236,13 +256,11 @@ class CandidateEvaluator:
 
         Null data sets are the residuals of ``model`` with random signs.
         """
-        signs = random_signs(NULLS, len(model.gap_map.points), seed=1)
-        for few in (signs[:_FEW_NULLS], signs):
-            scores = [self.score_of(model, added, name, few) for name in family]
-            threshold = CRITERIA.threshold(np.max(scores, axis=0, initial=0.0), families)
-            if score > _FAR * threshold:
-                break
-        return threshold
+
+        def scores(signs: np.ndarray) -> list[np.ndarray]:
+            return map_on_threads(lambda name: self.score_of(model, added, name, signs), family)
+
+        return score_to_exceed(score, scores, len(model.gap_map.points), families)
 
     def _comparison(self, model: LinearisedModel, added: Sequence[str], name: str) -> Comparison:
         """Return the comparison of the fits without and with a candidate."""

@@ -1,8 +1,6 @@
 """Runs of a campaign as measurements of the search: residuals and columns along their logs."""
 
-import os
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,6 +9,7 @@ import numpy as np
 from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS, read_effects
+from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
@@ -161,9 +160,8 @@ class MeasuredCampaign:
             each.step_s: _values(self.smoothed_sessions, each)
             for each in (coarse, *([model] if _LAGS.intersection(wanted) else []))
         }
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            columns = pool.map(lambda name: self._column(hypothesis, name, before), differences)
-            found = dict(zip(differences, columns, strict=True)) | modes
+        columns = map_on_threads(lambda name: self._column(hypothesis, name, before), differences)
+        found = dict(zip(differences, columns, strict=True)) | modes
         return {name: found[name] for name in wanted}
 
     def _column(

@@ -31,6 +31,7 @@ import numpy as np
 
 from hbench.analysis.rounding import ranked
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.candidates import (
     CRITERIA,
     TIE,
@@ -222,12 +223,17 @@ class CampaignSearch(CandidateEvaluator):
         names = [
             name for name in self.candidates if name not in added and model.coefficients_of([name])
         ]
-        linear = _best_first(self._evaluate_linearly(model, added, name) for name in names)
+        linear = _best_first(
+            map_on_threads(lambda name: self._evaluate_linearly(model, added, name), names)
+        )
         highest = linear[0].candidate.score if linear else 0.0
         least = max(_LEAST_SHARE * highest, _LEAST_PROMISING * CRITERIA.score)
         promising = [each.candidate.name for each in linear if each.candidate.score > least]
         in_full = {
-            name: self._evaluate_in_full(model, added, name) for name in promising[:_MOST_IN_FULL]
+            each.candidate.name: each
+            for each in map_on_threads(
+                lambda name: self._evaluate_in_full(model, added, name), promising[:_MOST_IN_FULL]
+            )
         }
         evaluated = list(_best_first(in_full.get(each.candidate.name, each) for each in linear))
         accepted: dict[str, EvaluatedCandidate] = {}

@@ -10,7 +10,7 @@ from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.learned.balance_products import BalanceProducts
-from hbench.reconcile.learned.law_search import best_tables, reductions, score_to_exceed, sign_test
+from hbench.reconcile.learned.law_search import best_tables, reductions, sign_test, table_threshold
 from hbench.reconcile.learned.table import Table, empty_table
 from hbench.reconcile.measured.balances import BALANCES, balance_model
 from hbench.reconcile.measured.session import Session
@@ -79,7 +79,7 @@ def best(one) -> tuple[Table, float, float]:
     """The best table of a balance, its score, and the score that it must exceed."""
     points = np.arange(POINTS)
     table, gain = best_tables(one, points)[-1]
-    return table, gain, score_to_exceed(one, one.without(table, points), table, points)
+    return table, gain, table_threshold(gain, one, one.without(table, points), table, points)
 
 
 def bump(x, v, drop):

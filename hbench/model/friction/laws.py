@@ -38,8 +38,14 @@ LAWS: dict[str, CompiledLaw] = {
     name: CompiledLaw(code, substeps=1 if law.dynamic else 8)
     for code, (name, law) in enumerate(FRICTION_LAWS.items())
 }
+_DYNAMIC = frozenset(LAWS[name].code for name, law in FRICTION_LAWS.items() if law.dynamic)
 _LUGRE, _LEUVEN = LAWS["lugre"].code, LAWS["leuven"].code
 _MARTON_LANTOS, _PRESSURE_BASED = LAWS["marton_lantos"].code, LAWS["pressure_based"].code
+
+
+def is_dynamic(par: FrictionParameters) -> bool:
+    """Return whether the law has states of its own."""
+    return par.law in _DYNAMIC
 
 
 @inlined

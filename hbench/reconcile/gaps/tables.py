@@ -1,11 +1,11 @@
 """Gaps before and after, by operating points and by run, with the floor of a correct model."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
+from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.gaps.gap_map import GapMap, column_means, gap_map, point_of, run_gaps
 from hbench.reconcile.measured.balances import BalanceModel, WindowedRun
 from hbench.reconcile.measured.window_signals import open_loop_errors, signals
@@ -107,8 +107,7 @@ def _evaluated(
     evaluate: Callable[[Run, BalanceModel], WindowedRun], runs: Sequence[Run], model: BalanceModel
 ) -> list[WindowedRun]:
     """Evaluate each run; open loops are compiled and run in parallel threads."""
-    with ThreadPoolExecutor() as pool:
-        return list(pool.map(lambda run: evaluate(run, model), runs))
+    return map_on_threads(lambda run: evaluate(run, model), runs)
 
 
 def _by_name(

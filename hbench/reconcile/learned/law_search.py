@@ -25,8 +25,8 @@ from itertools import combinations
 import numpy as np
 
 from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
-from hbench.reconcile.candidates import CRITERIA, NULLS, CandidateEvaluator
-from hbench.reconcile.evidence import random_signs
+from hbench.parallel.threads import map_on_threads
+from hbench.reconcile.candidates import CRITERIA, CandidateEvaluator, score_to_exceed
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.learned.balance_products import (
@@ -113,7 +113,7 @@ class LawSearch:
         null = one.without(table, points)
         if self._p_value(one.residuals, null.residuals, range(len(one.balances))) is None:
             return None
-        threshold = score_to_exceed(one, null, table, points)
+        threshold = table_threshold(gain, one, null, table, points)
         if gain <= threshold:
             return None
         with_table = self._with_table(model, table)
@@ -153,15 +153,16 @@ def best_tables(one: BalanceProducts, points: np.ndarray) -> list[tuple[Table, f
     return [(table, score) for table, score in best if table]
 
 
-def score_to_exceed(
-    one: BalanceProducts, null: BalanceProducts, table: Table, points: np.ndarray
+def table_threshold(
+    score: float, one: BalanceProducts, null: BalanceProducts, table: Table, points: np.ndarray
 ) -> float:
-    """Return the score that a table must exceed; ``null`` are residuals without it."""
-    signs = random_signs(NULLS, int(points.max()) + 1, seed=1)
-    largest = np.zeros(NULLS)
-    for other in [*_tables(one, 1), *([table] if len(table.knots) > 1 else [])]:
-        largest = np.maximum(largest, null.score(other, points, signs))
-    return CRITERIA.threshold(largest, families=len(FAMILIES))
+    """Return what the ``score`` of a table must exceed; ``null`` are residuals without it."""
+    family = [*_tables(one, 1), *([table] if len(table.knots) > 1 else [])]
+
+    def scores(signs: np.ndarray) -> list[np.ndarray]:
+        return map_on_threads(lambda other: null.score(other, points, signs), family)
+
+    return score_to_exceed(score, scores, int(points.max()) + 1, families=len(FAMILIES))
 
 
 def _tables(one: BalanceProducts, count: int) -> list[Table]:
@@ -182,7 +183,7 @@ def _best(
 
     Cross-validation is for tables whose gain at the points of the fit is not clearly less.
     """
-    gains = [(one.gain(table, points), table) for table in tables]
+    gains = map_on_threads(lambda table: (one.gain(table, points), table), tables)
     best, largest = None, least
     for gain, table in sorted(gains, key=lambda each: -each[0]):
         if gain <= largest - CRITERIA.score:

@@ -14,16 +14,20 @@ import numpy as np
 
 from hbench.model.compiled import compiled
 from hbench.model.effects.applied import friction_effects
-from hbench.model.friction.laws import deflection_under, exact_step, friction, steady_parts
+from hbench.model.friction.laws import (
+    deflection_under,
+    exact_step,
+    friction,
+    is_dynamic,
+    steady_parts,
+)
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import n_states
 from hbench.model.states import P_TP, V, X, bristles_end
 from hbench.reconcile.measured.balances import BalanceModel, driving_signals, starts, true_values
 from hbench.reconcile.measured.session import Session
-from hbench.records.friction_laws import FRICTION_LAWS
 
 _STEP_S = 1e-4
-_DYNAMIC = frozenset(code for code, law in enumerate(FRICTION_LAWS.values()) if law.dynamic)
 
 
 def open_loop_positions(session: Session, model: BalanceModel) -> np.ndarray:
@@ -47,7 +51,7 @@ def open_loop_positions(session: Session, model: BalanceModel) -> np.ndarray:
             session.window.dt_s / steps,
             steps,
             par,
-            par.test.friction.law in _DYNAMIC,
+            is_dynamic(par.test.friction),
             float(at_start.friction_n[r, 0]),
             state,
             np.zeros(2 * elements),
