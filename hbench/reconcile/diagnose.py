@@ -19,7 +19,7 @@ from hbench.reconcile.diagnosis_fields import (
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.gaps.gap_map import GapMap, column_means, point_of
-from hbench.reconcile.gaps.log_map import ranked_gaps
+from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
 from hbench.reconcile.gaps.overlays import overlays
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
@@ -33,7 +33,8 @@ from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import standard_deviation
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import revision
-from hbench.reconcile.search import CampaignSearch, SearchResult, silent
+from hbench.reconcile.search import CampaignSearch, silent
+from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Proposal, Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects
 from hbench.reconcile.separation.separability import Separation, with_remaining_noise
@@ -41,7 +42,6 @@ from hbench.reconcile.verdict import (
     data_shortfalls,
     decide_verdict,
     missing_experiments,
-    unexplained_gaps,
     unmeasured_channels,
 )
 from hbench.records import (

@@ -1,15 +1,19 @@
 """Hypothesis: the given plant with factors on its nuisance parameters, effects, learned laws.
 
-And the drifts of the sensors that measured it.
+And the drifts of the sensors that measured it. A step in one parameter makes a column by finite
+differences.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.learned.table import Table
+from hbench.reconcile.measured.drift import channel_of, is_drift
 from hbench.units import parse_unit
 
 CoefficientKey = tuple[str, str]  # name of the effect, key of its coefficient
@@ -75,6 +79,34 @@ def typical_size(which: CoefficientKey) -> float:
     """Return a coefficient's typical size [SI]; for a shape a quarter of its default, or 0.25."""
     row = EFFECTS[which[0]].coefficients[which[1]]
     return row.to_si(row.typical or 0.25 * (row.default or 1.0))
+
+
+def stepped(
+    hypothesis: Hypothesis, name: str, widths: Mapping[str, float], size: float
+) -> tuple[Hypothesis, float]:
+    """Return a hypothesis with one parameter changed, and the change in its units.
+
+    ``name`` is that of a column; ``widths`` are the priors' standard deviations of the factors.
+    ``size`` is the step: of a factor's logarithm, or a share of a coefficient's typical size or a
+    drift's standard deviation. It is reversed at a coefficient's upper limit.
+    """
+    if name.startswith("/"):
+        path = name[1:]
+        factor = hypothesis.factors.get(path, 1.0) * float(np.exp(size))
+        return replace(hypothesis, factors={**hypothesis.factors, path: factor}), size / widths[
+            path
+        ]
+    if is_drift(name):
+        channel = channel_of(name)
+        drift = hypothesis.drifts.get(channel, 0.0) + size
+        return replace(hypothesis, drifts={**hypothesis.drifts, channel: drift}), size
+    effect, _, key = name.partition(".")
+    which = effect, key
+    row, current = EFFECTS[effect].coefficients[key], hypothesis.coefficient(which)
+    step = max(size * typical_size(which), row.to_si(row.low) - current)
+    if current + step > row.to_si(row.high):
+        step = -step
+    return hypothesis.with_coefficients({which: current + step}), step / typical_size(which)
 
 
 def _quantity(si: float, unit: str) -> str:

@@ -12,7 +12,7 @@ from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
 from hbench.reconcile.gaps.log_map import Windows, log_map
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
+from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, stepped
 from hbench.reconcile.learned.columns import table_columns
 from hbench.reconcile.learned.table import is_mode, mode_of
 from hbench.reconcile.linearised import Columns
@@ -27,7 +27,6 @@ from hbench.reconcile.measured.balances import (
 from hbench.reconcile.measured.drift import drift_name, is_drift
 from hbench.reconcile.measured.session import PRESSURES, Session
 from hbench.reconcile.nuisance import drift_deviations, nuisances, tolerances
-from hbench.reconcile.steps import stepped
 
 _STEP = 1e-3  # of a logarithm
 _SHARE = 0.05  # of a typical size: its law is nearly a line over this step

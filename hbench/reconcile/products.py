@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Block(NamedTuple):
-    """Products of those columns that are not 0 in some groups, such as the groups of a balance."""
+    """Products of the columns that are not 0 in some groups, such as those of a balance."""
 
     groups: np.ndarray  # (k,) indices
     columns: np.ndarray  # (u,) indices
@@ -109,7 +109,7 @@ def column_products(dense: np.ndarray) -> ColumnProducts:
     """Return products (p, g, q, q) as blocks of the groups that the same columns change."""
     nonzero = np.einsum("pgjj->gj", dense) > 0
     blocks = []
-    for pattern in np.unique(nonzero, axis=0):
+    for pattern in np.unique(nonzero[nonzero.any(axis=1)], axis=0):
         groups = np.flatnonzero((nonzero == pattern).all(axis=1))
         columns = np.flatnonzero(pattern)
         values = dense[:, groups[:, None, None], columns[:, None], columns]

@@ -8,7 +8,7 @@ from typing import Any
 from hbench.config.friction import LuGre
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.search import SearchResult
+from hbench.reconcile.search_result import SearchResult
 from hbench.records import FitParameter
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)

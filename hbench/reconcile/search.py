@@ -9,7 +9,14 @@ cross-validation over operating points,
     it explains more than a quarter of the excess gap in the balances it touches, and
     its coefficient is at least a quarter of the typical size, and beyond its tolerance.
 
-Candidates whose scores are close to the best one form an ambiguous set, and none is added.
+Candidates whose scores are close to the best one are rivals. Where each would be accepted beside
+the best one, and the best one beside each, they are all present and the best one is added.
+Otherwise they form an ambiguous set, and none is added.
+
+Refitted nuisances may have taken the part of an effect that is still missing, such as a level of
+friction that of friction under load: then no step from their refitted values leads to it. Where
+gaps remain after an effect was added and no candidate is accepted, the best candidates are
+therefore fitted once more from the given values of the nuisances.
 
 In a round without a missing effect a null score exceeds its threshold with a probability of 5 %,
 over all candidates, and the search ends with the first round that adds none. The expected share of
@@ -42,13 +49,14 @@ from hbench.reconcile.candidates import (
 )
 from hbench.reconcile.evidence import log_likelihood
 from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, shape_coefficients
-from hbench.reconcile.learned.table import LawFound
 from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.records import Candidate
+from hbench.reconcile.search_result import SearchResult, SearchStep, added_names
 
 _MOST_IN_FULL = 6  # candidates
+_MOST_AFRESH = 3  # candidates; their columns are far from the fit, so a score says little
 _LEAST_SHARE = 0.3  # of the best score; candidates below are not evaluated in full
 _LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not evaluated in full
 _MOST_EFFECTS = 4
@@ -60,40 +68,6 @@ _REFUSED = (
 
 def silent(stage: str) -> None:
     """Take no notice of a stage."""
-
-
-@dataclass(frozen=True)
-class SearchStep:
-    """Step of the search: evaluated candidates, best first, and the effect that was added."""
-
-    before: LinearisedModel
-    evaluated: tuple[EvaluatedCandidate, ...]
-    added: str | None
-    ambiguous: tuple[Candidate, ...]  # where none was added
-    dropped: tuple[str, ...] = ()  # earlier effects that the added one makes superfluous
-
-
-@dataclass(frozen=True)
-class SearchResult:
-    """Given and refitted model, steps of the search, and final model."""
-
-    given: LinearisedModel
-    refitted: LinearisedModel
-    steps: tuple[SearchStep, ...]
-    final: LinearisedModel
-    refused: str = ""  # why the refit is refused; the refitted model is then the given one
-    laws: tuple[LawFound, ...] = ()  # learned, in the final model
-    unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The effects that were added and not dropped, in order."""
-        return _added(self.steps)
-
-    @property
-    def unchanged(self) -> bool:
-        """Whether the final model is the given one: the refit is refused and nothing is added."""
-        return bool(self.refused) and not self.names and not self.laws
 
 
 @dataclass(frozen=True)
@@ -112,15 +86,18 @@ class CampaignSearch(CandidateEvaluator):
         current = refitted = self.with_columns(refitted, new)
         steps: list[SearchStep] = []
         while len(steps) < _MOST_EFFECTS:
-            so_far = f" beside {', '.join(_added(steps))}" if steps else ""
+            so_far = f" beside {', '.join(added_names(steps))}" if steps else ""
             self.stage(f"searching for an effect{so_far} among {len(self.candidates)} candidates")
-            step, with_effect = self._step(current, _added(steps))
+            step, with_effect = self._step(current, added_names(steps))
+            if so_far and not (step.added or step.ambiguous) and self._has_gaps(current):
+                self.stage(f"searching again from the given values{so_far}")
+                step, with_effect = self._step_afresh(current, added_names(steps), step)
             if with_effect is None:
                 steps.append(step)
                 break
-            current, dropped = self.without_superfluous(with_effect, _added([*steps, step]))
+            current, dropped = self.without_superfluous(with_effect, added_names([*steps, step]))
             steps.append(replace(step, dropped=dropped))
-        if names := _added(steps):
+        if names := added_names(steps):
             self.stage(f"refining {', '.join(names)}")
             current = self.refined(current, names)
         return SearchResult(given, refitted, tuple(steps), current, refused)
@@ -220,22 +197,57 @@ class CampaignSearch(CandidateEvaluator):
         self, model: LinearisedModel, added: tuple[str, ...]
     ) -> tuple[SearchStep, LinearisedModel | None]:
         """Return a step of the search, and the refitted model if an effect was added."""
+        linear = self._linear(model, added)
+        in_full = map_on_threads(
+            lambda name: self._evaluate_in_full(model, added, name), _promising(linear)
+        )
+        return self._decided(model, added, _replaced(linear, in_full))
+
+    def _has_gaps(self, model: LinearisedModel) -> bool:
+        """Return whether gaps at training points are structured, material and too large."""
+        return bool(unexplained_at(model.gap_map, self.train))
+
+    def _step_afresh(
+        self, model: LinearisedModel, added: tuple[str, ...], step: SearchStep
+    ) -> tuple[SearchStep, LinearisedModel | None]:
+        """Return a step from the given values of the nuisances, or ``step`` if it adds nothing."""
+        start = self.measured.start
+        found = {name: model.hypothesis.effects[name] for name in added}
+        fresh = self.linearise_at(model, replace(start, effects={**start.effects, **found}))
+        fresh = self.with_columns(fresh, fresh.columns)
+        again = self.refit(fresh, added)
+        if self._lost(again, model, added, added) > 0:
+            model = again
+
+        def fitted(name: str) -> EvaluatedCandidate:
+            joined = (*added, name)
+            return self._evaluate_at_best(model, self.refit(fresh, joined), added, name)
+
+        best = [each.candidate for each in self._linear(fresh, added)[:_MOST_AFRESH]]
+        in_full = map_on_threads(fitted, [each.name for each in best if each.score > 0])
+        known = _replaced(step.evaluated, in_full)
+        again_step, with_effect = self._decided(model, added, known)
+        return (step, None) if with_effect is None else (again_step, with_effect)
+
+    def _linear(
+        self, model: LinearisedModel, added: tuple[str, ...]
+    ) -> tuple[EvaluatedCandidate, ...]:
+        """Return all candidates, evaluated by their columns, best first."""
         names = [
             name for name in self.candidates if name not in added and model.coefficients_of([name])
         ]
-        linear = _best_first(
+        return _best_first(
             map_on_threads(lambda name: self._evaluate_linearly(model, added, name), names)
         )
-        highest = linear[0].candidate.score if linear else 0.0
-        least = max(_LEAST_SHARE * highest, _LEAST_PROMISING * CRITERIA.score)
-        promising = [each.candidate.name for each in linear if each.candidate.score > least]
-        in_full = {
-            each.candidate.name: each
-            for each in map_on_threads(
-                lambda name: self._evaluate_in_full(model, added, name), promising[:_MOST_IN_FULL]
-            )
-        }
-        evaluated = list(_best_first(in_full.get(each.candidate.name, each) for each in linear))
+
+    def _decided(
+        self,
+        model: LinearisedModel,
+        added: tuple[str, ...],
+        candidates: Sequence[EvaluatedCandidate],
+    ) -> tuple[SearchStep, LinearisedModel | None]:
+        """Return the step that candidates, best first, give, and the refitted model."""
+        evaluated, names = list(candidates), [each.candidate.name for each in candidates]
         accepted: dict[str, EvaluatedCandidate] = {}
         for i, each in enumerate(evaluated):
             if accepted and not is_close(each.candidate, next(iter(accepted.values())).candidate):
@@ -246,12 +258,32 @@ class CampaignSearch(CandidateEvaluator):
         if not accepted:
             return SearchStep(model, tuple(evaluated), None, ()), None
         ambiguous = indistinguishable([each.candidate for each in accepted.values()])
-        if len(ambiguous) > 1:
+        refitted = {
+            each.name: self._refitted_with(accepted[each.name], added) for each in ambiguous
+        }
+        best, *rivals = refitted
+        if not all(
+            self._is_missing(refitted[one], (*added, one), other)
+            for rival in rivals
+            for one, other in ((best, rival), (rival, best))
+        ):
             return SearchStep(model, tuple(evaluated), None, ambiguous), None
-        name, best = next(iter(accepted.items()))
-        assert best.model is not None  # it was evaluated in full
-        step = SearchStep(model, tuple(evaluated), name, ())
-        return step, self.refit(best.model, (*added, name))
+        return SearchStep(model, tuple(evaluated), best, ()), refitted[best]
+
+    def _refitted_with(
+        self, evaluated: EvaluatedCandidate, added: tuple[str, ...]
+    ) -> LinearisedModel:
+        assert evaluated.model is not None  # it was evaluated in full
+        return self.refit(evaluated.model, (*added, evaluated.candidate.name))
+
+    def _is_missing(self, model: LinearisedModel, added: tuple[str, ...], name: str) -> bool:
+        """Return whether an effect would be accepted in addition to those of a model.
+
+        Rivals of which each is, with the other one in the model, are both present.
+        """
+        evaluated = self._evaluate_in_full(model, added, name)
+        tested = self._with_threshold(evaluated, added, [name])
+        return tested.model is not None and CRITERIA.accepts(tested.candidate)
 
     def _with_threshold(
         self, evaluated: EvaluatedCandidate, added: tuple[str, ...], names: Sequence[str]
@@ -282,12 +314,21 @@ def _columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:
     return [".".join(which) for which in model.coefficients_of(names)]
 
 
+def _promising(linear: Sequence[EvaluatedCandidate]) -> list[str]:
+    """Return the candidates, best first, whose linear score suffices for an evaluation in full."""
+    highest = linear[0].candidate.score if linear else 0.0
+    least = max(_LEAST_SHARE * highest, _LEAST_PROMISING * CRITERIA.score)
+    names = [each.candidate.name for each in linear if each.candidate.score > least]
+    return names[:_MOST_IN_FULL]
+
+
+def _replaced(
+    evaluated: Iterable[EvaluatedCandidate], in_full: Iterable[EvaluatedCandidate]
+) -> tuple[EvaluatedCandidate, ...]:
+    """Return candidates, best first, with those that were evaluated in full."""
+    better = {each.candidate.name: each for each in in_full}
+    return _best_first(better.get(each.candidate.name, each) for each in evaluated)
+
+
 def _best_first(evaluated: Iterable[EvaluatedCandidate]) -> tuple[EvaluatedCandidate, ...]:
     return tuple(ranked(tuple(evaluated), lambda each: each.candidate.score, TIE))
-
-
-def _added(steps: Sequence[SearchStep]) -> tuple[str, ...]:
-    dropped = {name: i for i, step in enumerate(steps) for name in step.dropped}
-    return tuple(
-        step.added for i, step in enumerate(steps) if step.added and i >= dropped.get(step.added, 0)
-    )

@@ -6,11 +6,10 @@ from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.reconcile.candidates import CRITERIA, ambiguity_margin
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
-from hbench.reconcile.search import SearchResult
+from hbench.reconcile.search_result import SearchResult
 from hbench.records import KINDS, Candidate, Gap, Run, RunPlan, Verdict
 from hbench.records.diagnosis import UNEXPLAINED_GAP
 
-_SIGNIFICANCE = 0.1  # p
 FEWEST_POINTS = 8  # operating points
 NO_RESIDUALS = (
     "No balance has residuals that are significant, large enough to matter and more than "
@@ -27,17 +26,6 @@ MISSING: Mapping[str, str] = {
     "chambers": "the chambers' pressures, with the valves' commands or the load cell's force",
 }
 """Text of each kind of missing data, by code."""
-
-
-def unexplained_gaps(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
-    """Return the gaps that are structured, material and too large for the scatter of the trials."""
-    return tuple(
-        gap
-        for gap in ranked
-        if gap.gap > UNEXPLAINED_GAP
-        and gap.p_value < _SIGNIFICANCE
-        and not gap.deviation <= gap.material
-    )
 
 
 def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:

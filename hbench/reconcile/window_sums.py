@@ -87,6 +87,7 @@ def products(
     if known is not None:
         return known.with_residuals(mixed, squares, noise)
     assert blocks is not None
+    blocks = tuple(block for block in blocks if len(block.columns))
     of_columns = ColumnProducts(blocks, (*size, width - 2))
     return Products(tuple(columns), of_columns, mixed, squares, noise, counts, groups)
 

@@ -147,9 +147,8 @@ def test_joined_products_are_those_of_both_in_the_scatters_of_the_first(bench, c
     model, _ = campaign
     data = joined(model, model)
     n = len(model.data.squares)
-    for name in ("columns", "windows", "noise"):
-        each = getattr(data, name)
-        assert each[n:].sum(axis=0) == pytest.approx(each[:n].sum(axis=0)), name
+    for each in (data.columns.dense, data.windows, data.noise):
+        assert each[n:].sum(axis=0) == pytest.approx(each[:n].sum(axis=0))
 
 
 def test_experiments_are_proposed_that_show_effects_which_the_runs_do_not(bench, campaign):

@@ -7,7 +7,7 @@ import pytest
 
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.revised_model import revision
-from hbench.reconcile.search import SearchResult, SearchStep
+from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import FitParameter
 
 GIVEN = {"valve": {"gain": "8e-7 m^2/V"}}

@@ -19,6 +19,7 @@ from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.search import CampaignSearch, silent
+from hbench.records import Candidate
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule
 
@@ -121,6 +122,40 @@ def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(fou
 
     search = Stepped(SimpleNamespace(plant=None, tolerances={}), np.arange(40), ("end_cushion",))
     assert search.refit(before, ("end_cushion",)) is (there if moves else before)
+
+
+# ---- rivals
+
+
+@pytest.mark.parametrize(
+    ("beside", "added"),
+    [
+        ({"load_friction", "load_cell_gain"}, "load_cell_gain"),
+        ({"load_friction"}, None),
+        ({"load_cell_gain"}, None),
+        (set(), None),
+    ],
+)
+def test_close_candidates_are_both_present_if_each_is_accepted_beside_the_other(beside, added):
+    """``beside``: the effects that are accepted with the other one in the model."""
+
+    class Rivals(CampaignSearch):
+        def _with_threshold(self, evaluated, added, names):
+            return evaluated
+
+        def _refitted_with(self, evaluated, added):
+            return evaluated.candidate.name
+
+        def _is_missing(self, model, added, name):
+            assert model == added[-1] != name
+            return name in beside
+
+    close = [Candidate("load_cell_gain", 50.0, 0.9, 1.0, {}, "full", 5.0)]
+    close.append(replace(close[0], name="load_friction", score=48.0))
+    search = Rivals(SimpleNamespace(), np.arange(40), tuple(each.name for each in close))
+    step, model = search._decided(None, (), [EvaluatedCandidate(each, "model") for each in close])
+    assert (step.added, model) == (added, added)
+    assert [each.name for each in step.ambiguous] == ([] if added else [c.name for c in close])
 
 
 # ---- thresholds

@@ -16,19 +16,19 @@ from hbench.reconcile.candidates import EvaluatedCandidate
 from hbench.reconcile.diagnose import ReconcileTask, _usable_runs, diagnose
 from hbench.reconcile.diagnosis_fields import added_effect
 from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.products import Products
 from hbench.reconcile.revised_model import revised
-from hbench.reconcile.search import SearchResult, SearchStep
+from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.reconcile.verdict import (
     FEWEST_POINTS,
     MISSING,
     data_shortfalls,
     decide_verdict,
     missing_experiments,
-    unexplained_gaps,
     unmeasured_channels,
 )
 from hbench.records import Candidate, FitParameter, Gap, Rival, Run, RunPlan, Specimen

@@ -12,8 +12,8 @@ windows of two trials, less their mean. Each contains more than noise where the 
 is fast, and trials that begin at different moments.
 """
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,9 +22,11 @@ from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.records import Gap
+from hbench.records.diagnosis import UNEXPLAINED_GAP
 
 _APART = 2  # windows
 _PERMUTATIONS = 999
+_SIGNIFICANCE = 0.1  # p
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,24 @@ def ranked_gaps(residuals: GapMap, allowed: np.ndarray, seed: int = 0) -> tuple[
             )
         )
     return tuple(ranked(gaps, lambda balance: balance.gap, ROUNDING))
+
+
+def unexplained_gaps(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
+    """Return the gaps that are structured, material and too large for the scatter of the trials."""
+    return tuple(
+        gap
+        for gap in ranked
+        if gap.gap > UNEXPLAINED_GAP
+        and gap.p_value < _SIGNIFICANCE
+        and not gap.deviation <= gap.material
+    )
+
+
+def unexplained_at(residuals: GapMap, points: np.ndarray) -> tuple[Gap, ...]:
+    """Return the unexplained gaps at some operating points, largest first."""
+    chosen = residuals.select_points(points)
+    chosen = replace(chosen, run=np.unique(chosen.run, return_inverse=True)[1])
+    return unexplained_gaps(ranked_gaps(chosen, np.zeros(len(chosen.names))))
 
 
 def _sign_p_values(residuals: GapMap, rng: np.random.Generator) -> np.ndarray:

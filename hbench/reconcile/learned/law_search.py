@@ -28,7 +28,7 @@ from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.candidates import CRITERIA, CandidateEvaluator, score_to_exceed
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.gaps.log_map import ranked_gaps
+from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.learned.balance_products import (
     ALONG_STROKE,
     BalanceProducts,
@@ -44,7 +44,6 @@ from hbench.reconcile.learned.table import (
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.verdict import unexplained_gaps
 
 _MOST_LAWS = 4
 _SIGNIFICANCE = 0.05  # of the reduction at held-out points
@@ -79,9 +78,7 @@ class LawSearch:
 
     def _worst(self, model: LinearisedModel, refused: set[str]) -> str | None:
         """Return the balance with the largest material gap at training points, if any."""
-        residuals = model.gap_map.select_points(self.evaluator.train)
-        residuals = replace(residuals, run=np.unique(residuals.run, return_inverse=True)[1])
-        gaps = unexplained_gaps(ranked_gaps(residuals, np.zeros(len(BALANCES))))
+        gaps = unexplained_at(model.gap_map, self.evaluator.train)
         known = {name for family in self._families for name in family}
         names = [gap.name for gap in gaps if gap.name in known - refused]
         return names[0] if names else None

@@ -27,7 +27,8 @@ from hbench.reconcile.motion.measured_motion import (
     observable_in_motion,
 )
 from hbench.reconcile.motion.open_loop import open_loop_positions
-from hbench.reconcile.search import CampaignSearch, SearchResult, silent
+from hbench.reconcile.search import CampaignSearch, silent
+from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.observable import divided_points
 from hbench.reconcile.verdict import FEWEST_POINTS
 from hbench.records import Diagnosis, HeldOutError, Overlay, Provenance, Run

@@ -9,9 +9,8 @@ import numpy as np
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS, lookalikes
 from hbench.reconcile.estimates import ParameterEstimates, whole_dof
-from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.hypothesis import Hypothesis, stepped
 from hbench.reconcile.nuisance import nuisances
-from hbench.reconcile.steps import stepped
 from hbench.records import Change, EffectInPractice, Lookalike
 
 _LARGEST = 0.95  # quantile of the magnitudes that counts as the largest

@@ -33,11 +33,10 @@ from hbench.model.effects.catalogue import EFFECTS, changed_by, read_effects
 from hbench.model.parameters import PlantParameters
 from hbench.model.sensors import SensorParameters, ideal_sensors
 from hbench.reconcile.gaps.gap_map import GapMap, by_point, gap_map, gaps, point_of
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, effect_coefficients
+from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, effect_coefficients, stepped
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import WindowedRun
 from hbench.reconcile.nuisance import BACKGROUND, nuisances
-from hbench.reconcile.steps import stepped
 from hbench.reconcile.strokes.load_cell import (
     Stroke,
     load_cell_reading,

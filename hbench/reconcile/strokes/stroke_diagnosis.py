@@ -19,6 +19,7 @@ from hbench.reconcile.diagnosis_fields import (
     residual_map,
 )
 from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.revised_model import revised
@@ -52,7 +53,6 @@ from hbench.reconcile.verdict import (
     gap_list,
     missing_experiments,
     scores,
-    unexplained_gaps,
 )
 from hbench.records import (
     AddedEffect,

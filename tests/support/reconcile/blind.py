@@ -32,11 +32,11 @@ from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.diagnose import ReconcileTask, expected_variance, run_search
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
-from hbench.reconcile.gaps.log_map import ranked_gaps
+from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.nuisance import BACKGROUND
-from hbench.reconcile.search import SearchResult
-from hbench.reconcile.verdict import decide_verdict, unexplained_gaps
+from hbench.reconcile.search_result import SearchResult
+from hbench.reconcile.verdict import decide_verdict
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import calibrated_runs
 from tests.support import ROOT

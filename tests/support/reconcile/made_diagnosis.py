@@ -15,12 +15,11 @@ from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import read_effects
 from hbench.reconcile.gaps.gap_map import point_of
-from hbench.reconcile.gaps.log_map import ranked_gaps
+from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.measured.balances import BALANCES
-from hbench.reconcile.verdict import unexplained_gaps
 from hbench.records import (
     AddedEffect,
     Candidate,

@@ -1,0 +1,51 @@
+"""Steps of a search for missing effects, and its result."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hbench.reconcile.candidates import EvaluatedCandidate
+from hbench.reconcile.learned.table import LawFound
+from hbench.reconcile.linearised import LinearisedModel
+from hbench.records import Candidate
+
+
+@dataclass(frozen=True)
+class SearchStep:
+    """Step of the search: evaluated candidates, best first, and the effect that was added."""
+
+    before: LinearisedModel
+    evaluated: tuple[EvaluatedCandidate, ...]
+    added: str | None
+    ambiguous: tuple[Candidate, ...]  # where none was added
+    dropped: tuple[str, ...] = ()  # earlier effects that the added one makes superfluous
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """Given and refitted model, steps of the search, and final model."""
+
+    given: LinearisedModel
+    refitted: LinearisedModel
+    steps: tuple[SearchStep, ...]
+    final: LinearisedModel
+    refused: str = ""  # why the refit is refused; the refitted model is then the given one
+    laws: tuple[LawFound, ...] = ()  # learned, in the final model
+    unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The effects that were added and not dropped, in order."""
+        return added_names(self.steps)
+
+    @property
+    def unchanged(self) -> bool:
+        """Whether the final model is the given one: the refit is refused and nothing is added."""
+        return bool(self.refused) and not self.names and not self.laws
+
+
+def added_names(steps: Sequence[SearchStep]) -> tuple[str, ...]:
+    """Return the effects that the steps add and do not drop, in order."""
+    dropped = {name: i for i, step in enumerate(steps) for name in step.dropped}
+    return tuple(
+        step.added for i, step in enumerate(steps) if step.added and i >= dropped.get(step.added, 0)
+    )
