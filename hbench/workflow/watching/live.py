@@ -17,15 +17,16 @@ EVERY_S = 0.5  # on the wall's clock
 def published(folder: Path, report: Report, about: Mapping[str, str]) -> Iterator[Report]:
     """Write the state given to ``report`` also to ``live.json`` in the campaign's folder.
 
-    ``about``, the campaign's name and source, is added. The file is removed at the end.
+    ``about``, the campaign's name and source, is added. It is written every ``EVERY_S``, and at the
+    begin of a run, so that its number agrees with the journal. The file is removed at the end.
     """
-    written_s = -math.inf
+    written_s, run = -math.inf, ""
 
     def both(progress: Progress) -> None:
-        nonlocal written_s
+        nonlocal written_s, run
         report(progress)
-        if time.monotonic() - written_s >= EVERY_S:
-            written_s = time.monotonic()
+        if progress.plan.run != run or time.monotonic() - written_s >= EVERY_S:
+            written_s, run = time.monotonic(), progress.plan.run
             write_live(folder, {"at_s": time.time(), **about, **_state(progress)})
 
     try:
