@@ -244,7 +244,7 @@ def test_histograms_need_ten_campaigns(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 9))
     names = {drawing.name for drawing in draw_fleet(few)}
     assert "drift-friction-n" in names and not any("distribution" in name for name in names)
-    assert "Histograms are drawn from 10 campaigns on." in fleet_page(few, ())
+    assert "from 10 campaigns on." in fleet_page(few, ())
 
 
 def test_values_have_three_digits_however_wide_their_intervals_are(tmp_path, undrawn):
@@ -269,7 +269,7 @@ def test_sigma_between_campaigns_has_its_interval_and_few_campaigns_have_none(tm
     column = [row[4] for row in spread_table(found).rows]
     assert all(re.fullmatch(r"[\d.]+ (± [\d.]+|\([\d.]+ to [\d.]+\))", cell) for cell in column)
     few = spread_table(summary_of(made_table(tmp_path, 4)))
-    assert {row[4] for row in few.rows} == {"–"} and "%" not in few.head[4]
+    assert "σ of own trials" in few.head and not any("between" in cell for cell in few.head)
 
 
 def test_the_limit_of_an_outlier_is_where_its_p_is_significant(found):

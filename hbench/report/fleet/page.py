@@ -50,7 +50,10 @@ from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 
 _AT = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
-_FEW = f"Histograms are drawn from {FEWEST_CAMPAIGNS} campaigns on."
+_FEW = (
+    "Histograms are drawn and the standard deviation σ between campaigns is computed from "
+    f"{FEWEST_CAMPAIGNS} campaigns on."
+)
 _PRECISION = "Repeatability and reproducibility"
 _CORRECTED = (
     "Expected is the median of the fleet or, where a number drifts, its line. σ is that between "

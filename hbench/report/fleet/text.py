@@ -182,9 +182,14 @@ def spread_table(fleet: Fleet) -> WordTable:
     ends = "Smallest to largest" if all(few) else "5 to 95 %"
     if any(few) and not all(few):
         ends += f" (of fewer than {FEWEST_CAMPAIGNS}: all)"
-    between = "σ between campaigns" if all(few) else "σ between campaigns (95 %)"
+    between = "σ between campaigns (95 %)"
     head = ("Number", "Campaigns", "Median", ends, between, "σ of own trials")
-    return WordTable("Distributions", head, tuple(rows))
+    kept = [i for i in range(len(head)) if head[i] != between or not all(few)]
+    return WordTable(
+        "Distributions",
+        tuple(head[i] for i in kept),
+        tuple(tuple(row[i] for i in kept) for row in rows),
+    )
 
 
 def _between(spread: Spread) -> str:
