@@ -14,7 +14,13 @@ from hbench.report.fleet.charts import step_table
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.names import distinct_names
 from hbench.report.fleet.page import fleet_document, fleet_page
-from hbench.report.fleet.text import fleet_json, fleet_text, spread_table, worst_table
+from hbench.report.fleet.text import (
+    campaign_table,
+    fleet_json,
+    fleet_text,
+    spread_table,
+    worst_table,
+)
 from hbench.report.fleet.verdict import finding_sentences, fleet_verdict, stepped_numbers
 from hbench.store.campaign.stored_acceptance import stored_decision
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
@@ -305,3 +311,14 @@ def test_the_top_of_the_page_has_few_tiles_and_counts_each_change_once(shifted, 
     trends = sum(one.trend is not None for one in shifted.spreads)
     assert changes.value == f"{len(stepped_numbers(shifted))} of {trends}"
     assert changes.more == "numbers changed over time: 1 by a step"
+
+
+def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shifted):
+    def head(names):
+        rows = tuple(
+            replace(row, path=f"/line/{name}", specimen="S-1")
+            for row, name in zip(shifted.rows, names, strict=False)
+        )
+        return campaign_table(replace(shifted, rows=rows)).head
+
+    assert "Cylinder" in head(["S-1", "c2"]) and "Cylinder" not in head(["S-1"])

@@ -61,6 +61,10 @@ _CORRECTED = (
     "table, at which p, corrected for the number of values, is 0.05. This limit is far in a small "
     "fleet, since few campaigns determine σ poorly."
 )
+_ALONE = (
+    "The intervals are those of each number alone. p is corrected for the number of trends (Holm), "
+    "and can be above 0.05 where the interval does not contain 0."
+)
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
@@ -125,7 +129,9 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield Section("Distributions", () if chosen else (_FEW,), drawings=chosen, tables=(table,))
         chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
-        yield Section("Drifts", drawings=chosen, tables=(table,) if table.rows else ())
+        about = (_ALONE,) if table.rows else ()
+        trends = (table,) if table.rows else ()
+        yield Section("Drifts", about, drawings=chosen, tables=trends)
     if fleet.capabilities or fleet.without_capability:
         table = _untitled(capability_table(fleet))
         known = (table,) if table.rows else ()
@@ -163,7 +169,7 @@ def _of(drawings: tuple[Drawing, ...], section: str) -> tuple[Drawing, ...]:
 
 def _tiles(fleet: Fleet) -> Iterator[Tile]:
     good = fleet.campaigns - fleet.failed
-    about = ["analyzed"]
+    about = [f"analyzed, {fleet.failed} failed" if fleet.failed else "analyzed"]
     if fleet.decisions:
         about.append(f"decisions: {decision_words(fleet)}")
     if fleet.qualities:

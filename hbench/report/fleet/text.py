@@ -131,6 +131,8 @@ def campaign_table(fleet: Fleet) -> WordTable:
         rows.append((*about, speed, *cells, remark))
     head = (*ROW_WORDS, "Speed (mm/s)", *map(name_of, shown), "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
+    if all(row[1] == row[0] for row in rows):  # folders have the cylinders' names
+        kept = [i for i in kept if i != 1]
     return WordTable(
         "Campaigns",
         tuple(head[i] for i in kept),
