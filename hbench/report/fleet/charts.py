@@ -135,7 +135,7 @@ def capability_table(fleet: Fleet) -> WordTable:
                 str(each.n),
                 limit_words(each.requirement),
                 f"{significant(from_si(each.series.value, unit), 4)} {unit}",
-                f"{significant(from_si(each.sigma, unit), 2)} {unit}",
+                f"{significant(from_si(each.sigma, unit), 3)} {unit}",
                 with_ends(each.cpk.value, each.cpk.low, each.cpk.high or each.cpk.value),
                 str(each.outside),
             )
