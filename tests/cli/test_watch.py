@@ -25,7 +25,7 @@ from hbench import workflow
 from hbench.cli.watch_server import new_server
 from hbench.errors import ConfigError
 from hbench.store.campaign.folder import load_campaign, load_header
-from hbench.store.campaign.live_file import LIVE, SCHEMA, read_live
+from hbench.store.campaign.live_file import LIVE, SCHEMA, read_live, write_live
 from hbench.store.campaign.stored_acceptance import stored_checks
 from hbench.workflow.watching import live, watch
 from hbench.workflow.watching.charts import limits_checked, station_charts
@@ -130,6 +130,8 @@ def test_a_campaign_under_way_is_told_as_the_operator_sees_it(
         assert (now["v_m_s"], now["v_ref_m_s"]) == (before.v_m_s, before.v_ref_m_s)
         assert (now["f_load_n"], now["f_load_ref_n"]) == (before.f_load_n, 2000.0)
         assert now["pressures_pa"] == before.pressures_pa
+        assert {key: now[key] for key in now["trail"][-1]} == now["trail"][-1]
+        assert len(now["trail"]) <= live.TRAIL
         assert len(made["runs"]) <= before.runs_done + 1  # one has ended since
     assert len(seen[-1][2]["runs"]) > 0
     assert (after["state"], after["live"]) == ("finished", None)
@@ -151,6 +153,24 @@ def test_the_published_run_is_the_present_one_however_short_the_runs_are(
 
     on_the_rig(short_schedule(), tmp_path / "campaign", report=report)
     assert len(set(reported)) == 4 and len(published) > 4 and all(published)
+
+
+def test_a_page_that_is_opened_during_a_run_shows_the_traces_so_far(
+    sample, tmp_path, monkeypatch, require_tool
+):
+    monkeypatch.setattr(watch, "STALE_S", PATIENCE_S)
+    now = time.time()
+    traced = {"v_ref_m_s": 0.05, "f_load_n": 1990.0, "f_load_ref_n": 2000.0}
+    trail = [
+        {"at_s": now - 20 + i, "v_m_s": 0.05 + 1e-4 * i, "pressures_pa": {"p_tp": 5e6, "p_tr": 2e6}}
+        | traced
+        for i in range(20)
+    ]
+    write_live(sample, {"trail": trail, "runs_done": 1, "runs_total": 8, **trail[-1], "at_s": now})
+    with watched(sample) as page:
+        dom = shown_by(require_tool("chromium"), page, tmp_path)
+    lines = re.findall(r'class="trace(?: ref)?" points="([^"]*)"', dom)
+    assert [len(line.split()) for line in lines] == [21] * 6
 
 
 def test_the_verdicts_are_those_of_analyze(page, sample):
