@@ -138,6 +138,8 @@ class Spread:
     n: int  # campaigns that have it
     median: float
     between: float  # standard deviation from cylinder to cylinder, robust, without trial scatter
+    between_low: float  # its 95 % interval
+    between_high: float
     se_trials: float | None  # standard error of a campaign's own trials, median
     low: float  # 5 % quantile, or the smallest value of fewer than ``FEWEST_CAMPAIGNS``
     high: float  # 95 % quantile, or the largest value of so few
@@ -159,6 +161,7 @@ class Deviation:
     median: float
     z: float  # in standard deviations between cylinders and of its own scatter
     p_bonferroni: float  # corrected for the number of campaigns and of their numbers
+    limit: float  # size of ``z`` beyond which it is an outlier
 
     @property
     def outlier(self) -> bool:

@@ -43,7 +43,7 @@ from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_results
-from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision
+from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision, stored_rule
 from hbench.store.campaign.stored_diagnosis import diagnoses
 from hbench.untrusted_text import printable
 
@@ -91,7 +91,9 @@ def report(
     reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
     name = printable(folder.resolve().name)
     decision = stored_decision(folder)
-    decided = decision_section(decision, stored_checks(folder)) if decision else None
+    decided = None
+    if decision:
+        decided = decision_section(decision, stored_checks(folder), *stored_rule(folder))
     document = report_document(results, drawings, reconciled, name, decided)
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from hbench.analysis.screening.screen import screen
+from hbench.analysis.summary.headline import headline
 from hbench.analysis.uncertainty.budget import root_sum_square
 from hbench.analysis.uncertainty.efficiency import (
     SteadyForces,
@@ -206,3 +207,12 @@ def test_the_trials_part_is_the_standard_error_of_their_efficiencies_and_student
 def test_a_screened_run_carries_its_efficiency(make_run, rules, v, expected):
     run = make_run(v_m_s=v, friction_n=400.0, f_applied_n=2000.0)
     assert screen(run, rules).means.efficiency == pytest.approx(expected)
+
+
+def test_the_headline_has_no_efficiency_without_load_and_the_curve_keeps_it(make_curve):
+    for load, stated in ((2000.0, True), (0.0, False)):
+        curve = replace(make_curve([0.05, 0.1], [500.0, 400.0], f_applied_n=200.0), f_load_n=load)
+        shares = efficiency_curve(curve, instruments())
+        (series,) = headline([curve], [shares]).series
+        assert all(point.efficiency is not None for point in shares.points)
+        assert (series.efficiency is not None) == stated and series.friction_n is not None

@@ -89,3 +89,16 @@ def test_the_table_states_how_a_speed_was_chosen_and_what_u_contains(accept):
     assert "note: data rated 'with care'; " in said or "note: data rated 'poor'; " in said
     one_speed = accept(MET | {"speed": "85 mm/s"}).stdout
     assert "lowest probability" not in one_speed and "trials alone" not in one_speed
+
+
+def test_the_report_states_the_probability_of_conformity_and_the_rule(accept, tmp_path, undrawn):
+    accept(MET, MISSED, NOT_MEASURED)
+    workflow.report(tmp_path / "campaign", form="md")
+    report = (tmp_path / "campaign" / "results" / "report.md").read_text()
+    document = json.loads((tmp_path / "campaign" / "results" / "acceptance.json").read_text())
+    known = [c["probability"] for c in document["checks"] if c["probability"] is not None]
+    table = report[report.index("## Decision") : report.index("## Friction")].replace("\\", "")
+    assert min(known) < 0.001 and max(known) > 0.999
+    assert table.count("> 99.9 %") == sum(p > 0.999 for p in known)
+    assert "The lowest probability of conformity that is known is < 0.1 %." in table
+    assert f"Limits: {document['limits']}" in table and "Rule: " in table

@@ -25,7 +25,7 @@ from hbench import workflow
 from hbench.cli.watch_server import new_server
 from hbench.errors import ConfigError
 from hbench.store.campaign.folder import load_campaign, load_header
-from hbench.store.campaign.live_file import LIVE, SCHEMA
+from hbench.store.campaign.live_file import LIVE, SCHEMA, read_live, write_live
 from hbench.store.campaign.stored_acceptance import stored_checks
 from hbench.workflow.watching import live, watch
 from hbench.workflow.watching.charts import limits_checked, station_charts
@@ -130,12 +130,47 @@ def test_a_campaign_under_way_is_told_as_the_operator_sees_it(
         assert (now["v_m_s"], now["v_ref_m_s"]) == (before.v_m_s, before.v_ref_m_s)
         assert (now["f_load_n"], now["f_load_ref_n"]) == (before.f_load_n, 2000.0)
         assert now["pressures_pa"] == before.pressures_pa
+        assert {key: now[key] for key in now["trail"][-1]} == now["trail"][-1]
+        assert len(now["trail"]) <= live.TRAIL
         assert len(made["runs"]) <= before.runs_done + 1  # one has ended since
     assert len(seen[-1][2]["runs"]) > 0
     assert (after["state"], after["live"]) == ("finished", None)
     assert after["said"].startswith("4 of 4 ")
     assert [run["run"] for run in runs["runs"]] == ["0001", "0002", "0003", "0004"]
     assert not (tmp_path / "campaign" / LIVE).exists()
+
+
+def test_the_published_run_is_the_present_one_however_short_the_runs_are(
+    on_the_rig, short_schedule, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(live, "EVERY_S", 1e9)
+    reported, published = [], []
+
+    def report(progress):
+        if reported and reported[-1] == progress.plan.run:
+            published.append(read_live(tmp_path / "campaign")["run"] == progress.plan.run)
+        reported.append(progress.plan.run)
+
+    on_the_rig(short_schedule(), tmp_path / "campaign", report=report)
+    assert len(set(reported)) == 4 and len(published) > 4 and all(published)
+
+
+def test_a_page_that_is_opened_during_a_run_shows_the_traces_so_far(
+    sample, tmp_path, monkeypatch, require_tool
+):
+    monkeypatch.setattr(watch, "STALE_S", PATIENCE_S)
+    now = time.time()
+    traced = {"v_ref_m_s": 0.05, "f_load_n": 1990.0, "f_load_ref_n": 2000.0}
+    trail = [
+        {"at_s": now - 20 + i, "v_m_s": 0.05 + 1e-4 * i, "pressures_pa": {"p_tp": 5e6, "p_tr": 2e6}}
+        | traced
+        for i in range(20)
+    ]
+    write_live(sample, {"trail": trail, "runs_done": 1, "runs_total": 8, **trail[-1], "at_s": now})
+    with watched(sample) as page:
+        dom = shown_by(require_tool("chromium"), page, tmp_path)
+    lines = re.findall(r'class="trace(?: ref)?" points="([^"]*)"', dom)
+    assert [len(line.split()) for line in lines] == [21] * 6
 
 
 def test_the_verdicts_are_those_of_analyze(page, sample):
@@ -375,6 +410,22 @@ def test_a_station_follows_the_campaign_that_was_changed_last(sample, tmp_path):
     assert {path: text for path, text in files_of(folder).items() if path in before} == before
 
 
+def test_a_station_lists_and_charts_cylinders_in_the_order_of_their_tests(sample, tmp_path):
+    header = (sample / "campaign.yaml").read_text().partition("\nruns:")[0] + "\nruns: []\n"
+    created = re.search(r"^created: '(\d{4}-\d\d-\d\d)", header, re.MULTILINE)
+    folder = tmp_path / "station"
+    for name, day, moment in (("A", "2026-01-05", 3e9), ("B", "2026-01-06", 1e9)):  # A changed last
+        decided(folder / name, 3e5)
+        path = folder / name / "campaign.yaml"
+        path.write_text(header.replace(created[1], day))
+        for one in (path, folder / name / "results" / "acceptance.json"):
+            os.utime(one, (moment, moment))
+    with watched(folder, workflow.Station) as page:
+        state = page.state()
+    assert [one["folder"] for one in state["cylinders"]] == ["B", "A"]
+    assert state["present"] == "A" and state["charts"][0]["names"] == ["A", "B"]
+
+
 def decided(folder, value, speed_m_s=None, **changes):
     """Write a decision on a breakaway pressure [Pa], as hbench accept does."""
     requirement = {"quantity": "breakaway", "unit": "bar", "low": None, "high": 4e5} | changes
@@ -450,6 +501,27 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     assert len(several) == 6 and several[-1].startswith("11 more") and limits_checked([]) == []
 
 
+def test_a_run_that_was_stopped_has_one_reason_and_is_not_counted_as_rejected(
+    sample, tmp_path, require_tool
+):
+    path = tmp_path / "station" / "C" / "campaign.yaml"
+    shutil.copytree(sample, path.parent)
+    content = yaml.safe_load(path.read_text())
+    content["runs"] = content["runs"][:3]
+    content["runs"][2]["stop"] |= {"outcome": "aborted", "why": "interrupted by the operator"}
+    path.write_text(yaml.safe_dump(content, sort_keys=False))
+    with watched(tmp_path / "station", workflow.Station) as page:
+        last = page.runs()["runs"][-1]
+        dom = shown_by(require_tool("chromium"), page, tmp_path)
+    assert last["reasons"][0] == "aborted: interrupted by the operator"
+    assert "run 0003 aborted: interrupted by the operator." in dom
+    assert re.findall(r"<td>0003</td><td>(.*?)</td>", dom) == [last["reasons"][0]]
+    poor, title = (
+        re.search(rf'id="{name}"[^>]*>(.*?)<', dom)[1] for name in ("shares", "rejected-title")
+    )
+    assert " of 2 completed runs" in poor and "stopped: 1" in title
+
+
 def test_a_station_shows_an_interrupted_campaign_and_its_rejected_runs(
     sample, tmp_path, require_tool
 ):
@@ -459,9 +531,10 @@ def test_a_station_shows_an_interrupted_campaign_and_its_rejected_runs(
     with watched(tmp_path / "station", workflow.Station) as page:
         dom = shown_by(require_tool("chromium"), page, tmp_path)
     assert re.search(r'class="big decision bad" id="decision">interrupted<', dom)
-    assert "6 of 7 runs were rejected" in dom
+    assert "6 of 7 completed runs were rejected" in dom
     checked = re.search(r'<ul id="checked">(.*?)</ul>', dom)
-    assert checked and not checked[1] and "Continue with hbench run --resume" in dom
+    assert "No decision: the test is not complete." in checked[1]
+    assert "Continue with hbench run --resume" in dom
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.page import certificate_page
 from hbench.report.conformity.certificate.pdf import certificate_pdf, sheets
 from hbench.report.conformity.certificate.words import WORDS
-from hbench.report.render.pdf_pen import wrapped
+from hbench.report.render.pdf_pen import LEFT, SHEET_WIDTH, wrapped
 from tests.support import ROOT
 from tests.support.certificates import FILE, HOSTILE, PNG
 
@@ -88,12 +88,12 @@ def test_a_value_is_stated_with_its_uncertainty_and_factor(certificate):
     values = (
         Certified("friction", measured, 2.776, 328_000.0, 22_100.0),
         Certified("breakaway", replace(measured, v_m_s=None, dwell_s=60.0), 2.776),
-        Certified("leakage", Measurement(2.5e-13, 5e-14), None, leak="across_piston"),
+        Certified("leakage", Measurement(2.5e-16, 5e-17), None, leak="across_piston"),
     )
     for made in (certificate(), certificate(language="de")):
         parts = content(replace(made, values=values)).parts
         point = ["412 ± 28", "2.78", "3.28 ± 0.22"]
-        leak = "1.50 ± 0.30"  # 2.5e-13 m^3/(s Pa) is 2.5e-13 * 1e6 * 60 * 1e5 ml/(min bar)
+        leak = "1.50 ± 0.30"  # 2.5e-16 m^3/(s Pa) is 2.5e-16 * 1e9 * 60 * 1e5 µl/(min bar)
         if made.file.language == "de":
             point = [text.replace(".", ",") for text in point]
             leak = leak.replace(".", ",")
@@ -185,9 +185,15 @@ def test_simulated_data_is_marked_on_each_page(certificate):
     mark = WORDS["en"]["simulated_short"]
     assert made.number == "SIM-L-17"
     for sheet in sheets(made):
-        assert sum(mark in text.get_text() for text in sheet.texts) >= 2  # foot and watermark
+        marks = [text for text in sheet.texts if mark in text.get_text()]
+        along = [text for text in marks if text.get_rotation() == 90]
+        assert len(along) == 2 and len(marks) >= 3  # both margins, and the foot
+        renderer = sheet.canvas.get_renderer()
+        width = sheet.bbox.width
+        for box in (text.get_window_extent(renderer) for text in along):
+            assert box.x1 < width * LEFT / SHEET_WIDTH or box.x0 > width * (1 - LEFT / SHEET_WIDTH)
     page = certificate_page(made)
-    assert f'@bottom-center {{ content: "{mark}"' in page and 'class="watermark"' in page
+    assert f'@bottom-center {{ content: "{mark}"' in page and 'class="along"' in page
     for text in (page_text(certificate()), pdf_text(certificate())):
         assert mark not in text
 
@@ -419,3 +425,29 @@ def test_a_reservation_of_the_data_stands_beside_the_decision(certificate):
         assert ("“with care”" in lead) == (grade == "with care")
         alone = flat(page_text(replace(shown, acceptance=None)))
         assert ("“with care”" in alone) == (grade == "with care")
+
+
+def test_no_efficiency_without_load_is_stated_and_a_remark_gives_the_reason(certificate):
+    made = certificate()
+    loaded, _ = certified_values(made.results, None)
+    assert any(value.quantity == "efficiency" for value in loaded)
+    assert "No efficiency is stated" not in page_text(made)
+
+    def unloaded(curves):
+        return tuple(replace(curve, f_load_n=0.0) for curve in curves)
+
+    results = replace(
+        made.results,
+        curves=unloaded(made.results.curves),
+        efficiency=unloaded(made.results.efficiency),
+    )
+    values, _ = certified_values(results, None)
+    assert {value.quantity for value in values} == {"friction"}
+    text = page_text(replace(made, results=results, values=values))
+    assert (
+        "No efficiency is stated at a load of 0 N" in text
+        and "Results: friction at constant" in text
+    )
+    assert "Efficiency ±" not in text and "hydro-mechanical" not in text
+    (missing,) = re.findall(r"Not measured: ([^.]*)", text)
+    assert "efficiency" not in missing

@@ -10,10 +10,18 @@ from markupsafe import escape
 
 from hbench.analysis.comparison.fleet_summary import summarize
 from hbench.records.conformity.acceptance import Requirement
+from hbench.report.fleet.charts import step_table
 from hbench.report.fleet.figures import draw_fleet
-from hbench.report.fleet.page import fleet_page
-from hbench.report.fleet.text import fleet_json, fleet_text
-from hbench.report.fleet.verdict import finding_sentences, fleet_verdict
+from hbench.report.fleet.names import distinct_names
+from hbench.report.fleet.page import fleet_document, fleet_page
+from hbench.report.fleet.text import (
+    campaign_table,
+    fleet_json,
+    fleet_text,
+    spread_table,
+    worst_table,
+)
+from hbench.report.fleet.verdict import finding_sentences, fleet_verdict, stepped_numbers
 from hbench.store.campaign.stored_acceptance import stored_decision
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of
@@ -242,7 +250,7 @@ def test_histograms_need_ten_campaigns(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 9))
     names = {drawing.name for drawing in draw_fleet(few)}
     assert "drift-friction-n" in names and not any("distribution" in name for name in names)
-    assert "Histograms are drawn from 10 campaigns on." in fleet_page(few, ())
+    assert "from 10 campaigns on." in fleet_page(few, ())
 
 
 def test_values_have_three_digits_however_wide_their_intervals_are(tmp_path, undrawn):
@@ -257,3 +265,60 @@ def test_values_have_three_digits_however_wide_their_intervals_are(tmp_path, und
     page = ordinary_spaces(fleet_page(replace(few, rows=tuple(rows)), ()))
     value = rows[0].numbers["friction_extend_n"].value
     assert f"{value:.0f} ± 110" in page
+
+
+def test_sigma_between_campaigns_has_its_interval_and_few_campaigns_have_none(tmp_path, found):
+    for direction, truth in (("extend", None), ("retract", 9.0)):
+        one = spread(found, "friction_n", direction)
+        assert 0 < one.between_low < one.between < one.between_high < 1.5 * one.between
+        assert truth is None or one.between_low < truth < one.between_high
+    column = [row[4] for row in spread_table(found).rows]
+    assert all(re.fullmatch(r"[\d.]+ (± [\d.]+|\([\d.]+ to [\d.]+\))", cell) for cell in column)
+    few = spread_table(summary_of(made_table(tmp_path, 4)))
+    assert "σ of own trials" in few.head and not any("between" in cell for cell in few.head)
+
+
+def test_the_limit_of_an_outlier_is_where_its_p_is_significant(found):
+    for suspect in found.worst:
+        for deviation in suspect.deviations:
+            assert deviation.outlier == (abs(deviation.z) > deviation.limit)
+    (*_, z, limit, _, verdict), *_ = worst_table(found, 1).rows
+    assert verdict == "outlier" and float(z.strip("−+")) > float(limit) > 3  # of many values
+
+
+def test_the_means_of_a_step_differ_by_the_size_that_is_shown(shifted):
+    rows = step_table(shifted).rows
+    assert len(rows) > 3
+    for row in rows:
+        before, after, size = (float(cell.split(" ±")[0].replace("−", "-")) for cell in row[2:5])
+        decimals = len(row[4].split(" ±")[0].partition(".")[2])
+        assert abs(after - before - size) <= 0.61 * 10**-decimals  # both with a further decimal
+
+
+def test_a_campaign_has_its_folders_name_and_a_path_only_where_two_have_the_same():
+    assert distinct_names(["/a/line/HC-1", "/a/line/HC-2"]) == {
+        "/a/line/HC-1": "HC-1", "/a/line/HC-2": "HC-2"
+    }  # fmt: skip
+    names = distinct_names(["/a/b/HC-1", "/a/c/HC-1", "/a/c/HC-2"])
+    assert list(names.values()) == ["b/HC-1", "c/HC-1", "HC-2"]
+
+
+def test_the_top_of_the_page_has_few_tiles_and_counts_each_change_once(shifted, undrawn):
+    (summary, *_) = fleet_document(shifted, ()).sections
+    assert 4 <= len(summary.tiles) <= 7
+    assert summary.tiles[0].value == "30 of 30" and "data: " in summary.tiles[0].more
+    (changes,) = (tile for tile in summary.tiles if "changed over time" in tile.more)
+    trends = sum(one.trend is not None for one in shifted.spreads)
+    assert changes.value == f"{len(stepped_numbers(shifted))} of {trends}"
+    assert changes.more == "numbers changed over time: 1 by a step"
+
+
+def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shifted):
+    def head(names):
+        rows = tuple(
+            replace(row, path=f"/line/{name}", specimen="S-1")
+            for row, name in zip(shifted.rows, names, strict=False)
+        )
+        return campaign_table(replace(shifted, rows=rows)).head
+
+    assert "Cylinder" in head(["S-1", "c2"]) and "Cylinder" not in head(["S-1"])

@@ -17,6 +17,7 @@ from hbench.analysis.comparison.population import (
     RobustDeviations,
     TrendLine,
     histogram,
+    outlier_limit,
     robust_deviations,
     trend_line,
 )
@@ -109,10 +110,11 @@ def summarize(
         if len(sample.x) < FEWEST_CAMPAIGNS:
             continue
         p = np.minimum(sum(sizes) * deviations.p, 1.0)
+        limit = outlier_limit(len(sample.x), sum(sizes))
         outlier[sample.rows] |= p < 0.05
         for i in np.argsort(-np.abs(deviations.z), kind="stable")[:_LISTED]:
             x, m, z = float(sample.x[i]), float(centre[i]), float(deviations.z[i])
-            deviation = Deviation(sample.quantity, sample.direction, x, m, z, float(p[i]))
+            deviation = Deviation(sample.quantity, sample.direction, x, m, z, float(p[i]), limit)
             worst[int(sample.rows[i])].append(deviation)
     failures = np.flatnonzero(~good)[:_LISTED]
     days = (moments - np.min(known, initial=np.inf, where=np.isfinite(known))) / _DAY_S
@@ -255,6 +257,8 @@ def _spread(sample: _Sample, deviations: RobustDeviations, trend: Trend | None) 
         n=len(sample.x),
         median=median,
         between=deviations.between,
+        between_low=deviations.between_low,
+        between_high=deviations.between_high,
         se_trials=within or None,
         low=low,
         high=high,

@@ -14,13 +14,18 @@ median, or the Theil-Sen line if there is a trend, and tau solves
 so that up to half of the campaigns may be outliers. The p-value of
 z_i = (x_i - m) / sqrt(tau^2 + s_i^2) is that of Student's distribution with 0.37 (n - 1) degrees of
 freedom, since a median absolute deviation is as precise as the standard deviation of 37 % of the
-values (Huber, Robust Statistics, 1981, section 5.1).
+values (Huber, Robust Statistics, 1981, section 5.1). With the same degrees of freedom nu, the 95 %
+interval of tau is that of a variance, by the quantiles of the chi-squared distribution:
+
+    tau^2 from (tau^2 + s^2) nu / chi2_0.975 - s^2  to  (tau^2 + s^2) nu / chi2_0.025 - s^2
+
+with s the median of the s_i, and zero in place of a negative number.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtr
+from scipy.special import chdtri, stdtr, stdtrit
 
 from hbench.analysis.rounding import ROUNDING, is_constant, merged
 from hbench.records import FEWEST_CAMPAIGNS
@@ -41,6 +46,8 @@ class RobustDeviations(NamedTuple):
     within: np.ndarray  # (n,) s_i as used
     z: np.ndarray  # (n,)
     p: np.ndarray  # (n,) two-sided, for one campaign
+    between_low: float  # 95 % interval of tau
+    between_high: float
 
 
 class TrendLine(NamedTuple):
@@ -67,8 +74,25 @@ def robust_deviations(
     total = np.hypot(between, within)
     with np.errstate(divide="ignore", invalid="ignore"):
         z = np.where(distance > 0, (x - centre) / total, 0.0)
-    p = 2 * stdtr(_EFFICIENCY * max(len(x) - 1, 1), -np.abs(z))
-    return RobustDeviations(between, within, z, p)
+    p = 2 * stdtr(_freedom(len(x)), -np.abs(z))
+    return RobustDeviations(between, within, z, p, *_between_interval(between, within))
+
+
+def outlier_limit(n: int, tests: int) -> float:
+    """Return the |z| of a value of n campaigns whose p, times ``tests``, is 0.05."""
+    return -float(stdtrit(_freedom(n), 0.025 / tests))
+
+
+def _freedom(n: int) -> float:
+    return _EFFICIENCY * max(n - 1, 1)
+
+
+def _between_interval(between: float, within: np.ndarray) -> tuple[float, float]:
+    own = float(np.median(within)) ** 2
+    freedom = _freedom(len(within))
+    spread = (between**2 + own) * freedom
+    low, high = (spread / float(chdtri(freedom, tail)) - own for tail in (0.025, 0.975))
+    return float(np.sqrt(max(low, 0.0))), float(np.sqrt(max(high, 0.0)))
 
 
 def _within_scatter(se: np.ndarray) -> np.ndarray:

@@ -28,7 +28,8 @@ def certified_values(
 
     Of more than ``MOST_POINTS`` steady points, each series keeps its lowest and highest speed, the
     one next to the working speed, and those of the ``decided`` measurements. Errors of the
-    instruments are in the uncertainty only where ``instruments`` are known.
+    instruments are in the uncertainty only where ``instruments`` are known. An efficiency without
+    load is no value of a cylinder in operation, and is not among them.
     """
     forces = [_force(results, "friction", each, instruments) for each in _all(results, "friction")]
     kept = _fewer(forces, results.headline.v_m_s, {_point(each) for each in decided})
@@ -36,7 +37,7 @@ def certified_values(
     efficiencies = [
         Certified("efficiency", each, _factor(each, instruments) if instruments else None)
         for each in _all(results, "efficiency")
-        if _point(each) in speeds or not forces
+        if (_point(each) in speeds or not forces) and each.f_load_n != 0
     ]
     breakaways = (
         _force(results, "breakaway", each, instruments) for each in _all(results, "breakaway")

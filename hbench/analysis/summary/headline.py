@@ -199,7 +199,8 @@ def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
 def _efficiency(
     curve: Curve, point: CurvePoint, efficiency: Iterable[EfficiencyCurve]
 ) -> HeadlineNumber | None:
-    for same in efficiency:
+    """Return the efficiency at the point; None without load, where it is not that of operation."""
+    for same in efficiency if curve.f_load_n != 0 else ():
         if same.kind == curve.kind and _key(same) == _key(curve):
             at = min(same.points, key=lambda p: abs(p.v_m_s - point.v_m_s))
             if at.efficiency is not None:

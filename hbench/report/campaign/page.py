@@ -39,7 +39,8 @@ _PREDICTS = (
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _BREAKAWAY = (
     "The largest friction while a rising force pushes the piston, which has rested under load. "
-    "It is a property of the seals, of the rest and of the rate."
+    "It is a property of the seals, of the rest and of the rate. The piston creeps while the force "
+    "rises: the table gives its displacement up to the largest friction."
 )
 _DISTANCE = (
     "Changes along straight lines with their 95 % intervals: over all values (endurance), and over "

@@ -161,7 +161,7 @@ def breakaway_table(results: Results) -> Table:
     """Return breakaway of each direction, load, rest and rate."""
     head = (
         *("Load", "Direction", "At rest (s)", "Rate (N/s)", "Breakaway (N)", "Breakaway (bar)"),
-        *("Trials alone (N)", "Trials", "Displacement (mm)"),
+        *("Trials alone (N)", "Trials", "Creep (mm)"),
     )
     rows = [
         (
@@ -201,19 +201,20 @@ def dwell_table(results: Results) -> Table:
 def distance_table(results: Results) -> Table:
     """Return trends over the distance, and whether each quantity has settled."""
     head = (
-        *("Quantity", "Of", "Distance (m)", "Change per km", "p after Holm"),
-        *("Mean of the last half", "Its change", "Verdict"),
+        *("Quantity", "Of", "Distance (m)", "Change over it", "p after Holm"),
+        *("Mean of the last half", "Change over this half", "Verdict"),
     )
     rows = []
     for trend in results.motions.over_distance:
         name, unit = DISTANCE_QUANTITIES[trend.quantity]
         scale = from_si(1.0, unit)
+        over = scale * (trend.distance_m[-1] - trend.distance_m[0])
         rows.append(
             (
                 f"{name} ({unit})",
                 distance_words(trend),
-                number(trend.distance_m[-1], 1),
-                with_interval(1e3 * scale * trend.slope, 1e3 * scale * trend.slope_ci95),
+                number(trend.distance_m[-1] - trend.distance_m[0], 1),
+                with_interval(over * trend.slope, over * trend.slope_ci95),
                 significant(trend.p_holm, 2),
                 number(scale * trend.last_mean, 0 if unit == "N" else 3),
                 with_interval(scale * trend.last_change, scale * trend.last_change_ci95),

@@ -10,6 +10,7 @@ from hbench.records.conformity.acceptance import (
     LimitQuantity,
     Measurement,
     Requirement,
+    Rule,
 )
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.campaign.series_words import TITLES
@@ -33,7 +34,7 @@ RULES = {
     "limit",
     "guard_band": "guard band: a value passes if it is inside the limit by at least U",
 }
-
+CONFORMS = "conforms: probability that the true value is within its limit"
 _TRIALS_ALONE: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
 _STEPS = {
     "FAIL": "FAIL: check the zeros and the calibration of the instruments, then repeat the test; "
@@ -67,20 +68,21 @@ def acceptance_text(acceptance: Acceptance) -> str:
     """Return the decision first, then the table, the rule and the notes."""
     cylinder = f"cylinder {acceptance.serial}" if acceptance.serial else acceptance.provenance.name
     product = f", product {acceptance.product}" if acceptance.product else ""
+    rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
     lines = [
         f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
         *list(table_lines(acceptance_table(acceptance)))[1:],
-        f"rule: {rule_words(acceptance)}; limits of {acceptance.limits}",
+        f"rule: {rule}; limits of {acceptance.limits}",
         "U: expanded uncertainty for a coverage probability of 95 %",
-        "conforms: probability that the true value is within its limit",
-        *_legend(acceptance.checks),
+        CONFORMS,
+        *legend(acceptance.checks),
         *(f"note: {note}" for note in acceptance.notes),
         *(f"next: {step}" for step in next_steps(acceptance.checks)),
     ]
     return "\n".join(lines).replace("−", "-").replace("–", "-").replace("±", "+-")
 
 
-def _legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
+def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
     """Explain the symbol of the rod-side pressure, speeds and parts of U where a check has them."""
     alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
     if alone:
@@ -148,9 +150,9 @@ def check_words(requirement: Requirement, measured: Measurement | None) -> str:
     return ", ".join(filter(None, parts))
 
 
-def rule_words(acceptance: Acceptance) -> str:
-    """Write the decision rule."""
-    return RULES[acceptance.rule].format(share=f"{100 * (acceptance.largest_uncertainty or 0):g} %")
+def rule_words(rule: Rule, largest_uncertainty: float | None) -> str:
+    """Write the decision rule; shared risk has the largest U as a share of the limit."""
+    return RULES[rule].format(share=f"{100 * (largest_uncertainty or 0):g} %")
 
 
 def requirement_words(requirement: Requirement, measured: Measurement | None) -> str:
@@ -165,7 +167,8 @@ def requirement_words(requirement: Requirement, measured: Measurement | None) ->
     dwell = requirement.dwell_s if measured is None else measured.dwell_s
     if dwell is not None:
         words += f" after {short(dwell)} s at rest"
-    return f"{requirement.name}: {words}" if requirement.name else words
+    named = requirement.name and requirement.name.lower() != QUANTITIES[requirement.quantity]
+    return f"{requirement.name}: {words}" if named else words
 
 
 def series_words(requirement: Requirement, measured: Measurement | None) -> str:

@@ -16,8 +16,9 @@ from hbench.report.fleet.names import (
     of_change,
     of_side,
     signed,
+    working_speed,
 )
-from hbench.report.render.numbers import significant, with_ends, with_interval
+from hbench.report.render.numbers import finer, significant, with_ends, with_interval
 from hbench.report.render.symbols import capital
 from hbench.units import from_si
 
@@ -35,13 +36,10 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
     for chart in fleet.charts:
         if chart.step is not None and chart.step.real:
             scale, unit = chart.quantity.scale, chart.quantity.unit
-            before, after = (
-                significant(scale * mean, 4) for mean in (chart.step.before, chart.step.after)
-            )
             name = f"{in_sentence(chart.quantity)}{of_side(chart.direction)}"
             at = chart.step.name
             size = step_size(chart.step, scale)
-            words = f"{name}, by {size} {of_change(unit)} ({before} to {after} {unit})"
+            words = f"{name}, by {size} {of_change(unit)}"
             steps.setdefault(at, []).append(words)
             largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
     for at, changes in steps.items():
@@ -103,7 +101,9 @@ def step_table(fleet: Fleet) -> WordTable:
         if (step := chart.step) is None:
             continue
         scale = chart.quantity.scale
-        before, after = (significant(scale * mean, 4) for mean in (step.before, step.after))
+        before, after = (
+            finer(scale * mean, scale * step.ci95) for mean in (step.before, step.after)
+        )
         rows.append(
             (
                 name_of(chart),
@@ -135,7 +135,7 @@ def capability_table(fleet: Fleet) -> WordTable:
                 str(each.n),
                 limit_words(each.requirement),
                 f"{significant(from_si(each.series.value, unit), 4)} {unit}",
-                f"{significant(from_si(each.sigma, unit), 2)} {unit}",
+                f"{significant(from_si(each.sigma, unit), 3)} {unit}",
                 with_ends(each.cpk.value, each.cpk.low, each.cpk.high or each.cpk.value),
                 str(each.outside),
             )
@@ -146,6 +146,13 @@ def capability_table(fleet: Fleet) -> WordTable:
 
 def capability_notes(fleet: Fleet) -> Iterator[str]:
     """Yield a reservation on Cpk, and the limits that have none, with the reason."""
+    if fleet.capabilities:
+        speed = working_speed(fleet)
+        yield (
+            "These values are at the speeds and loads of the limits. The other numbers of the "
+            f"fleet are at the working speed{f', {speed},' if speed else ''} and are means over "
+            "the loads."
+        )
     stepped = any(chart.step is not None and chart.step.real for chart in fleet.charts)
     if fleet.capabilities and stepped:
         yield (

@@ -86,6 +86,8 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
         f"Time{since} ({'h' if hours else 'd'})" if fleet.by_date else "Number in order of path"
     )
     axes.set(xlabel=x_label, ylabel=f"{_short(quantity)} ({quantity.unit})")
+    if not hours:
+        axes.xaxis.get_major_locator().set_params(integer=True)
     if not fleet.by_date and 0 < len(names := _names(fleet)) <= _NAMED:
         axes.set_xticks(range(1, len(names) + 1), names, rotation=40, ha="right", fontsize=8)
         axes.set_xlabel("Campaign")

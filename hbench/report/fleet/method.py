@@ -29,8 +29,10 @@ _METHOD = (
         "campaign's own trials: the root mean square of their standard errors, and its own for a "
         "campaign whose trials scatter more than three times as much as is usual. m is the "
         "median. σ between campaigns is such that the median of |x − m| / √(σ_between² + "
-        "σ_own²) is 0.6745: up to half of the campaigns may deviate by any amount. Errors of the "
-        "instruments are common to a bench's campaigns and are not included.",
+        "σ_own²) is 0.6745: up to half of the campaigns may deviate by any amount. Its 95 % "
+        "interval is by the quantiles of χ² with 0.37 (n − 1) degrees of freedom, for normal "
+        "values; from 10 campaigns on. Errors of the instruments are common to a bench's campaigns "
+        "and are not included.",
     ),
     (
         "Outliers",

@@ -1,5 +1,8 @@
 """Names of a fleet's numbers and campaigns, and signs."""
 
+import os
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import PurePath
 
 from hbench.records import (
@@ -14,14 +17,30 @@ from hbench.records import (
     WearTrend,
 )
 from hbench.report.campaign.series_words import TITLES
-from hbench.report.render.numbers import NONE
+from hbench.report.render.numbers import NONE, short
 
+WORKING_SPEED = " at the working speed"
 Shown = Spread | Deviation | Precision | ControlChart | WearTrend
 
 
 def folder_name(path: str) -> str:
     """Return the last part of a campaign's path."""
     return PurePath(path).name or path
+
+
+def distinct_names(paths: Sequence[str]) -> dict[str, str]:
+    """Return the folder's name of each path.
+
+    Where several folders have this name, it is the path below the parent of all folders.
+    """
+    counts = Counter(map(folder_name, paths))
+    if len(counts) == len(paths):
+        return {path: folder_name(path) for path in paths}
+    parent = os.path.commonpath(paths)
+    return {
+        path: folder_name(path) if counts[folder_name(path)] == 1 else os.path.relpath(path, parent)
+        for path in paths
+    }
 
 
 def name_of(number: Shown) -> str:
@@ -33,7 +52,7 @@ def name_of(number: Shown) -> str:
 def without_condition(quantity: Quantity) -> str:
     """Return the quantity's words without the speed or pressure that it is taken at."""
     words = quantity.words
-    for condition in (" at the working speed", " at the median pressure"):
+    for condition in (WORKING_SPEED, " at the median pressure"):
         words = words.removesuffix(condition)
     return words
 
@@ -64,6 +83,13 @@ def of_change(unit: str) -> str:
 def signed(text: str) -> str:
     """Return a number with its sign, and none before a zero."""
     return text if text.startswith(("−", "0", NONE)) and not text.startswith("0.") else f"+{text}"
+
+
+def working_speed(fleet: Fleet) -> str:
+    """Return the working speed of the compared campaigns; empty if unknown or not the same."""
+    speeds = {row.v_m_s and short(1e3 * row.v_m_s) for row in fleet.rows if row.compared}
+    (speed,) = speeds if len(speeds) == 1 else (None,)
+    return f"{speed} mm/s" if speed else ""
 
 
 def main_spreads(fleet: Fleet) -> list[Spread]:

@@ -18,7 +18,7 @@ from hbench.report.fleet.charts import (
 from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
 from hbench.report.fleet.method import fleet_method
 from hbench.report.fleet.names import (
-    folder_name,
+    distinct_names,
     main_spreads,
     of_side,
     range_words,
@@ -37,6 +37,7 @@ from hbench.report.fleet.text import (
     trend_table,
 )
 from hbench.report.fleet.verdict import (
+    decision_words,
     finding_sentences,
     fleet_verdict,
     steady_trends,
@@ -49,10 +50,20 @@ from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 
 _AT = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
-_FEW = f"Histograms are drawn from {FEWEST_CAMPAIGNS} campaigns on."
+_FEW = (
+    "Histograms are drawn and the standard deviation σ between campaigns is computed from "
+    f"{FEWEST_CAMPAIGNS} campaigns on."
+)
 _PRECISION = "Repeatability and reproducibility"
 _CORRECTED = (
-    "p is corrected for the number of values: among many of them, a deviation of some σ is common."
+    "Expected is the median of the fleet or, where a number drifts, its line. σ is that between "
+    "campaigns and that of own trials together. A campaign is an outlier beyond the limit of the "
+    "table, at which p, corrected for the number of values, is 0.05. This limit is far in a small "
+    "fleet, since few campaigns determine σ poorly."
+)
+_ALONE = (
+    "The intervals are those of each number alone. p is corrected for the number of trends (Holm), "
+    "and can be above 0.05 where the interval does not contain 0."
 )
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
@@ -107,7 +118,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         all_shown = fleet.outliers >= _LEAST
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
         if not fleet.outliers:
-            few = "These deviate most, but none of them significantly (p at least 0.05)."
+            few = "These deviate most, but none of them significantly."
         few += f" {_CORRECTED}"
         none = () if all_shown else (few,)
         title = "Outliers" if all_shown else "Largest deviations"
@@ -118,7 +129,9 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield Section("Distributions", () if chosen else (_FEW,), drawings=chosen, tables=(table,))
         chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
-        yield Section("Drifts", drawings=chosen, tables=(table,) if table.rows else ())
+        about = (_ALONE,) if table.rows else ()
+        trends = (table,) if table.rows else ()
+        yield Section("Drifts", about, drawings=chosen, tables=trends)
     if fleet.capabilities or fleet.without_capability:
         table = _untitled(capability_table(fleet))
         known = (table,) if table.rows else ()
@@ -154,25 +167,27 @@ def _of(drawings: tuple[Drawing, ...], section: str) -> tuple[Drawing, ...]:
     return tuple(drawing for drawing in drawings if drawing.section == section)
 
 
-_OUTLIERS = ("outlier", "outliers")
-
-
 def _tiles(fleet: Fleet) -> Iterator[Tile]:
     good = fleet.campaigns - fleet.failed
-    failed = f"{fleet.failed} failed" if fleet.failed else "none failed"
-    yield Tile(f"{good} of {fleet.campaigns}", "campaigns", f"analyzed; {failed}")
-    for name, count in fleet.decisions:
-        yield Tile(str(count), "", f"decision {name} (hbench accept)")
-    if any(suspect.deviations for suspect in fleet.worst):
-        yield Tile(str(fleet.outliers), "", _OUTLIERS[fleet.outliers != 1], "method-outliers")
-    if stepped := stepped_numbers(fleet):
-        changed = f"of {len(fleet.charts)} numbers with a control chart changed from a campaign on"
-        yield Tile(str(len(stepped)), "", changed, "method-change-points")
-    if trends := steady_trends(fleet):
-        without = "without such a change " if stepped else ""
-        drifts = sum(trend.real for trend in trends)
-        caption = f"of {len(trends)} numbers {without}drift over time"
-        yield Tile(str(drifts), "", caption, "method-trends")
+    about = [f"analyzed, {fleet.failed} failed" if fleet.failed else "analyzed"]
+    if fleet.decisions:
+        about.append(f"decisions: {decision_words(fleet)}")
+    if fleet.qualities:
+        grades = ", ".join(f"{count} {grade}" for grade, count in fleet.qualities)
+        about.append(f"data: {grades}")
+    yield Tile(f"{good} of {fleet.campaigns}", "campaigns", "; ".join(about))
+    if fleet.outliers:
+        caption = f"{'outlier' if fleet.outliers == 1 else 'outliers'} among the campaigns"
+        yield Tile(str(fleet.outliers), "", caption, "method-outliers")
+    stepped, trends = stepped_numbers(fleet), steady_trends(fleet)
+    if fleet.charts or trends:
+        drifting = sum(trend.real for trend in trends)
+        of = len(trends) + len(stepped)
+        parts = [f"{len(stepped)} by a step"] if stepped else []
+        parts += [f"{drifting} by a steady drift"] if drifting else []
+        changed = f"numbers changed over time{': ' * bool(parts)}{', '.join(parts)}"
+        how = "method-change-points" if stepped else "method-trends"
+        yield Tile(f"{len(stepped) + drifting} of {of}", "", changed, how)
     for spread in main_spreads(fleet):
         if spread.quantity.name in _TILES:
             scale = spread.quantity.scale
@@ -180,8 +195,6 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
             words = f"{without_condition(spread.quantity)}{of_side(spread.direction)}"
             caption = f"{words[0].lower()}{words[1:]}: {range_words(spread.n)}"
             yield Tile(value, spread.quantity.unit, caption, "method-spread")
-    for grade, count in fleet.qualities:
-        yield Tile(str(count), "campaigns" if count != 1 else "campaign", f"data: {grade}")
 
 
 def _protocols(fleet: Fleet) -> tuple[Table, ...]:
@@ -235,20 +248,20 @@ def _campaigns(fleet: Fleet) -> Table:
 
 def _worst(fleet: Fleet) -> Table:
     rows = []
+    names = distinct_names([suspect.path for suspect in fleet.worst])
     for suspect in fleet.worst[: max(fleet.outliers, _LEAST)]:
-        name = folder_name(suspect.path)
+        name = names[suspect.path]
         flag = "outlier" if suspect.deviations[0].outlier else ""
         remarks = (
             *([] if suspect.started is None else [f"{suspect.started:%Y-%m-%d}"]),
             *([] if suspect.quality == "good" else [f"data: {suspect.quality}"]),
             _also(tuple(others(suspect))),
-            suspect.path,
         )
         numbers = map(Cell, cells(suspect)[:-1])
         rows.append(
             (Cell(name, flag, suspect.report), *numbers, Cell("; ".join(filter(None, remarks))))
         )
-    last = "Started; remarks; folder"
+    last = "Started; remarks"
     text_columns = frozenset({"Campaign", "Number", last})
     return Table(("Campaign", *WORST_HEAD[:-1], last), tuple(rows), text_columns)
 

@@ -26,7 +26,7 @@ from hbench.report.fleet.charts import (
     wear_table,
 )
 from hbench.report.fleet.names import (
-    folder_name,
+    distinct_names,
     main_spreads,
     name_of,
     signed,
@@ -119,18 +119,20 @@ ROW_WORDS = ("Campaign", "Cylinder", "Date", "Label", "Decision")
 def campaign_table(fleet: Fleet) -> WordTable:
     """Return a row a campaign of a small fleet: label, speed, and the main numbers."""
     shown = main_spreads(fleet)
+    folders = distinct_names([campaign.path for campaign in fleet.rows])
     rows = []
     for campaign in fleet.rows:
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
         numbers = (campaign.numbers.get(s.quantity.column(s.direction)) for s in shown)
         cells = [_with_ends(n, s.quantity.scale) for n, s in zip(numbers, shown, strict=True)]
         remark = "; ".join(_remarks(campaign, fleet))
-        name = folder_name(campaign.path)
         day = "" if campaign.started is None else f"{campaign.started:%Y-%m-%d}"
-        about = (name, campaign.specimen, day, campaign.label, campaign.decision)
+        about = (folders[campaign.path], campaign.specimen, day, campaign.label, campaign.decision)
         rows.append((*about, speed, *cells, remark))
     head = (*ROW_WORDS, "Speed (mm/s)", *map(name_of, shown), "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
+    if all(row[1] == row[0] for row in rows):  # folders have the cylinders' names
+        kept = [i for i in kept if i != 1]
     return WordTable(
         "Campaigns",
         tuple(head[i] for i in kept),
@@ -168,16 +170,13 @@ def spread_table(fleet: Fleet) -> WordTable:
     several = (spread for spread in fleet.spreads if spread.n > 1 or fleet.compared == 1)
     for spread in several:
         scale = spread.quantity.scale
-        between = "not significant" if spread.n > 1 else NONE
-        if spread.between > 0:
-            between = significant(scale * spread.between, 2)
         rows.append(
             (
                 name_of(spread),
                 str(spread.n),
                 _resolved(spread, spread.median),
                 f"{_resolved(spread, spread.low)} to {_resolved(spread, spread.high)}",
-                between,
+                _between(spread),
                 NONE if spread.se_trials is None else significant(scale * spread.se_trials, 2),
             )
         )
@@ -185,8 +184,22 @@ def spread_table(fleet: Fleet) -> WordTable:
     ends = "Smallest to largest" if all(few) else "5 to 95 %"
     if any(few) and not all(few):
         ends += f" (of fewer than {FEWEST_CAMPAIGNS}: all)"
-    head = ("Number", "Campaigns", "Median", ends, "σ between campaigns", "σ of own trials")
-    return WordTable("Distributions", head, tuple(rows))
+    between = "σ between campaigns (95 %)"
+    head = ("Number", "Campaigns", "Median", ends, between, "σ of own trials")
+    kept = [i for i in range(len(head)) if head[i] != between or not all(few)]
+    return WordTable(
+        "Distributions",
+        tuple(head[i] for i in kept),
+        tuple(tuple(row[i] for i in kept) for row in rows),
+    )
+
+
+def _between(spread: Spread) -> str:
+    """Write the standard deviation between campaigns and its interval, which few do not have."""
+    if spread.n < FEWEST_CAMPAIGNS:
+        return NONE
+    ends = spread.between, spread.between_low, spread.between_high
+    return with_ends(*(spread.quantity.scale * value for value in ends))
 
 
 def _resolved(spread: Spread, value: float) -> str:
@@ -229,11 +242,12 @@ def _trend_verdict(spread: Spread, trend: Trend, stepped: set[tuple[Quantity, Si
 
 def worst_table(fleet: Fleet, most: int) -> WordTable:
     """Return the campaigns that deviate most, a row each."""
-    rows = tuple((shown.path, *cells(shown)) for shown in fleet.worst[:most])
+    names = distinct_names([shown.path for shown in fleet.worst])
+    rows = tuple((names[shown.path], *cells(shown)) for shown in fleet.worst[:most])
     return WordTable("Largest deviations", ("Campaign", *WORST_HEAD), rows)
 
 
-WORST_HEAD = ("Number", "Value", "Usual", "Deviation (σ)", "p", "Verdict")
+WORST_HEAD = ("Number", "Value", "Expected", "Deviation (σ)", "Outlier beyond (σ)", "p", "Verdict")
 
 
 def cells(shown: Suspect) -> tuple[str, ...]:
@@ -245,6 +259,7 @@ def cells(shown: Suspect) -> tuple[str, ...]:
         significant(scale * deviation.value, 4),
         significant(scale * deviation.median, 4),
         signed(significant(deviation.z, 2)),
+        significant(deviation.limit, 2),
         "< 0.0001" if p < 1e-4 else significant(p, 2),
         "outlier" if deviation.outlier else "not significant",
     )

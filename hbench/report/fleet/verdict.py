@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from hbench.records import Fleet, Quantity, Side, Spread, Suspect, Trend
 from hbench.report.fleet.charts import change_sentences, step_size
 from hbench.report.fleet.names import (
+    WORKING_SPEED,
     folder_name,
     in_sentence,
     main_spreads,
@@ -13,6 +14,7 @@ from hbench.report.fleet.names import (
     range_words,
     signed,
     without_condition,
+    working_speed,
 )
 from hbench.report.render.numbers import alike, half_width, significant, with_ends
 from hbench.report.render.symbols import capital
@@ -59,9 +61,14 @@ def _friction_words(fleet: Fleet) -> Iterator[str]:
         side = of_side(spread.direction).removeprefix(",")
         parts.append(f"{ends} {spread.quantity.unit}{side}")
     if parts:
-        name = without_condition(shown[0].quantity)
+        name = f"{without_condition(shown[0].quantity)}{_at_speed(fleet, shown[0].quantity)}"
         of = f"{range_words(same[0].n)}{_largest_interval(fleet, same)}"
         yield f"{name} is {' and '.join(parts)} ({of})."
+
+
+def _at_speed(fleet: Fleet, quantity: Quantity) -> str:
+    speed = working_speed(fleet) if quantity.words.endswith(WORKING_SPEED) else ""
+    return f" at {speed}" if speed else ""
 
 
 def _largest_interval(fleet: Fleet, spreads: list[Spread]) -> str:

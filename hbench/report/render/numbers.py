@@ -81,11 +81,19 @@ def with_ends(value: float | None, low: float, high: float) -> str:
     return f"{shown} ({' to '.join(ends)})"
 
 
-def _to_half(value: float, half_width: float) -> str:
-    """Write to the second significant digit of ``half_width``, to no more than six decimals."""
+def _to_half(value: float, half_width: float, more: int = 0) -> str:
+    """Write to the second significant digit of ``half_width``, to no more than six decimals.
+
+    ``more`` decimals are added.
+    """
     rounded = float(f"{half_width:.1e}")  # 99.6 has its second digit at the tens: 100
-    decimals = min(1 - math.floor(math.log10(rounded)), 6)
+    decimals = min(1 + more - math.floor(math.log10(rounded)), 6)
     return number(round(value, decimals), max(0, decimals))
+
+
+def finer(value: float, half_width: float) -> str:
+    """Write with one decimal more than ``with_interval``, so that differences agree with it."""
+    return _to_half(value, half_width, 1)
 
 
 def half_width(value: float) -> str:

@@ -12,6 +12,7 @@ from hbench.records.conformity.acceptance import (
     LimitQuantity,
     Measurement,
     Requirement,
+    Rule,
 )
 from hbench.records.flow import DIRECTIONS
 from hbench.records.motions import Leak
@@ -51,6 +52,20 @@ def stored_checks(folder: Path) -> tuple[ConformityCheck, ...]:
     return tuple(_checks(checks[:_MOST_CHECKS])) if isinstance(checks, list) else ()
 
 
+def stored_rule(folder: Path) -> tuple[Rule | None, float | None, str]:
+    """Return the decision rule, the largest U of shared risk as a share, and the file of limits.
+
+    What the last acceptance does not state is None, or empty.
+    """
+    content = _content(folder)
+    rule, largest, limits = (content.get(k) for k in ("rule", "largest_uncertainty", "limits"))
+    return (
+        rule if rule in get_args(Rule) else None,
+        _float(largest),
+        printable(limits[:_LONGEST]) if isinstance(limits, str) else "",
+    )
+
+
 def _content(folder: Path) -> dict[str, Any]:
     path = folder / "results" / FILE_NAME
     if not path.is_file() or not path.resolve().is_relative_to(folder.resolve()):
@@ -68,8 +83,11 @@ def _checks(rows: list[Any]) -> Iterator[ConformityCheck]:
         reason = row.get("reason")
         if requirement and measurement and row.get("decision") in get_args(Conformity):
             decision: Conformity = row["decision"]
+            probability = _float(row.get("probability"))
+            if probability is not None and not 0 <= probability <= 1:
+                probability = None
             yield ConformityCheck(
-                Requirement(**requirement), Measurement(**measurement), None, decision
+                Requirement(**requirement), Measurement(**measurement), probability, decision
             )
         elif requirement and row.get("decision") == "NOT TESTED" and isinstance(reason, str):
             if row.get("measurement") is None:
@@ -111,6 +129,10 @@ def _is_unit(text: str | None) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _float(value: Any) -> float | None:
+    return float(value) if _is_number(value) else None
 
 
 def _is_number(value: Any) -> bool:

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,22 +12,32 @@ from hbench.experiment.progress import Progress, Report
 from hbench.store.campaign.live_file import remove_live, write_live
 
 EVERY_S = 0.5  # on the wall's clock
+TRAIL = 60  # earlier states: half a minute, so that a page that is opened later shows it at once
+_TRACED = ("at_s", "v_m_s", "v_ref_m_s", "f_load_n", "f_load_ref_n", "pressures_pa")
 
 
 @contextmanager
 def published(folder: Path, report: Report, about: Mapping[str, str]) -> Iterator[Report]:
     """Write the state given to ``report`` also to ``live.json`` in the campaign's folder.
 
-    ``about``, the campaign's name and source, is added. The file is removed at the end.
+    ``about``, the campaign's name and source, is added. It is written every ``EVERY_S``, and at the
+    begin of a run, so that its number agrees with the journal. ``trail`` are the last states, one
+    every ``EVERY_S``. The file is removed at the end.
     """
-    written_s = -math.inf
+    written_s, sampled_s, run = -math.inf, -math.inf, ""
+    trail: deque[dict[str, Any]] = deque(maxlen=TRAIL)
 
     def both(progress: Progress) -> None:
-        nonlocal written_s
+        nonlocal written_s, sampled_s, run
         report(progress)
-        if time.monotonic() - written_s >= EVERY_S:
-            written_s = time.monotonic()
-            write_live(folder, {"at_s": time.time(), **about, **_state(progress)})
+        now_s = time.monotonic()
+        if progress.plan.run != run or now_s - written_s >= EVERY_S:
+            written_s, run = now_s, progress.plan.run
+            state = {"at_s": time.time(), **about, **_state(progress)}
+            if now_s - sampled_s >= EVERY_S:
+                sampled_s = now_s
+                trail.append({name: state[name] for name in _TRACED})
+            write_live(folder, state | {"trail": list(trail)})
 
     try:
         yield both

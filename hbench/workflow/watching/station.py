@@ -21,7 +21,8 @@ _EVERY_S = 1.0  # between readings of the folder
 class Station:
     """Reader of a folder of campaigns for repeated calls; writes nothing.
 
-    Its campaign is the one that was changed last.
+    Its campaign is the one that was changed last. The list and the charts are in the order of the
+    tests' starts, also in a copied folder or after a decision on an earlier cylinder.
     """
 
     def __init__(self, folder: Path):
@@ -38,15 +39,16 @@ class Station:
     def state(self) -> dict[str, Any]:
         """Return the present campaign's state, with the last campaigns of the station.
 
-        ``charts`` are the control charts of the limited quantities, over these campaigns;
-        ``limited`` is the number of these quantities.
+        ``present`` is the folder's name of this campaign. ``charts`` are the control charts of the
+        limited quantities, over the last campaigns; ``limited`` is the number of these quantities.
         """
         self._read()
         state = self._watch.state()
         cylinders = [self._row(folder) for folder in self._campaigns]
         version = f"{self._shown}-{state['version']}"
+        present = "" if self._shown is None else self._shown.name
         charts = {"charts": self._charts, "limited": self._limited}
-        return state | {"version": version, "cylinders": cylinders} | charts
+        return state | {"version": version, "present": present, "cylinders": cylinders} | charts
 
     def runs(self) -> dict[str, Any]:
         """Return the present campaign's runs."""
@@ -60,9 +62,10 @@ class Station:
             return
         self._next_read_s = now + _EVERY_S
         changed = {folder: max(_moments(folder)) for folder in self._folders()}
-        self._campaigns = sorted(changed, key=lambda f: -changed[f])[:_LAST]
+        last = sorted(changed, key=lambda f: -changed[f])[:_LAST]
+        self._campaigns = sorted(last, key=lambda f: self._row(f)["started"], reverse=True)
         self._chart({folder: _moments(folder)[2] for folder in self._campaigns})
-        newest = self._campaigns[0] if self._campaigns else None
+        newest = last[0] if last else None
         if newest is not None and newest != self._shown:
             self._shown, self._watch = newest, Watch(newest)
 

@@ -194,7 +194,7 @@ FIGURES = (
     FigureKind(
         name="breakaway",
         section="breakaway",
-        caption="Largest friction before the piston moves, means of the trials.",
+        caption="Largest friction while the force on the piston rises; means of the trials.",
         applies=has_breakaways,
         draw=breakaways,
     ),

@@ -74,6 +74,14 @@ class Certificate:
         known = [day for day in days if day is not None]
         return (min(known), max(known)) if known and len(known) == len(days) else None
 
+    @property
+    def has_no_load(self) -> bool:
+        """Whether an efficiency without load was measured, which is not among the values."""
+        return any(
+            curve.f_load_n == 0 and any(point.efficiency is not None for point in curve.points)
+            for curve in self.results.efficiency
+        )
+
     def of(self, quantity: CertifiedQuantity) -> tuple[Certified, ...]:
         """Return the values of a quantity."""
         return tuple(value for value in self.values if value.quantity == quantity)

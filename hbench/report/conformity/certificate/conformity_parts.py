@@ -112,8 +112,8 @@ def quantity_words(certificate: Certificate, check: ConformityCheck) -> str:
     dwell = requirement.dwell_s if measured is None else measured.dwell_s
     if dwell is not None:
         parts.append(word("after_rest", dwell=localized(certificate, short(dwell))))
-    text = " ".join(parts)
-    return f"{certificate.named(requirement.name)}: {text}" if requirement.name else text
+    text, name = " ".join(parts), certificate.named(requirement.name)
+    return f"{name}: {text}" if name and name.lower() != parts[0].lower() else text
 
 
 def limit_words(certificate: Certificate, requirement: Requirement) -> str:
@@ -135,6 +135,8 @@ def not_tested_part(certificate: Certificate) -> Part:
     stated: set[str] = {value.quantity for value in certificate.values}
     if certificate.acceptance is not None:
         stated |= {check.requirement.quantity for check in certificate.acceptance.checks}
+    if certificate.has_no_load:
+        stated.add("efficiency")  # measured; a remark states why it has no value
     others = [word(f"q_{key}") for key in CERTIFIED_QUANTITIES if key not in stated]
     if others:
         paragraphs.append(word("not_measured", quantities="; ".join(others)))

@@ -24,6 +24,7 @@ ENGLISH = {
     "instruments": "Instruments and traceability",
     "method": "Method",
     "friction": "Results: friction and efficiency at constant speed",
+    "friction_alone": "Results: friction at constant speed",
     "breakaway": "Results: breakaway",
     "leakage": "Results: leakage",
     "uncertainty": "Uncertainty of measurement",
@@ -91,9 +92,9 @@ ENGLISH = {
     "method_steady": "Friction is the force of the chamber pressures on the areas of the "
     "piston less the force of the load cell, both as means while the piston moves at "
     "constant speed; it is positive against the motion. The equivalent pressure is friction "
-    "divided by the area that drives the motion. The hydro-mechanical efficiency is the "
-    "mechanical power delivered divided by that taken up; leakage is not part of it. Each "
-    "value is the mean of the accepted trials.",
+    "divided by the area that drives the motion. Each value is the mean of the accepted trials.",
+    "method_efficiency": "The hydro-mechanical efficiency is the mechanical power delivered "
+    "divided by that taken up; leakage is not part of it.",
     "method_breakaway": "Breakaway is the largest friction while a slowly rising force pushes "
     "the piston after the longest rest under load.",
     "method_leakage": "Leakage is laminar and follows from the decay of the chamber pressures "
@@ -122,7 +123,7 @@ ENGLISH = {
     "dwell": "Rest (s)",
     "k": "k",
     "leak": "Leak",
-    "leakage_u": "Leakage ± U (ml/min per bar)",
+    "leakage_u": "Leakage ± U (µl/min per bar)",
     "across_piston": "across the piston",
     "piston_side_out": "from the piston side outwards",
     "rod_side_out": "from the rod side outwards",
@@ -131,8 +132,8 @@ ENGLISH = {
     "results.json of the campaign.",
     "p_lr": "Back pressure: set pressure on the rod side of the load cylinder.",
     "at_back_pressure": "back pressure {pressure} bar",
-    "no_load": "At a load of 0 N the cylinder moves little more than the friction of the load "
-    "side: the efficiency there is not that of operation under load.",
+    "no_load": "No efficiency is stated at a load of 0 N: the cylinder delivers little more than "
+    "the friction of the load side there.",
     # Uncertainty
     "gum": "U is the expanded uncertainty according to JCGM 100 (GUM): the combined standard "
     "uncertainty of the trials and of the instruments multiplied by the stated coverage factor "

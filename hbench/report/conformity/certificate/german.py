@@ -22,6 +22,7 @@ GERMAN = {
     "instruments": "Messmittel und Rückführung",
     "method": "Verfahren",
     "friction": "Ergebnisse: Reibung und Wirkungsgrad bei konstanter Geschwindigkeit",
+    "friction_alone": "Ergebnisse: Reibung bei konstanter Geschwindigkeit",
     "breakaway": "Ergebnisse: Losbrechkraft",
     "leakage": "Ergebnisse: Leckage",
     "uncertainty": "Messunsicherheit",
@@ -86,10 +87,10 @@ GERMAN = {
     "method_steady": "Die Reibung ist die Kraft der Kammerdrücke auf die Kolbenflächen "
     "abzüglich der Kraft am Kraftaufnehmer, beide als Mittel, während sich der Kolben mit "
     "konstanter Geschwindigkeit bewegt; sie ist positiv gegen die Bewegung. Der "
-    "äquivalente Druck ist die Reibung geteilt durch die treibende Fläche. Der "
-    "hydraulisch-mechanische Wirkungsgrad ist die abgegebene mechanische Leistung geteilt "
-    "durch die aufgenommene, ohne Leckage. Jeder Wert ist das Mittel der verwendeten "
-    "Wiederholungen.",
+    "äquivalente Druck ist die Reibung geteilt durch die treibende Fläche. Jeder Wert ist das "
+    "Mittel der verwendeten Wiederholungen.",
+    "method_efficiency": "Der hydraulisch-mechanische Wirkungsgrad ist die abgegebene "
+    "mechanische Leistung geteilt durch die aufgenommene, ohne Leckage.",
     "method_breakaway": "Die Losbrechkraft ist die größte Reibung, während nach der "
     "längsten Ruhezeit unter Last eine langsam steigende Kraft den Kolben schiebt.",
     "method_leakage": "Die Leckage ist laminar und folgt aus dem Abfall der Kammerdrücke bei "
@@ -119,7 +120,7 @@ GERMAN = {
     "dwell": "Ruhe (s)",
     "k": "k",
     "leak": "Leckage",
-    "leakage_u": "Leckage ± U (ml/min je bar)",
+    "leakage_u": "Leckage ± U (µl/min je bar)",
     "across_piston": "über den Kolben",
     "piston_side_out": "von der Kolbenseite nach außen",
     "rod_side_out": "von der Stangenseite nach außen",
@@ -128,8 +129,8 @@ GERMAN = {
     "Punkte enthält results.json der Kampagne.",
     "p_lr": "Gegendruck: eingestellter Druck auf der Stangenseite des Lastzylinders.",
     "at_back_pressure": "Gegendruck {pressure} bar",
-    "no_load": "Bei 0 N Last überwindet der Zylinder kaum mehr als die Reibung der Lastseite: "
-    "der Wirkungsgrad ist dort nicht der eines Betriebs unter Last.",
+    "no_load": "Bei 0 N Last ist kein Wirkungsgrad angegeben: der Zylinder überwindet dort kaum "
+    "mehr als die Reibung der Lastseite.",
     "gum": "U ist die erweiterte Messunsicherheit nach JCGM 100 (GUM): die kombinierte "
     "Standardunsicherheit der Wiederholungen und der Messmittel, multipliziert mit dem "
     "angegebenen Erweiterungsfaktor k, für eine Überdeckungswahrscheinlichkeit von etwa 95 %. "

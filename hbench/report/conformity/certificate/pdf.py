@@ -79,13 +79,16 @@ def sheets(certificate: Certificate) -> list[Figure]:
                 ha="center",
                 weight="bold",
             )
-            _watermark(sheet, shown.mark)
+            _mark_margins(sheet, shown.mark)
     return pen.done
 
 
-def _watermark(sheet: Figure, text: str) -> None:
+def _mark_margins(sheet: Figure, text: str) -> None:
+    """Write along both margins, where it covers no number."""
     style = {"ha": "center", "va": "center", "color": _MARK, "weight": "bold"}
-    sheet.text(0.5, 0.5, text, size=34, rotation=52, alpha=0.12, zorder=0, **style)
+    middle = LEFT / 2 / SHEET_WIDTH
+    for x in (middle, 1 - middle):
+        sheet.text(x, 0.5, text, size=10, rotation=90, **style)
 
 
 def _header(pen: Pen, certificate: Certificate, shown: Content) -> None:

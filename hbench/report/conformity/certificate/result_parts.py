@@ -28,7 +28,11 @@ def method_part(certificate: Certificate) -> Part:
     paragraphs = [
         *([word("procedure", method=file.method)] if file.method else []),
         *([word("method_steady")] if measured & {"friction", "efficiency"} else []),
-        *(word(f"method_{key}") for key in ("breakaway", "leakage") if key in measured),
+        *(
+            word(f"method_{key}")
+            for key in ("efficiency", "breakaway", "leakage")
+            if key in measured
+        ),
         *(word(f"method_{key}") for key in ("speed_ripple", "drift") if key in decided),
         word("software", version=printable(version), firmware=firmware),
         word("external", external=file.external) if file.external else word("no_external"),
@@ -46,12 +50,13 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
         remarks = (
             [word("p_lr")] if any(v.measurement.p_lr_ref_pa for v in certificate.values) else []
         )
-        if any(value.measurement.f_load_n == 0 for value in certificate.of("efficiency")):
+        if certificate.has_no_load:
             remarks.append(word("no_load"))
         if not certificate.all_speeds:
             remarks.append(word("fewer"))
         table = _steady(certificate)
-        yield Part("friction", word("friction"), tables=(table,), paragraphs=tuple(remarks))
+        title = word("friction" if certificate.of("efficiency") else "friction_alone")
+        yield Part("friction", title, tables=(table,), paragraphs=tuple(remarks))
     if certificate.of("breakaway"):
         yield Part("breakaway", word("breakaway"), tables=(_breakaways(certificate),))
     if certificate.of("leakage"):
@@ -59,7 +64,7 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
             (
                 word(value.leak or ""),
                 certificate.named(value.measurement.label),
-                _interval(certificate, value, from_si(1.0, "ml/min") / from_si(1.0, "bar")),
+                _interval(certificate, value, 1e3 * from_si(1.0, "ml/min") / from_si(1.0, "bar")),
             )
             for value in certificate.of("leakage")
         )
