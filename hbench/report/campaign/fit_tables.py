@@ -10,7 +10,7 @@ from hbench.records import Fit, FitParameter, Results, Selection
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who, who_text
-from hbench.report.render.numbers import NONE, number, significant, with_ends
+from hbench.report.render.numbers import NONE, half_width, number, significant, with_ends
 from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
@@ -189,8 +189,17 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
     text, flag = significant(value, 3), "not determined"
     if parameter.ci95 is not None and all(map(math.isfinite, parameter.ci95)):
         low, high = (from_si(end, shown) for end in parameter.ci95)
-        text, flag = with_ends(value, low, high), ""
+        text, flag = with_ends(value, low, high), _linearised(parameter, shown)
     return Cell(text, flag if parameter.at_bound is None else f"at {parameter.at_bound} bound")
+
+
+def _linearised(parameter: FitParameter, unit: str) -> str:
+    """Return the linearised interval where it alone is too wide; empty elsewhere."""
+    low, high = parameter.ci95 or (math.nan, math.nan)
+    ends = parameter.intervals.get("linearised")
+    if not parameter.wide or ends is None or (high - low) / 2 > abs(parameter.value):
+        return ""
+    return f"linearised ±{half_width(from_si((ends[1] - ends[0]) / 2, unit))}"
 
 
 def _residual(fit: Fit) -> str:

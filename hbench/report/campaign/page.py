@@ -181,10 +181,11 @@ def _fits(results: Results) -> tuple[Section, ...]:
             subsections.append(part)
     if subsections:
         text = (
-            "Value and its 95 % interval, that of the profile likelihood. Not determined: the "
-            "half-width of this interval or of the linearised one, whichever is wider, exceeds the "
-            "value and a tenth of its typical size; or there is no interval. At a bound the "
-            "interval has one side, and the other parameters depend on the bound."
+            "Each value has its 95 % interval by profile likelihood. A parameter is not determined "
+            "where the half-width of its interval is larger than the value itself and than a tenth "
+            "of the parameter's typical size, or where the fit gives no interval. The linearised "
+            "interval has to pass too: where it alone is too wide, it is shown below the value. At "
+            "a bound the interval has one side, and the other parameters depend on the bound."
         )
         if any(determines_none(fit) for curve in steady for fit in curve.fits):
             text += (

@@ -247,6 +247,7 @@ def remark_table(results: Results) -> Table:
 
 
 _ROD_SIDE = "P_Lr (bar)"
+LOAD_CELL = "Load cell F_applied (N)"
 _OIL, _HERSEY = "Oil (°C)", "η|v|/p (nm)"
 WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
 BALANCE = "Coulomb and viscous friction from both directions"
@@ -254,7 +255,7 @@ OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
 _RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
 _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
 _WHERE_GIVEN = (
-    *("Label", "Kind", _ROD_SIDE, "Remark"),
+    *("Label", "Kind", _ROD_SIDE, LOAD_CELL, "Remark"),
     *("Trials alone (N)", "U with instruments (N)", "Energy of a cycle (J)"),
     *("Friction ± U (N)", "Friction ± U (bar)", "Breakaway ± U (N)", "Breakaway ± U (bar)"),
     *("Efficiency ± U (%)", _OIL, _HERSEY),

@@ -249,7 +249,7 @@ def _value(check: QualityCheck) -> str:
         return "tolerances are not known"
     return (
         f"their tolerances make friction uncertain by ±{significant(check.value, 2)} % (95 %, "
-        "median of the points)"
+        "median over all speeds and loads)"
     )
 
 

@@ -5,10 +5,10 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from statistics import median_low
 
-from hbench.records import KINDS, Drift, HeadlineNumber, HeadlineSeries, Results
+from hbench.records import KINDS, Curve, Drift, HeadlineNumber, HeadlineSeries, Results
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
-from hbench.report.campaign.page_tables import WHO, friction_budget_table, table, who
+from hbench.report.campaign.page_tables import LOAD_CELL, WHO, friction_budget_table, table, who
 from hbench.report.campaign.quality import (
     RULE,
     implausible_table,
@@ -26,9 +26,11 @@ from hbench.report.render.numbers import (
     alike,
     half_width,
     number,
+    percent_span,
     short,
     significant,
     span,
+    span_with_intervals,
     with_interval,
 )
 from hbench.report.render.word_tables import Cell, Table
@@ -36,6 +38,12 @@ from hbench.units import from_si
 
 _ONE_TRIAL = (
     " A number of one trial has no U: a single trial does not show the scatter of repetitions."
+)
+_EFFICIENCY = (
+    "F_applied / F_T where the oil drives the load, F_T / F_applied where the load drives the oil. "
+    "F_T = F_applied + friction is the pressure force of the test cylinder; a retracting cylinder's "
+    "friction counts as negative. F_applied differs from the set load F_L by the friction of the "
+    "load cylinder."
 )
 _MIXED = "not separated from speed"  # so no test of it alone
 _LONG = 12  # rows; a longer table starts folded
@@ -54,7 +62,8 @@ def summary_section(results: Results) -> Section:
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
     title = "Results of each direction and load, with expanded uncertainty U"
-    tables = (replace(_table(series), title=title),) if series else ()
+    table_of_series = _table(series, _load_cell(results))
+    tables = (replace(table_of_series, title=title),) if series else ()
     budget = friction_budget_table(results)
     folded = True if len(series) > _LONG else None
     heading = f"Each direction and load ({len(series)})" if folded else ""
@@ -66,6 +75,7 @@ def summary_section(results: Results) -> Section:
             next_step(results.quality, _largest(results, parts), bool(aborted_words(results))),
         ),
         ("Uncertainty", _uncertainty(series, parts)),
+        ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
         ("Oil", temperature_words(results)),
         ("Friction laws", _laws(results)),
     )
@@ -131,9 +141,23 @@ def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
     if halves := [scale * each.u95 for each in numbers if each.u95 is not None]:
         most = "up to " if len(numbers) > 1 else ""
         points = "percentage points" if unit == "%" else unit
-        remarks.append(f"U {most}{half_width(max(halves))} {points}")
-    text = f"{alike([scale * each.value for each in numbers])} {unit}"
+        remarks.append(f"U {most}{half_width(max(halves))} {points}{_shares(numbers, unit)}")
+    text = f"{_ends(numbers, scale)} {unit}"
     return f"{text} ({'; '.join(remarks)})" if remarks else text
+
+
+def _ends(numbers: Iterable[HeadlineNumber], scale: float) -> str:
+    """Return the smallest and the largest number, rounded as in the table of all of them."""
+    halves = ((each.value, each.u95) for each in numbers)
+    return span_with_intervals(
+        [(scale * value, None if half is None else scale * half) for value, half in halves]
+    )
+
+
+def _shares(numbers: Iterable[HeadlineNumber], unit: str) -> str:
+    """Return U as a share of each number; empty for numbers that are shares themselves."""
+    shares = [100 * each.u95 / abs(each.value) for each in numbers if each.u95 and each.value]
+    return "" if unit == "%" or not shares else f", or {percent_span(shares)}"
 
 
 def _flag_words(numbers: list[HeadlineNumber]) -> list[str]:
@@ -266,20 +290,35 @@ def _tile(
         half = scale * halves[0] if halves else None
         yield Tile(with_interval(scale * known[0].value, half), unit, caption, anchor)
         return
-    values = [scale * each.value for each in known]
     points = "percentage points" if unit == "%" else unit  # not per cent of the value
     widest = half_width(scale * max(halves)) if halves else ""
     most = f"; U up to {widest} {points}" if halves else ""
-    yield Tile(alike(values), unit, f"{caption}{most}", anchor)
+    yield Tile(_ends(known, scale), unit, f"{caption}{most}", anchor)
 
 
-def _table(series: Iterable[HeadlineSeries]) -> Table:
+def _load_cell(results: Results) -> list[float | None]:
+    """Return the mean force of the load cell [N] at each series' point of the headline."""
+    forces = {
+        (*_who(curve), abs(point.v_m_s)): point.f_applied_n
+        for curve in results.curves
+        for point in curve.points
+    }
+    return [forces.get((*_who(each), each.v_m_s)) for each in results.headline.series]
+
+
+def _who(series: Curve | HeadlineSeries) -> tuple:
+    load = series.f_load_n, series.p_lr_ref_pa
+    return series.kind, series.label, series.direction, *load, series.a_ref_m_s2
+
+
+def _table(series: Sequence[HeadlineSeries], load_cell_n: Sequence[float | None]) -> Table:
     per_bar = from_si(1.0, "bar")
     rows: list[tuple[str | Cell, ...]] = [
         (
             *who(each)[:1],
             *who(each)[2:],
             number(None if each.v_m_s is None else 1e3 * each.v_m_s),
+            number(applied, 0),
             _cell(each.friction_n),
             _unflagged(each.friction_pa, per_bar),
             _trials(each.friction_n),
@@ -287,10 +326,10 @@ def _table(series: Iterable[HeadlineSeries]) -> Table:
             _unflagged(each.breakaway_pa, per_bar),
             _cell(each.efficiency, 100.0),
         )
-        for each in series
+        for each, applied in zip(series, load_cell_n, strict=True)
     ]
     head = (
-        *("At (mm/s)", "Friction ± U (N)", "Friction ± U (bar)", "Trials alone (N)"),
+        *("At (mm/s)", LOAD_CELL, "Friction ± U (N)", "Friction ± U (bar)", "Trials alone (N)"),
         *("Breakaway ± U (N)", "Breakaway ± U (bar)", "Efficiency ± U (%)"),
     )
     return table((WHO[0], *WHO[2:], *head), rows)

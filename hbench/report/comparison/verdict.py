@@ -7,7 +7,14 @@ from hbench.report.campaign.quality import missing_words
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
 from hbench.report.comparison.tables import who
-from hbench.report.render.numbers import alike, half_width, number, significant, with_interval
+from hbench.report.render.numbers import (
+    alike,
+    half_width,
+    number,
+    percent_span,
+    significant,
+    with_interval,
+)
 
 _FEW = 2  # curves that the verdict lists
 _CONFIRM = "measure A again after B to confirm a difference."
@@ -86,7 +93,7 @@ def _verdict(differences: CampaignDifferences) -> str:
     if len(real) > _FEW and (min(values) > 0 or max(values) < 0):
         way, sizes = "higher" if values[0] > 0 else "lower", [abs(value) for value in values]
         shares = [100 * abs(mean.value / mean.a) for _, mean in real if mean.a]
-        share = f", or {_shares(shares)}" if shares else ""
+        share = f", or {percent_span(shares)}" if shares else ""
         return (
             f"Mean friction of {differences.names[1]} is {way} than that of {differences.names[0]} "
             f"in {count}, by {alike(sizes)} N{share} ({_widest([mean for _, mean in real])})."
@@ -128,7 +135,3 @@ def _widest(means: Sequence[Difference]) -> str:
     halves = [mean.u95 or mean.ci95 or 0.0 for mean in means]
     name = "U" if all(mean.u95 for mean in means) else "95 % intervals of the trials"
     return f"{name} up to {half_width(max(halves))} N"
-
-
-def _shares(shares: Sequence[float]) -> str:
-    return "–".join(dict.fromkeys(significant(f(shares), 2) for f in (min, max))) + " %"

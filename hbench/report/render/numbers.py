@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Collection
+from operator import itemgetter
 
 _WITH_UNIT = re.compile(
     r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹] (?:%|k?N(?: s/m|/bar)?|m?m(?:/s²?|²)?|m?V(?: s/m|/m|/\(Pa s\))?|[kM]?Pa|bar"
@@ -128,6 +129,17 @@ def alike(values: Collection[float]) -> str:
     low, high = min(values), max(values)
     decimals = len(significant(max(abs(low), abs(high)), 3).partition(".")[2])
     return _range(number(low, decimals), number(high, decimals))
+
+
+def span_with_intervals(values: Collection[tuple[float, float | None]]) -> str:
+    """Write the range of values with half-widths, each end as ``with_interval`` rounds it."""
+    ends = (min(values, key=itemgetter(0)), max(values, key=itemgetter(0)))
+    return _range(*(with_interval(*end).partition(" ± ")[0] for end in ends))
+
+
+def percent_span(shares: Collection[float]) -> str:
+    """Write the range of shares in per cent, each with two significant digits: ``1.8–2.5 %``."""
+    return f"{_range(*(significant(end, 2) for end in (min(shares), max(shares))))} %"
 
 
 def _range(low: str, high: str) -> str:
