@@ -125,7 +125,7 @@ BAD_RUNS = (
         "reason": "off_reference",  # the integral part twenty times too slow
         "bench": {"controllers": {"velocity": {"gain": "40 V/m", "time_constant": "1200 ms"}}},
     },
-    {"reason": "end_stop", "plant": {"test_cylinder": {"stroke": "200 mm"}}},  # a spacer inside
+    {"reason": "stalled", "plant": {"test_cylinder": {"stroke": "200 mm"}}},  # a spacer inside
     {
         "reason": "not_steady",  # the source's own fit as a static law: the loop does not hold
         "plant": {"friction": {"test": TABLE_6_2, "load": {"viscous": "1800 N s/m"}}},

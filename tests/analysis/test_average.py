@@ -85,14 +85,25 @@ def test_curves_are_parted_by_direction_load_and_label_and_sorted_by_speed(trial
     ]
     found = curves(runs)
     assert [(c.direction, c.f_load_n, c.label, len(c.points)) for c in found] == [
+        ("extend", 500.0, "", 1),
         ("extend", 2000.0, "", 2),
         ("retract", 2000.0, "", 2),
-        ("extend", 500.0, "", 1),
         ("extend", 2000.0, "other seal", 1),
     ]
-    assert [p.v_m_s for p in found[0].points] == pytest.approx([0.05, 0.1])
-    assert [p.v_m_s for p in found[1].points] == pytest.approx([-0.02, -0.1])
-    assert [p.friction_n for p in found[1].points] == pytest.approx([-400, -400])
+    assert [p.v_m_s for p in found[1].points] == pytest.approx([0.05, 0.1])
+    assert [p.v_m_s for p in found[2].points] == pytest.approx([-0.02, -0.1])
+    assert [p.friction_n for p in found[2].points] == pytest.approx([-400, -400])
+
+
+def test_series_of_a_label_are_in_the_order_of_direction_and_size_of_load(trial):
+    """Runs may have a random order, and files that of their names: −5000 before −500."""
+    loads = (-5000.0, 500.0, -500.0, 5000.0)
+    runs = [trial(400, 1, v=np.copysign(0.1, load), f_load_n=load) for load in loads]
+    assert all(run.run.plan.motion is None for run in runs)  # as imported
+    found = [(curve.direction, curve.f_load_n) for curve in curves(runs)]
+    assert found == [
+        ("extend", 500.0), ("extend", 5000.0), ("retract", -500.0), ("retract", -5000.0),
+    ]  # fmt: skip
 
 
 def test_rod_side_pressures_of_the_load_are_curves_of_their_own(trial):

@@ -57,6 +57,8 @@ def test_a_point_beyond_the_reach_of_the_bench_is_not_recommended():
         for messages in (free, limited)
     ]
     assert max(speeds[0]) > 80 and max(speeds[1]) == 80
+    caveat = "whether the bench reaches this speed is not known"
+    assert caveat in " ".join(free) and caveat not in " ".join(limited)
 
 
 def test_without_a_stribeck_part_no_velocity_tells_its_speed():

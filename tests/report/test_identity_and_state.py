@@ -61,6 +61,11 @@ def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
     assert made.tab.endswith("(simulated, incomplete)")  # also in the header of each sheet
     text = page(made)
     assert text.index('class="alarm"') < text.index('class="banner') < text.index("<h2")
+    summary = dict(made.sections[0].facts)
+    assert f"{len(small.runs)} runs" in summary["Measured"]
+    assert "of which 1 was interrupted" in summary["Measured"]
+    fits = next(section for section in made.sections if section.title == "Fitted laws")
+    assert all(part.folded for part in fits.parts) and "unfinished" in fits.paragraphs[0]
     running = replace(broken, runs=small.runs)
     assert report_document(running, ()).alarm.startswith("INCOMPLETE CAMPAIGN: 56 of 96")
 

@@ -197,9 +197,49 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
     friction = [1.0 * each.friction_n.value for each in small.headline.series]
     first = re.match(r"Friction at \S+ mm/s is (\d+)–(\d+) N \(", verdict)
     assert list(map(int, first.groups())) == [round(min(friction)), round(max(friction))]
+    shares = [100 * each.friction_n.u95 / each.friction_n.value for each in small.headline.series]
+    assert f", or {min(shares):.1f}–{max(shares):.1f} %)" in verdict
     assert ", over all loads and directions. " in verdict
     poor = replace(small, quality=replace(small.quality, grade="poor"))
     assert "mm/s is" not in report_document(poor, ()).verdict
+
+
+def test_the_ends_of_a_range_are_rounded_as_in_the_table_of_all_values(small):
+    def wide(number):
+        return replace(number, u95=150.0, basis="trials")
+
+    series = tuple(replace(s, friction_n=wide(s.friction_n)) for s in small.headline.series)
+    document = report_document(replace(small, headline=replace(small.headline, series=series)), ())
+    rows = document.sections[0].parts[0].tables[0]
+    column = rows.head.index("Friction ± U (N)")
+    values = [row[column].text.partition(" ± ")[0] for row in rows.rows]
+    ends = f"{min(values, key=int)}–{max(values, key=int)} N"
+    assert all(int(value) % 10 == 0 for value in values) and f"mm/s is {ends} (" in document.verdict
+
+
+def test_the_table_of_results_has_the_forces_that_the_efficiency_is_made_of(small):
+    table = report_document(small, ()).sections[0].parts[0].tables[0]
+    rows = [dict(zip(table.head, (cell.text for cell in row), strict=True)) for row in table.rows]
+    for row in rows:
+        numbers = (row[name].split(" ± ")[0].replace("−", "-") for name in (
+            "Load cell F_applied (N)", "Friction ± U (N)", "Efficiency ± U (%)"))  # fmt: skip
+        applied, friction, efficiency = map(float, numbers)
+        sign = 1 if row["Direction"] == "extending" else -1
+        ratio = applied / (applied + sign * friction)
+        assert efficiency == pytest.approx(100 * min(ratio, 1 / ratio), abs=0.1)
+
+
+def test_an_interval_that_only_linearised_is_too_wide_is_shown_with_it(small):
+    curve, *others = small.curves
+    interval, linearised = (0.0, 196.0), (-29.0, 233.0)
+    parameter = FitParameter(
+        102.0, 47.0, interval, None, "N", {"linearised": linearised}, wide=True
+    )
+    fit = replace(curve.fits[0], parameters=curve.fits[0].parameters | {"f_coulomb_n": parameter})
+    curves = (replace(curve, fits=(fit, *curve.fits[1:])), *others)
+    assert "102 (0 to 196) linearised ±130" in Parsed(
+        page_html(replace(small, curves=curves), ())
+    ).text.replace("\n", " ")
 
 
 def test_a_tile_of_some_series_counts_them(small):
@@ -277,7 +317,10 @@ def test_an_imported_campaign_has_the_time_of_its_import_and_the_name_of_its_ben
     provenance = replace(small.provenance, source="imported", bench="seal stand")
     facts = dict(report_document(replace(small, provenance=provenance), ()).identity)
     assert facts["Bench"] == "seal stand (name in the map of the import)"
-    assert facts["Imported"] and "Measured" not in facts
+    assert facts["Imported"] and facts["Measured"].startswith("date not recorded")
+    dated = replace(provenance, settings={"test": {"date": "2026-03-02"}})
+    facts = dict(report_document(replace(small, provenance=dated), ()).identity)
+    assert facts["Measured"] == "2026-03-02"
 
 
 def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_once():

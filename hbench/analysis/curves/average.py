@@ -1,5 +1,6 @@
 """Friction curves: averages of the accepted runs at each reference, with Student's interval."""
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from statistics import fmean
@@ -14,8 +15,9 @@ from hbench.records.flow import TemperatureSensor
 def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
     """Average the accepted runs with means into curves.
 
-    Curves are in the order of their labels' first runs; those of a label that hbench planned are
-    sorted by direction, size of load and rod-side pressure, since runs may have a random order.
+    Curves are in the order of their labels' first runs; those of a label are sorted by direction,
+    size of load and rod-side pressure, since runs may have a random order, and files that of their
+    names.
 
     Runs of a curve have the same kind, direction, load, rod-side pressure of the load cylinder,
     label and test cylinder; runs of a point have the same reference speed too.
@@ -78,18 +80,20 @@ def _series(plan: RunPlan) -> tuple:
 
 
 def _in_order(series: Sequence[list[ScreenedRun]]) -> list[list[ScreenedRun]]:
-    """Sort the series of each label that hbench planned; imported ones keep their order."""
+    """Sort the series of each label."""
     plans = [runs[0].run.plan for runs in series]
     labels = list(dict.fromkeys((plan.kind, plan.label) for plan in plans))
 
     def place(runs: list[ScreenedRun]) -> tuple:
         plan = runs[0].run.plan
         label = labels.index((plan.kind, plan.label))
-        if plan.motion is None:
-            return (label,)
-        return label, plan.direction, abs(plan.f_load_n or 0.0), plan.p_lr_ref_pa or 0.0
+        return label, plan.direction, abs(plan.f_load_n or 0.0), _last(plan.p_lr_ref_pa)
 
     return sorted(series, key=place)
+
+
+def _last(pressure_pa: float | None) -> float:
+    return math.inf if pressure_pa is None else pressure_pa
 
 
 def _grouped(

@@ -21,6 +21,8 @@ from hbench.config.setup import ANYWHERE, Reach
 _PRIOR = 100.0  # typical sizes: standard deviation in undetermined directions
 _NO_GAIN = 0.05  # a point that narrows the interval by less is of no use
 _CANDIDATES = 60
+_ABOVE = "velocities above"
+_UNKNOWN_REACH = " (whether the bench reaches this speed is not known)"
 _FARTHEST = 3.0  # times the highest measured speed or pressure
 
 
@@ -70,9 +72,14 @@ def identification_messages(info: Information, unknown: np.ndarray) -> list[str]
         missing, at, left = _missing(info, spread, number)
         wanted.setdefault((missing, at), []).append((info.law.names[number], left))
     high = float(info.inputs[0].max())
+    unlimited = np.isinf(info.reach.speed_m_s)
     limited = _FARTHEST * high > info.reach.speed_m_s  # more might be known beyond
     end = f" up to {_mm_s(info.reach.speed_m_s)}, the highest of this bench" if limited else ""
-    return [_sentence(missing, at, end, found) for (missing, at), found in wanted.items()]
+    return [
+        _sentence(missing, at, end, found)
+        + (_UNKNOWN_REACH if unlimited and missing.startswith(_ABOVE) else "")
+        for (missing, at), found in wanted.items()
+    ]
 
 
 def _sentence(missing: str, at: str, end: str, found: list[tuple[str, float]]) -> str:
@@ -116,7 +123,7 @@ def _missing(info: Information, spread: np.ndarray, number: int) -> tuple[str, s
         return "", "", left
     at = speeds[best]
     if at > high:
-        where = f"velocities above {_mm_s(high)}"
+        where = f"{_ABOVE} {_mm_s(high)}"
     elif at < low:
         where = f"velocities below {_mm_s(low)}"
     else:

@@ -41,6 +41,7 @@ CODES = (
     "too_short",
     "incomplete",
     "end_stop",
+    "stalled",
     "valve_saturated",
     "off_reference",
     "not_steady",
@@ -139,7 +140,8 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     if len(steps):
         lost = int(np.sum(np.rint(steps / np.median(steps)) - 1)) if run.missing_records else 0
         if lost > 0:
-            yield f"gapped: {lost} records are missing in the window of {len(steps) + 1}; limit 0"
+            planned = len(steps) + 1 + lost
+            yield f"gapped: {lost} of {planned} records of the window are missing; limit 0"
         elif exceeds(steps.max(), rules.max_gap):
             yield (
                 f"gapped: {steps.max():.2f} s between two samples of the window; "
@@ -174,8 +176,8 @@ def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterat
         )
     elif standing >= _STANDSTILL_S:
         yield (
-            f"end_stop: the piston is at rest for the last {standing:.1f} s while the reference "
-            f"continues; limit {_STANDSTILL_S:g} s"
+            f"stalled: the piston rests at {1e3 * run.x_m[section][-1]:.1f} mm for the last "
+            f"{standing:.1f} s while the reference continues; limit {_STANDSTILL_S:g} s"
         )
     for reason in _saturated("valve_saturated", run.valve_saturated, window):
         yield with_valves(reason, run, window)

@@ -36,6 +36,7 @@ _PREDICTS = (
     "it exceeds Student's t times its standard error. A single speed with a large error can make "
     "one RMS error several times as large as the other; the difference is not significant then."
 )
+_FEW_RUNS = "These fits are those of an unfinished campaign. They change with the missing runs."
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _BREAKAWAY = (
     "The largest friction while a rising force pushes the piston, which has rested under load. "
@@ -205,7 +206,10 @@ def _fits(results: Results) -> tuple[Section, ...]:
                 anchor="laws",
             )
         )
-    return tuple(sections)
+    if not sections or not aborted_words(results):
+        return tuple(sections)
+    parts = tuple(replace(section, folded=True) for section in sections)
+    return (Section("Fitted laws", (_FEW_RUNS,), parts=parts, anchor="fitted-laws"),)
 
 
 def _bias_words(results: Results) -> str:

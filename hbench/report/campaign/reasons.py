@@ -17,6 +17,8 @@ CAUSES = {
     "too_short": "too little travel or acceleration for this speed",
     "incomplete": "too little travel, or too small a force, for the motion to end as planned",
     "end_stop": "a travel too near an end of the stroke, or a wrong zero of the position sensor",
+    "stalled": "an obstruction inside the cylinder, an end stop of unknown position, or too little "
+    "force",
     "valve_saturated": "too low a supply pressure, or too small a valve, for this speed and load",
     "off_reference": "gains of the velocity controller (hbench design), or a low supply pressure",
     "not_steady": "air in the oil, stick-slip, or gains of the controllers that are too high",

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
-from hbench.records import Results, Specimen
+from hbench.records import Results, ScreenedRun, Specimen
 from hbench.report.campaign.reasons import code_of
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
@@ -39,7 +39,8 @@ def identity_facts(results: Results, label: str = "") -> tuple[tuple[str, str], 
     bench, when = provenance.bench, {"Measured": _period(provenance.started, provenance.stopped)}
     if provenance.source == "imported":
         bench = f"{bench} (name in the map of the import)"
-        when = {"Measured": test.get("date", ""), "Imported": _time(provenance.started)}
+        measured = test.get("date", "") or "date not recorded (test.date in the map)"
+        when = {"Measured": measured, "Imported": _time(provenance.started)}
     facts = {
         "Cylinder": specimen.get("serial", "") or "no serial number recorded",
         "Dimensions": sizes,
@@ -64,13 +65,17 @@ def aborted_words(results: Results) -> str:
     made = complete.planned - len(complete.not_completed)
     count = f"{made} of {complete.planned} planned runs were completed"
     last = results.runs[-1] if results.runs else None
-    why = [] if last is None else [r for r in last.reasons if code_of(r) == _ABORTED]
-    if last is None or not why:
+    if last is None or not is_aborted(last):
         return f"INCOMPLETE CAMPAIGN: {count}. {_NO_REASON} {_OF_COMPLETED}"
-    reason = why[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
+    reason = last.reasons[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
     return (
         f"ABORTED CAMPAIGN: {count}. Run {last.run.plan.run} ended early: {reason}. {_OF_COMPLETED}"
     )
+
+
+def is_aborted(run: ScreenedRun) -> bool:
+    """Return whether a run was ended before its plan; screening names this reason first."""
+    return any(code_of(reason) == _ABORTED for reason in run.reasons[:1])
 
 
 def settings_section(results: Results, long_list: int) -> Section:

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from statistics import median_low
 
-from hbench.records import KINDS, Curve, Drift, HeadlineNumber, HeadlineSeries, Results
+from hbench.records import KINDS, Curve, HeadlineNumber, HeadlineSeries, Results
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.page_tables import LOAD_CELL, WHO, friction_budget_table, table, who
@@ -17,8 +17,8 @@ from hbench.report.campaign.quality import (
     quality_table,
     short_point_table,
 )
-from hbench.report.campaign.settings import aborted_words
-from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
+from hbench.report.campaign.settings import aborted_words, is_aborted
+from hbench.report.drift import drift_fact, drift_sections
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import (
@@ -41,11 +41,10 @@ _ONE_TRIAL = (
 )
 _EFFICIENCY = (
     "F_applied / F_T where the oil drives the load, F_T / F_applied where the load drives the oil. "
-    "F_T = F_applied + friction is the pressure force of the test cylinder; a retracting cylinder's "
-    "friction counts as negative. F_applied differs from the set load F_L by the friction of the "
+    "F_T = F_applied + friction is the pressure force of the test cylinder; friction counts "
+    "as negative when it retracts. F_applied differs from the set load F_L by the friction of the "
     "load cylinder."
 )
-_MIXED = "not separated from speed"  # so no test of it alone
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -76,6 +75,7 @@ def summary_section(results: Results) -> Section:
         ),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
+        ("Drift", drift_fact(results.drift)),
         ("Oil", temperature_words(results)),
         ("Friction laws", _laws(results)),
     )
@@ -93,7 +93,7 @@ def summary_section(results: Results) -> Section:
                 anchor="quality",
                 folded=results.quality.grade != "poor",
             ),
-            *_drift(results.drift),
+            *drift_sections(results.drift),
         ),
     )
 
@@ -192,22 +192,6 @@ def _largest(results: Results, table: str) -> str:
     parts = [point.parts_n for curve in results.curves for point in curve.points if point.parts_n]
     names = Counter(max(each, key=lambda name: abs(each[name])) for each in parts)
     return "; ".join(filter(None, (" and ".join(name for name, _ in names.most_common(2)), table)))
-
-
-def _drift(drift: Drift | None) -> Iterable[Section]:
-    if drift is not None:
-        said = f"Steady friction changed by {drift_words(drift)}."
-        paragraphs = tuple(filter(None, (said, drift_with_oil(drift), drift_advice(drift))))
-        how = "significant" if drift.significant else "not significant"
-        if not drift.separated:
-            how = "significant, not separated from speed" if drift.significant else _MIXED
-        yield Section(
-            f"Drift over the campaign: {how}",
-            paragraphs,
-            tables=(drift_table(drift),),
-            anchor="drift",
-            folded=not drift.significant,
-        )
 
 
 def _quality_details(results: Results) -> Iterable[Section]:
@@ -363,7 +347,8 @@ def _measured(results: Results) -> str:
     """Return runs, speeds, loads and directions in a sentence."""
     kinds = Counter(KINDS[run.run.plan.kind].display_name for run in results.runs)
     counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"
-    phrases = [f"{len(results.runs)} runs ({counts})"]
+    runs = f"{len(results.runs)} runs ({counts})"
+    made, phrases = _not_accepted(results), []
     curves = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
     points = [point for curve in curves for point in curve.points]
     if points:
@@ -377,4 +362,16 @@ def _measured(results: Results) -> str:
         if not any(curve.over_velocity for curve in curves):
             pressures = [p.p_tp_pa / 1e5 for p in points if p.p_tp_pa is not None]
             phrases += [f"piston-side pressure {span(pressures)} bar"] if pressures else []
-    return ", ".join(phrases) + "."
+    if made:
+        of_accepted = f" Accepted: {', '.join(phrases)}." if phrases else ""
+        return f"{runs}, of which {made}.{of_accepted}"
+    return f"{', '.join([runs, *phrases])}."
+
+
+def _not_accepted(results: Results) -> str:
+    """Count the runs that were interrupted and those rejected; empty if all are accepted."""
+    aborted = sum(is_aborted(run) for run in results.runs)
+    rejected = sum(not run.accepted for run in results.runs) - aborted
+    counts = ((aborted, "interrupted"), (rejected, "rejected"))
+    parts = [f"{count} {'was' if count == 1 else 'were'} {how}" for count, how in counts if count]
+    return " and ".join(parts)
