@@ -67,7 +67,7 @@ def test_a_checks_value_shows_on_which_side_of_its_limit_it_is():
     failing = Check("velocity: phase margin", 44.96, 45.0, "deg", False)
     beyond = Check("bench: overshoot", 20.3, 20.0, "mm/s", False)
     rows = check_rows((passing, failing, beyond), tick_s=1e-4)
-    assert [row[1] for row in rows] == ["45", "44.96", "20.3"]
+    assert [row[1] for row in rows] == ["45.3", "44.96", "20.3"]
 
 
 def test_present_gains_pass_or_fail_with_the_check_first(design):
@@ -85,6 +85,23 @@ def test_present_gains_pass_or_fail_with_the_check_first(design):
     assert json.loads(design_json(passing))["checks"][0]["holds"] is True
 
 
+def test_a_proposal_states_first_that_the_present_gains_fail(design):
+    failed = Check("velocity: gain margin", 5.7, 6.0, "dB", False)
+    stated = (
+        "The present gains fail 1 of 1 checks at the operating point: gain margin 5.7 dB (limit "
+        "6 dB) in the velocity loop."
+    )
+    for closed_loop, verdict in ((design.proposal.closed_loop, "FAIL."), ((), "PASS.")):
+        proposal = replace(design.proposal, closed_loop=closed_loop)
+        made = replace(design, checks=(failed,), proposal=proposal)
+        assert stated in design_text(made)
+        page = ordinary_spaces(design_page(made, ()))
+        head = page[page.index('class="verdict"') : page.index("<h2")]
+        assert verdict in head and stated in head
+        assert "Checks at the operating point that the present gains fail" in page
+    assert "The present gains fail" not in design_text(design)
+
+
 def test_the_loops_with_the_gains_to_be_used_come_first_and_the_others_are_folded(design, drawings):
     passing = replace(design.proposal, closed_loop=())
     for proposal, first, second in (
@@ -94,6 +111,7 @@ def test_the_loops_with_the_gains_to_be_used_come_first_and_the_others_are_folde
         page = design_page(replace(design, proposal=proposal), drawings)
         assert f">Loops with the {first} gains</h2>" in page
         assert f"<summary>Loops with the {second} gains</summary>" in page
+        assert page.count(f"Those with the {second} gains are folded") == 1
     numbers = json.loads(design_json(design))
     assert [loop["gain"] for loop in numbers["proposal"]["loops"]] == [1500.0]
     assert "1500 V/m" in design_text(design).partition("proposal")[2]

@@ -86,6 +86,16 @@ def test_the_error_of_the_best_law_is_beside_the_measured_friction(small):
     assert f"by RMS error; the measured steady friction is {low} to {high} N." in verdict(found)
 
 
+def test_the_errors_of_dynamic_and_static_laws_are_explained_beside_the_table():
+    found = identified(law("lugre", 10.0), law("tustin", 110.0), law("marton_lantos", 116.0))
+    page = ordinary_spaces(identification_page(found, ()))
+    assert "Dynamic laws (LuGre)" in page and "static laws (Tustin and Marton and Lantos)" in page
+    assert "10 N against 110–116 N while the speed changes" in page
+    assert "does not show which of them suits a real cylinder" in page
+    static = identified(law("tustin", 110.0), law("marton_lantos", 116.0))
+    assert "Kinds of laws" not in identification_page(static, ())
+
+
 def test_laws_are_listed_by_their_error_with_what_is_not_determined():
     wide = FitParameter(2188.0, 1009.0, (-30.0, 4406.0), None, "N s/m", wide=True)
     lines = law("marton_lantos", 160.0, {"extend_high_slope_n_s_m": wide})

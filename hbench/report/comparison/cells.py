@@ -15,7 +15,7 @@ from hbench.records import (
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.render.numbers import NONE, half_width, significant, with_interval
 
-_REAL, _NOT = "differs", "not significant"
+_REAL, _NOT = "significant", "not significant"
 _INSTRUMENTS = "U of B\N{NO-BREAK SPACE}−\N{NO-BREAK SPACE}A"
 HEAD = ("B − A ± trials", _INSTRUMENTS, "Verdict", "p (Holm)", "A", "B")
 

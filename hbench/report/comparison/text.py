@@ -143,6 +143,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     for drawing in drawings:
         figures[drawing.section] = (*figures[drawing.section], drawing)
     parameters = [p.value for curve in differences.curves for p in curve.parameters]
+    points = [p.friction_n for p in single_points(differences)]
     sections = [
         Section(facts=_data(differences)),
         Section(
@@ -159,12 +160,12 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         _settings_section(differences),
         Section(
             "Fitted parameters",
-            (_counted("of fitted parameters", parameters),),
+            (_counted("of fitted parameters", parameters), *_why(differences, parameters, _SPREAD)),
             parts=_folded("Each parameter", parameters_table(differences)),
         ),
         Section(
             "Speed by speed",
-            (_counted("at single speeds", [p.friction_n for p in single_points(differences)]),),
+            (_counted("at single speeds", points), *_why(differences, points, _MEANS_OF)),
             parts=_folded("Each speed", points_table(differences)),
         ),
         Section("How it was computed", facts=_method(differences)),
@@ -224,6 +225,15 @@ def _counted(what: str, differences: Sequence[Difference]) -> str:
     )
 
 
+def _why(
+    differences: CampaignDifferences, parts: Sequence[Difference], words: str
+) -> tuple[str, ...]:
+    """Return why significant means need not have significant parts, where most have not."""
+    means = any(curve.mean_n is not None and curve.mean_n.real for curve in differences.curves)
+    few = sum(part.real for part in parts) < len(parts) / 2
+    return (words,) if means and few else ()
+
+
 def _folded(title: str, table: WordTable) -> tuple[Section, ...]:
     count = len(table.rows)
     if not count:
@@ -239,7 +249,15 @@ _MAY_CAUSE = (
 )
 _NONE_DIFFERS = (
     "None. A difference above is one of the cylinders, their mounting or the conditions of the "
-    "test, such as the oil."
+    "test, such as the oil, or a drift."
+)
+_SPREAD = (
+    "The means above can differ significantly although the parameters do not: a fit distributes a "
+    "difference over several parameters, each with a wider interval than the mean."
+)
+_MEANS_OF = (
+    "The mean over all speeds has a smaller uncertainty than a single speed, and fewer tests to be "
+    "corrected for."
 )
 _LONG = 12  # rows; a longer table starts folded
 _READ = (
@@ -247,7 +265,8 @@ _READ = (
     "the instruments and any significant drift within a campaign; it is a little smaller where "
     "more degrees of freedom make its coverage factor smaller. Neither contains a drift that is "
     "not significant, nor what changes when the cylinder is mounted again. U of A or B by itself "
-    "also contains the errors that both have in common, which cancel in the difference."
+    "also contains the errors that both have in common, which cancel in the difference: A "
+    "and B have more digits than their own U allows, as the difference needs them."
 )
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "

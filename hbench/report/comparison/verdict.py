@@ -17,7 +17,7 @@ from hbench.report.render.numbers import (
 )
 
 _FEW = 2  # curves that the verdict lists
-_CONFIRM = "measure A again after B to confirm a difference."
+_CONFIRM = "Measure A again after B to decide."
 
 
 def alarm(differences: CampaignDifferences) -> str:
@@ -44,7 +44,7 @@ def headline(differences: CampaignDifferences) -> str:
     found = [band_verdict(differences)]
     if not found[0]:
         found = [_verdict(differences), _efficiency_verdict(differences)]
-    return " ".join(filter(None, (*found, _warmer(differences), care, _drift(differences))))
+    return " ".join(filter(None, (*found, _drift(differences), _warmer(differences), care)))
 
 
 def _drift(differences: CampaignDifferences) -> str:
@@ -57,11 +57,23 @@ def _drift(differences: CampaignDifferences) -> str:
     ]
     if not mixed:
         return ""
+    if any_significant(differences):
+        what = "These runs do not show whether this comes from the cylinders or from a drift"
+    else:
+        what = "A drift may hide a difference"
     if any(drift.significant for drift in mixed):
-        return f"The order of the runs does not separate a drift from speed: {_CONFIRM}"
-    most = max(abs(drift.change_percent) + drift.change_percent_ci95 for drift in mixed)
-    hidden = f"A drift of up to {number(most, 0)} % within a campaign is possible"
-    return f"{hidden} and is not part of U: {_CONFIRM}"
+        why = "friction drifted, and the order of the runs mixes this with speed"
+    else:
+        most = max(abs(drift.change_percent) + drift.change_percent_ci95 for drift in mixed)
+        why = f"a drift of up to {number(most, 0)} % within a campaign is possible and is not part"
+        why += " of U"
+    return f"{what}: {why}. {_CONFIRM}"
+
+
+def any_significant(differences: CampaignDifferences) -> bool:
+    """Return whether a mean, a half band or a slope differs significantly."""
+    tested = [each for curve in differences.curves for each in (curve.mean_n, curve.efficiency)]
+    return bool(band_verdict(differences)) or any(each is not None and each.real for each in tested)
 
 
 def _warmer(differences: CampaignDifferences) -> str:

@@ -18,7 +18,7 @@ POINT_LIMITS = (
     "Margins of the present gains on the board at the operating point below. With --propose, "
     "hbench design checks all operating points, and the closed loop with the firmware."
 )
-_DECIMALS = {"deg": 0, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
+_DECIMALS = {"deg": 1, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
 _MOST_DECIMALS = 6
 UNSTABLE = (
     "The three loops together are unstable: a margin that passes does not show that its loop is "

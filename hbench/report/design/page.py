@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from hbench.records import Check, ControlLoop, Design, Proposal, WordTable
 from hbench.report.design import checks as check_words
@@ -19,6 +20,7 @@ _LOOP_HEAD = (
     *("Loop", "K_c", "τ_c (s)", "Model", "Bandwidth (rad/s)", "Phase margin (°)"),
     *("Gain margin (dB)", "Overshoot (%)", "Settling (s)", "Slowest pole (s)"),
 )
+_PRESENT = "Checks at the operating point that the present gains fail"
 _FEW_CHECKS = 8  # that pass: more are folded
 _NOT_TO_BE_USED = "They fail checks of the next section: do not write them to the bench file."
 _SOURCE = (
@@ -37,15 +39,16 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         checks = (*proposal.margins, *proposal.closed_loop)
         sections += [
             _proposal(design, proposal),
-            _checks(checks, check_words.LIMITS, design.tick_s),
+            _checks(checks, check_words.LIMITS, design.tick_s, design.checks),
         ]
     elif design.checks:
         sections.append(_checks(design.checks, check_words.POINT_LIMITS, design.tick_s))
     sections.append(Section("Operating point", facts=_facts(text.point_facts(design))))
     drawn = tuple(drawings)
+    by_gains = loop_words.loops_by_gains(design)
     first, *others = (
-        _loops(gains, loops, design.tick_s, drawn)
-        for gains, loops in loop_words.loops_by_gains(design).items()
+        _loops(gains, by_gains[gains], design.tick_s, drawn, folded)
+        for gains, folded in pairwise([*by_gains, ""])
     )
     folded = tuple(replace(other, folded=True, printed=False) for other in others)
     notes = _facts(loop_words.loop_notes(design))
@@ -64,9 +67,17 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
 
 
 def _loops(
-    gains: str, loops: Sequence[ControlLoop], tick_s: float, drawings: Sequence[Drawing]
+    gains: str,
+    loops: Sequence[ControlLoop],
+    tick_s: float,
+    drawings: Sequence[Drawing],
+    folded: str,
 ) -> Section:
-    """Return the loops' table and figures with the present or the proposed gains."""
+    """Return the loops' table and figures with the present or the proposed gains.
+
+    ``folded`` are the gains of the loops that are folded at the end of the section; empty: none.
+    """
+    others = loop_words.FOLDED.format(gains=folded) if folded else ""
     rows = tuple(tuple(map(_merit, row)) for row in loop_words.loop_rows(loops, tick_s))
     table = Table(_LOOP_HEAD, rows, frozenset({"Loop", "K_c", "Model"}))
     figures = {
@@ -75,7 +86,7 @@ def _loops(
     }
     return Section(
         f"Loops with the {gains} gains",
-        (loop_words.AT_POINT.format(gains=gains),),
+        (loop_words.AT_POINT.format(gains=gains) + others,),
         tables=(table,),
         parts=tuple(
             Section(f"{capital(name)} loop", drawings=drawn)
@@ -94,8 +105,26 @@ def _facts(lines: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     return tuple((_typeset(capital(name)), f"{capital(_typeset(text))}.") for name, text in lines)
 
 
-def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
-    """Return a table of the checks that fail, and one of those that pass."""
+def _checks(
+    checks: Sequence[Check], words: str, tick_s: float, present: Sequence[Check] = ()
+) -> Section:
+    """Return a table of the checks that fail, and one of those that pass.
+
+    ``present`` are the checks of the present gains, of which those that fail have a table too.
+    """
+    rows = _rows(checks, tick_s)
+    failing, passing = (_check_table(rows[holds], holds) for holds in (False, True))
+    if failed := _rows(present, tick_s)[False]:
+        failing += (replace(_check_table(failed, False)[0], title=_PRESENT),)
+    notes = (words, check_words.UNSTABLE) if check_words.unstable(checks) else (words,)
+    few = len(rows[True]) <= _FEW_CHECKS
+    title = f"Checks that pass ({len(rows[True])})"
+    folded = () if few else (Section(title, tables=passing, folded=True),)
+    return Section("Checks", notes, tables=(*failing, *(passing if few else ())), parts=folded)
+
+
+def _rows(checks: Sequence[Check], tick_s: float) -> dict[bool, list[tuple[Cell, ...]]]:
+    """Return a row for each check, by whether it holds."""
     rows: dict[bool, list[tuple[Cell, ...]]] = {False: [], True: []}
     for check, row in zip(checks, check_words.check_rows(checks, tick_s), strict=True):
         what, value, limit, unit, _, where = row
@@ -103,12 +132,7 @@ def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
         limit += sign if any(map(str.isdigit, limit)) else ""
         cells = (capital(what), value + sign, limit, _minus(where))
         rows[check.holds].append(tuple(map(Cell, cells)))
-    failing, passing = (_check_table(rows[holds], holds) for holds in (False, True))
-    notes = (words, check_words.UNSTABLE) if check_words.unstable(checks) else (words,)
-    few = len(rows[True]) <= _FEW_CHECKS
-    title = f"Checks that pass ({len(rows[True])})"
-    folded = () if few else (Section(title, tables=passing, folded=True),)
-    return Section("Checks", notes, tables=(*failing, *(passing if few else ())), parts=folded)
+    return rows
 
 
 def _check_table(rows: Sequence[tuple[Cell, ...]], holds: bool) -> tuple[Table, ...]:

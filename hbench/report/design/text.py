@@ -132,7 +132,11 @@ def point_facts(design: Design) -> tuple[tuple[str, str], ...]:
             "Valve commands",
             ", ".join(f"{_VALVES[name]} {name} {value} V" for name, value in volts.items()),
         ),
-        ("Viscous friction", f"{point['viscous_n_s_m']:.0f} N s/m"),
+        (
+            "Viscous friction",
+            f"{point['viscous_n_s_m']:.0f} N s/m, the sum of test and load cylinder (section "
+            "friction of the bench file)",
+        ),
     )
 
 

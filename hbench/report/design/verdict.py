@@ -19,24 +19,33 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
     if not failed:
         return (
             f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
-            f"{_margins(checks)}. To use them, repeat the command with --write."
+            f"{_margins(checks)}. {_present(design)}To use the proposed gains, repeat the command "
+            "with --write."
         )
     causes = causes_of(failed)
     stopped = sum(map(bool, map(cause_of, failed)))
     stops = f"{stopped} of them fail because the board stopped itself: {'; '.join(causes)}."
     worst = _worst([check for check in failed if not cause_of(check)], design.tick_s)
     others = f"{'The worst of the others' if stopped else 'The worst'}: {', '.join(worst)}."
-    present = [loop.name for loop in design.loops if not loop.merits[-1].stable]  # on the board
     return " ".join(
         (
-            f"FAIL. Do not use the proposed gains: in simulation they fail {len(failed)} of "
-            f"{len(checks)} checks.",
+            f"FAIL. {_present(design)}Do not use the proposed gains: in simulation they fail "
+            f"{len(failed)} of {len(checks)} checks.",
             *([stops] if stopped else []),
             *([others] if worst else []),
-            *([f"Unstable with the present gains: {', '.join(present)}."] if present else []),
             _next_step(proposal),
         )
     )
+
+
+def _present(design: Design) -> str:
+    """Return what the present gains fail at the operating point, with a space; empty if nothing."""
+    failed = [check for check in design.checks if not check.holds]
+    if not failed:
+        return ""
+    count = f"{len(failed)} of {len(design.checks)} checks at the operating point"
+    worst = ", ".join(_worst(failed, design.tick_s))
+    return f"The present gains fail {count}: {worst}. "
 
 
 def _next_step(proposal: Proposal) -> str:

@@ -21,7 +21,8 @@ from hbench.report.identification.text import (
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike
+from hbench.report.render.numbers import alike, span
+from hbench.report.render.symbols import listed
 
 _SOURCE = (
     "Laws and verification profile",
@@ -46,9 +47,16 @@ _PARTS = (
 _RANKED = "RMS error of friction, undetermined parameters and plant file of each law"
 _STEADY = (
     "Steady friction over speed, both as magnitudes. Tustin is one curve for all loads and "
-    "directions. Marton and Lantos is one for each direction: the tangents of a Tustin curve at "
-    "rest and at the largest speed. The other laws depend on the chamber pressures. A title states "
+    "directions. Marton and Lantos is two lines for each direction, as in the source: the tangents "
+    "of a Tustin curve at rest and at the largest speed. In between they lie below that curve, and "
+    "most where they meet, at the switch velocity v_SW: this is the error of the law, not of the "
+    "drawing. hbench report fits the two lines to the points instead and comes closer. The "
+    "other laws depend on the chamber pressures. A title states "
     "the load, and the pressure on the rod side of the load cylinder (P_Lr)."
+)
+_SIMULATED = (
+    "The simulated cylinder follows a friction law too, that of its bench or plant file. The order "
+    "of the laws does not show which of them suits a real cylinder."
 )
 _IN_NUMBERS = "Errors in numbers"
 _RAMP_ERRORS = "RMS errors of both Tustin laws"
@@ -77,6 +85,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     with_errors = any(law.errors for law in identification.laws)
     facts: tuple[tuple[str, str], ...] = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
     facts += (_SCATTER,) if identification.scatter else ()
+    facts += _kinds_of_laws(identification)
     drawings = tuple(drawings)
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
     overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
@@ -119,6 +128,30 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         verdict_words(identification),
         provenance.source,
     )
+
+
+def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...]:
+    """Return the errors of dynamic laws and of the others, which explain most of the order."""
+    verified = [law for law in identification.laws if law.errors]
+    kinds = [
+        [law for law in verified if FRICTION_LAWS[law.law].dynamic is dynamic]
+        for dynamic in (True, False)
+    ]
+    if not all(kinds):
+        return ()
+    unsteady, steady = (
+        [span([law.errors[part].friction_n for law in laws]) for laws in kinds]
+        for part in ("unsteady", "steady")
+    )
+    names = [listed([law_words(law.law) for law in laws]) for laws in kinds]
+    words = (
+        f"Dynamic laws ({names[0]}) contain the deflection of the seals before they slide, and so "
+        f"the course of friction at a start or a reversal; static laws ({names[1]}) depend on "
+        f"speed and pressure alone. RMS errors: {unsteady[0]} N against {unsteady[1]} N "
+        f"while the speed changes, {steady[0]} N against {steady[1]} N at steady speeds."
+    )
+    simulated = identification.provenance.source == "simulated"
+    return ("Kinds of laws", words), *([("Simulated", _SIMULATED)] if simulated else [])
 
 
 def _ramp_words(identification: Identification) -> tuple[str, ...]:
