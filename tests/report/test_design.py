@@ -134,6 +134,20 @@ def test_a_failing_proposal_states_the_ratio_that_passes_or_that_none_does(desig
     assert {each["ratio"]: each["holds"] for each in stated} == others
 
 
+def test_the_failed_checks_are_in_the_order_of_their_excess_over_the_limit(design):
+    checks = (
+        Check("bench: mean speed error", 2.7, 2.0, "mm/s", False),
+        Check("bench: load pressure error", 25.0, 1.5, "bar", False),
+        Check("softer: load pressure error", 26.0, 1.5, "bar", False),
+        Check("bench: rejected runs", 1, 0, "runs", False),
+    )
+    failing = replace(design, proposal=replace(design.proposal, closed_loop=checks))
+    assert (
+        "The worst: rejected runs 1 (limit 0) on the bench, load pressure error 26 bar (limit "
+        "1.5 bar) on the softer bench, mean speed error 2.7 mm/s (limit 2 mm/s) on the bench."
+    ) in design_text(failing)
+
+
 def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):
     stop = (
         "the board stopped itself: speed_error: the speed was off its reference by more than "

@@ -89,7 +89,7 @@ def test_the_error_of_the_best_law_is_beside_the_measured_friction(small):
 def test_the_errors_of_dynamic_and_static_laws_are_explained_beside_the_table():
     found = identified(law("lugre", 10.0), law("tustin", 110.0), law("marton_lantos", 116.0))
     page = ordinary_spaces(identification_page(found, ()))
-    assert "Dynamic laws (LuGre)" in page and "static laws (Tustin and Marton and Lantos)" in page
+    assert "Dynamic laws (LuGre)" in page and "static laws (Tustin, Marton and Lantos)" in page
     assert "10 N against 110–116 N while the speed changes" in page
     assert "does not show which of them suits a real cylinder" in page
     static = identified(law("tustin", 110.0), law("marton_lantos", 116.0))

@@ -64,14 +64,21 @@ def _next_step(proposal: Proposal) -> str:
 
 def _worst(failed: Sequence[Check], tick_s: float) -> list[str]:
     """Return the worst failed check of each quantity, the first of equals, with its limit."""
-    words = {}
-    for check in sorted(reversed(failed), key=lambda check: abs(check.value - check.limit)):
+    words: dict[str, str] = {}
+    for check in sorted(failed, key=_excess, reverse=True):
         place, _, quantity = check.what.rpartition(": ")
         _, value, limit, unit = shown(check, tick_s)
         unit = "" if unit == "runs" else f" {unit}".rstrip()
         where = _BENCHES.get(place, f" in the {place} loop" if place else "")
-        words[quantity] = f"{quantity} {value}{unit} (limit {limit.lstrip('≥≤ ')}{unit}){where}"
+        text = f"{quantity} {value}{unit} (limit {limit.lstrip('≥≤ ')}{unit}){where}"
+        words.setdefault(quantity, text)
     return list(words.values())
+
+
+def _excess(check: Check) -> float:
+    """Return how far a check is beyond its limit, as a share of the limit."""
+    beyond = abs(check.value - check.limit)
+    return beyond / abs(check.limit) if check.limit else math.inf
 
 
 def loops_verdict(design: Design) -> str:

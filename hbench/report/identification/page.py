@@ -22,7 +22,6 @@ from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike, span
-from hbench.report.render.symbols import listed
 
 _SOURCE = (
     "Laws and verification profile",
@@ -50,7 +49,7 @@ _STEADY = (
     "directions. Marton and Lantos is two lines for each direction, as in the source: the tangents "
     "of a Tustin curve at rest and at the largest speed. In between they lie below that curve, and "
     "most where they meet, at the switch velocity v_SW: this is the error of the law, not of the "
-    "drawing. hbench report fits the two lines to the points instead and comes closer. The "
+    "drawing. hbench report fits the two lines to the points instead. The "
     "other laws depend on the chamber pressures. A title states "
     "the load, and the pressure on the rod side of the load cylinder (P_Lr)."
 )
@@ -143,7 +142,7 @@ def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...
         [span([law.errors[part].friction_n for law in laws]) for laws in kinds]
         for part in ("unsteady", "steady")
     )
-    names = [listed([law_words(law.law) for law in laws]) for laws in kinds]
+    names = [", ".join(law_words(law.law) for law in laws) for laws in kinds]
     words = (
         f"Dynamic laws ({names[0]}) contain the deflection of the seals before they slide, and so "
         f"the course of friction at a start or a reversal; static laws ({names[1]}) depend on "
