@@ -207,6 +207,8 @@ def _reason(check: QualityCheck) -> str:
         return f"{number(check.value, 0)} % of the planned runs were completed{limit}"
     if _is_without_trial(check):
         return f"{check.count} {_points(check.count)} {_have(check.count or 0)} no accepted trial"
+    if check.name == "runs_accepted":
+        return f"{check.count} of {check.of} runs {_were(check.count or 0)} accepted"
     if check.drift is not None:
         return drift_finding(check.drift)
     return f"{_NAMES[check.name].lower()}: {_value(check)}"
