@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from hbench.analysis.identification.verification import model_errors
-from hbench.analysis.screening.sample_friction import logged_motion
+from hbench.analysis.screening.sample_friction import CENTRED, logged_motion
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record_plans
 from hbench.experiment.progress import Progress
@@ -75,9 +75,9 @@ def verify_laws(
             run=run.plan.run,
             f_load_n=run.plan.f_load_n,
             p_lr_ref_pa=run.plan.p_lr_ref_pa,
-            measured=_trace(run, mass_kg),
+            measured=trace(run, mass_kg),
             modelled={
-                law: _trace(runs[run.plan.run], mass_kg)
+                law: trace(runs[run.plan.run], mass_kg)
                 for law, runs in runs_of_law.items()
                 if run.plan.run in runs
             },
@@ -110,6 +110,7 @@ def _first_trials(runs: Sequence[Run]) -> list[Run]:
     return list(chosen.values())
 
 
-def _trace(run: Run, mass_kg: float) -> Trace:
+def trace(run: Run, mass_kg: float) -> Trace:
+    """Return velocity and friction of a run, without the ends, where derivatives are one-sided."""
     motion = logged_motion(run, mass_kg)
-    return Trace(run.t_s, motion.v_m_s, motion.friction_n)
+    return Trace(run.t_s[CENTRED], motion.v_m_s[CENTRED], motion.friction_n[CENTRED])

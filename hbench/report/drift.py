@@ -1,14 +1,10 @@
 """Drift of friction over a campaign, in words and as a table."""
 
-from collections.abc import Iterator
-
 from hbench.records import Drift
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.render.document import Section
 from hbench.report.render.numbers import number, significant, with_interval
 from hbench.report.render.word_tables import Cell, Table
 
-_MIXED = "not separated from speed"  # so no test of it alone
 _LEAST_P = 1e-4  # smaller ones are written as being below it
 
 
@@ -17,23 +13,6 @@ def drift_fact(drift: Drift | None) -> str:
     if drift is None or drift.separated and not drift.significant:
         return ""
     return " ".join(filter(None, (f"{drift_finding(drift)}.", drift_advice(drift))))
-
-
-def drift_sections(drift: Drift | None) -> Iterator[Section]:
-    """Yield the folded section on the drift; nothing where it was not estimated."""
-    if drift is not None:
-        said = f"Steady friction changed by {drift_words(drift)}."
-        paragraphs = tuple(filter(None, (said, drift_with_oil(drift), drift_advice(drift))))
-        how = "significant" if drift.significant else "not significant"
-        if not drift.separated:
-            how = "significant, not separated from speed" if drift.significant else _MIXED
-        yield Section(
-            f"Drift over the campaign: {how}",
-            paragraphs,
-            tables=(drift_table(drift),),
-            anchor="drift",
-            folded=not drift.significant,
-        )
 
 
 def drift_words(drift: Drift) -> str:

@@ -21,6 +21,7 @@ from hbench.errors import DataError
 from hbench.records import Run
 
 _WINDOW, _ORDER = 7, 4  # samples; of the polynomial
+CENTRED = slice(_WINDOW // 2, -(_WINDOW // 2))  # samples whose derivatives are not one-sided
 _MEMORY_M = 0.02  # about ten presliding lengths, after which the initial state has no effect
 
 

@@ -18,7 +18,8 @@ from hbench.report.campaign.quality import (
     short_point_table,
 )
 from hbench.report.campaign.settings import aborted_words, is_aborted
-from hbench.report.drift import drift_fact, drift_sections
+from hbench.report.drift import drift_fact
+from hbench.report.drift_section import drift_sections
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import (
