@@ -39,7 +39,6 @@ def test_each_campaign_gets_the_figures_that_apply(small, drawings, seals, undra
         "friction-signed",
         "efficiency-extend",
         "efficiency-retract",
-        "rejected",
         "rejected-off-reference",
     ]
     assert names(seals) == ["friction-pressure"]

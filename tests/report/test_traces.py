@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hbench.records import Run
+from hbench.report.campaign.figures.rejected import has_several_rejected
 from hbench.report.campaign.figures.traces import MOST_RUNS, traces
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.render.series import series_of
@@ -115,3 +116,9 @@ def test_a_run_counts_once_for_a_reason_that_it_has_twice(small):
 
 def test_a_checksum_that_differs_has_no_trace_and_other_reasons_of_the_run_have(small):
     assert list(traces(rejected(small, 1, "changed: x", "gapped: x"))) == ["gapped"]
+
+
+def test_rejected_runs_are_counted_in_a_figure_from_the_second_one_on(small):
+    for count in (0, 1, 2, 9):
+        results = rejected(small, count, "off_reference: x")
+        assert has_several_rejected(results) == (count > 1)

@@ -13,6 +13,11 @@ def has_rejected(results: Results) -> bool:
     return not all(run.accepted for run in results.runs)
 
 
+def has_several_rejected(results: Results) -> bool:
+    """Return whether more than one run was rejected, so that there is something to count."""
+    return sum(not run.accepted for run in results.runs) > 1
+
+
 def rejected(results: Results) -> dict[str, Figure]:
     """Draw how many runs each reason rejected."""
     counts = reason_counts(results).most_common()[::-1]
