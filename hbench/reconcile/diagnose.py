@@ -13,7 +13,6 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
     added_effect,
     fitted_shape,
-    gap_of_balances,
     insufficient_data_diagnosis,
     residual_map,
 )
@@ -32,7 +31,7 @@ from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import standard_deviation
 from hbench.reconcile.practice.changes import in_practice
-from hbench.reconcile.revised_model import revision
+from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
 from hbench.reconcile.search import CampaignSearch, silent
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Proposal, Undecided
@@ -100,9 +99,9 @@ def run_search(
     )
     train, held_out = divided_points(len({point_of(run.plan) for run in task.runs}))
     search = CampaignSearch(measured, train, tuple(names), task.stage)
-    result = search.run()
+    result = without_unconfirmed(search, search.run(), held_out)
     if not result.steps[-1].ambiguous:
-        final, laws = LawSearch(measured, search, result.names, held_out).run(result.final)
+        final, laws = LawSearch(measured, search, result.confirmed, held_out).run(result.final)
         if laws:
             result = replace(result, final=final, laws=laws, unlearned=result.final)
     return measured, result, held_out
@@ -139,7 +138,7 @@ def assembled(
     points = final.gap_map.points
     held_out_points = frozenset(points[i] for i in held_out)
     train = np.setdiff1d(np.arange(len(points)), held_out)
-    estimates = fit_coefficients(task.plant, final, result.names, train)
+    estimates = fit_coefficients(task.plant, final, result.confirmed, train)
     balances = BalanceStages(
         (
             result.given.gap_map.in_units_of(refitted.gap_map),
@@ -151,7 +150,7 @@ def assembled(
     runs = tuple(run for log in measured.logs for run in log.runs)
     simulated, overlaid, notes = _verification(task, result, held_out_points)
     where = rank(refitted.gap_map, _allowed(measured, refitted))
-    by_effects = (result.unlearned or final).gap_map.in_units_of(refitted.gap_map)
+    by_effects = result.without_laws.gap_map.in_units_of(refitted.gap_map)
     unexplained = unexplained_gaps(rank(by_effects, _allowed(measured, refitted)))
     last = result.steps[-1]
     rivals = {
@@ -170,7 +169,11 @@ def assembled(
     if verdict == "none" and task.experiments:
         task.stage("searching for the experiments that show more effects")
         proposal = task.experiments.reveal(expected, tried)
-    fits = dict.fromkeys(result.names, estimates) | {
+    fits = {
+        name: fit_coefficients(task.plant, each.model, each.effects, train)
+        for name, each in result.unconfirmed.items()
+    }
+    fits |= dict.fromkeys(result.confirmed, estimates) | {
         each.candidate.name: fit_coefficients(
             task.plant, each.model, (*result.names, each.candidate.name), train
         )
@@ -187,7 +190,7 @@ def assembled(
         where=where,
         regions=regions(refitted.gap_map),
         regions_after=regions(balances.maps[-1]),
-        effects=_added_effects(result, estimates, held_out),
+        effects=_added_effects(result, fits, held_out),
         alternatives=last.ambiguous,
         rest=unexplained,
         next_experiment=proposal.words,
@@ -217,6 +220,9 @@ def assembled(
         working_point=point,
         practice=practice,
         refit_refused=result.refused,
+        within_tolerance=tuple(
+            name for name in measured.start.effects if name in sections.get("effects", {})
+        ),
     )
 
 
@@ -316,19 +322,20 @@ def _usable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]
 
 
 def _added_effects(
-    result: SearchResult, estimates: ParameterEstimates, held_out: np.ndarray
+    result: SearchResult, fits: Mapping[str, ParameterEstimates], held_out: np.ndarray
 ) -> tuple[AddedEffect, ...]:
+    """Return the effects; their gaps are those without learned laws."""
     effects = []
     for step in result.steps:
         if step.added in result.names:
-            balances = EFFECTS[step.added].balances
+            unconfirmed = result.unconfirmed.get(step.added)
+            model = unconfirmed.model if unconfirmed else result.without_laws
             effect = added_effect(
                 step.added,
                 [each.candidate for each in step.evaluated],
-                estimates,
-                gap_of_balances(step.before.gap_map, balances, held_out),
-                gap_of_balances(result.final.gap_map, balances, held_out),
+                fits[step.added],
+                *held_out_gaps(result, model, step.added, held_out),
             )
-            shape = fitted_shape(step.added, result.final.hypothesis)
+            shape = fitted_shape(step.added, model.hypothesis)
             effects.append(replace(effect, shape=shape))
     return tuple(effects)

@@ -1,19 +1,59 @@
-"""Revised model as the sections of a plant file."""
+"""Revised model: the effects that held-out runs confirm, and the sections of a plant file."""
 
 import re
 from collections.abc import Mapping
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from hbench.config.friction import LuGre
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.search_result import SearchResult
+from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.search import CampaignSearch
+from hbench.reconcile.search_result import SearchResult, Unconfirmed
 from hbench.records import FitParameter
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
 # Nuisances that a file may omit, as it would contain them.
 _DEFAULTS = {"bristle_stiffness": f"{LuGre.model_fields['bristle_stiffness'].default:g} N/m"}
+
+
+def without_unconfirmed(
+    search: CampaignSearch, result: SearchResult, held_out: np.ndarray
+) -> SearchResult:
+    """Return the result with those effects alone in its final model that held-out points confirm.
+
+    An effect is confirmed if it reduces their gap in the balances that it touches.
+    """
+    unconfirmed: dict[str, Unconfirmed] = {}
+    while kept := tuple(name for name in result.names if name not in unconfirmed):
+        gaps = {name: held_out_gaps(result, result.final, name, held_out) for name in kept}
+        removed = [name for name, (before, after) in gaps.items() if not after < before]
+        if not removed:
+            break
+        unconfirmed |= dict.fromkeys(removed, Unconfirmed(result.final, kept))
+        others = tuple(name for name in kept if name not in removed)
+        without = search.without(result.final, removed, others) if others else result.refitted
+        result = replace(result, final=without, unconfirmed=dict(unconfirmed))
+    return result
+
+
+def held_out_gaps(
+    result: SearchResult, model: LinearisedModel, name: str, held_out: np.ndarray
+) -> tuple[float, float]:
+    """Return the gaps of the balances that an effect touches, before it was added and in a model.
+
+    ``held_out`` are indices of operating points.
+    """
+    balances = EFFECTS[name].balances
+    before = next(step.before for step in result.steps if step.added == name)
+    gaps = [gap_of_balances(each.gap_map, balances, held_out) for each in (before, model)]
+    return gaps[0], gaps[1]
 
 
 def revision(

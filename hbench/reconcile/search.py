@@ -61,9 +61,10 @@ _LEAST_SHARE = 0.3  # of the best score; candidates below are not evaluated in f
 _LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not evaluated in full
 _MOST_EFFECTS = 4
 _REFUSED = (
-    "The refit of the model's parameters is refused: it increases the gap of the held-out runs by "
-    "{increase:.2g} from {before:.2f}."
+    "Refitting the poorly known values of the model would increase the gap of the held-out runs "
+    "from {} to {}, so the values of the model file are kept."
 )
+_DIGITS = range(2, 7)  # decimals, as many as distinguish both gaps
 
 
 def silent(stage: str) -> None:
@@ -109,8 +110,7 @@ class CampaignSearch(CandidateEvaluator):
         dropped: list[str] = []
         for name in names[:-1]:
             others = tuple(each for each in names if each not in (name, *dropped))
-            start = self.linearise_at(model, self._hypothesis_without(model, name))
-            without = self.refit(start, others, _columns_of(model, others))
+            without = self.without(model, [name], others)
             if self._lost(model, without, (*others, name), others) > CRITERIA.score:
                 continue
             without = self.with_columns(without, _columns_of(model, [name]))
@@ -120,6 +120,13 @@ class CampaignSearch(CandidateEvaluator):
                 dropped.append(name)
                 model = without
         return model, tuple(dropped)
+
+    def without(
+        self, model: LinearisedModel, removed: Sequence[str], others: Sequence[str]
+    ) -> LinearisedModel:
+        """Return the model without some effects, refitted with the ``others``."""
+        start = self.linearise_at(model, self._hypothesis_without(model, removed))
+        return self.refit(start, others, _columns_of(model, others))
 
     def _lost(
         self,
@@ -135,11 +142,11 @@ class CampaignSearch(CandidateEvaluator):
         before, after = self._cross_validate(model, effects), self._cross_validate(without, fewer)
         return float((log_likelihood(before) - log_likelihood(after))[0])
 
-    def _hypothesis_without(self, model: LinearisedModel, name: str) -> Hypothesis:
-        """Return a model's hypothesis with an effect at its start."""
-        kept = {key: c for key, c in model.hypothesis.effects.items() if key != name}
-        start = self.measured.start.effects
-        return replace(model.hypothesis, effects=kept | {k: start[k] for k in start if k == name})
+    def _hypothesis_without(self, model: LinearisedModel, removed: Sequence[str]) -> Hypothesis:
+        """Return a model's hypothesis with some effects at their start."""
+        kept = {key: c for key, c in model.hypothesis.effects.items() if key not in removed}
+        start = {k: c for k, c in self.measured.start.effects.items() if k in removed}
+        return replace(model.hypothesis, effects=kept | start)
 
     def refined(self, model: LinearisedModel, names: tuple[str, ...]) -> LinearisedModel:
         """Return the model with effects ``names`` and their shapes refitted to all deviations.
@@ -190,7 +197,7 @@ class CampaignSearch(CandidateEvaluator):
         return (
             given,
             unchanged,
-            _REFUSED.format(before=before**0.5, increase=after**0.5 - before**0.5),
+            _REFUSED.format(*_distinct(before**0.5, after**0.5)),
         )
 
     def _step(
@@ -307,6 +314,12 @@ def _mean_square(residuals: GapMap, points: np.ndarray) -> float:
     """Return the mean square of the residuals at some operating points, in scatters."""
     chosen = residuals.select_points(points)
     return float(np.nanmean((chosen.difference / chosen.scatter) ** 2))
+
+
+def _distinct(first: float, second: float) -> tuple[str, str]:
+    """Write two gaps with two decimals, or as many as distinguish them."""
+    pairs = [(f"{first:.{digits}f}", f"{second:.{digits}f}") for digits in _DIGITS]
+    return next((pair for pair in pairs if pair[0] != pair[1]), pairs[-1])
 
 
 def _columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:

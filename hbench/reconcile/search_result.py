@@ -1,7 +1,7 @@
 """Steps of a search for missing effects, and its result."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from hbench.reconcile.candidates import EvaluatedCandidate
 from hbench.reconcile.learned.table import LawFound
@@ -21,6 +21,14 @@ class SearchStep:
 
 
 @dataclass(frozen=True)
+class Unconfirmed:
+    """Model with an effect that does not reduce the gap of held-out runs, and all its effects."""
+
+    model: LinearisedModel
+    effects: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class SearchResult:
     """Given and refitted model, steps of the search, and final model."""
 
@@ -31,6 +39,7 @@ class SearchResult:
     refused: str = ""  # why the refit is refused; the refitted model is then the given one
     laws: tuple[LawFound, ...] = ()  # learned, in the final model
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
+    unconfirmed: Mapping[str, Unconfirmed] = field(default_factory=dict)  # not in the final model
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -38,9 +47,19 @@ class SearchResult:
         return added_names(self.steps)
 
     @property
+    def confirmed(self) -> tuple[str, ...]:
+        """The effects of the final model."""
+        return tuple(name for name in self.names if name not in self.unconfirmed)
+
+    @property
+    def without_laws(self) -> LinearisedModel:
+        """The final model without learned laws."""
+        return self.unlearned or self.final
+
+    @property
     def unchanged(self) -> bool:
         """Whether the final model is the given one: the refit is refused and nothing is added."""
-        return bool(self.refused) and not self.names and not self.laws
+        return bool(self.refused) and not self.confirmed and not self.laws
 
 
 def added_names(steps: Sequence[SearchStep]) -> tuple[str, ...]:

@@ -37,6 +37,8 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
     where, unnamed = gap_list(unexplained), _unnamed(result)
     if result.names:
         reason = f"{explains(result.names)} the residuals in cross-validation."
+        if result.unconfirmed:
+            reason += f" {unconfirmed_words(tuple(result.unconfirmed))}"
         if last.ambiguous:
             others = " or ".join(candidate.name for candidate in last.ambiguous)
             reason += f" {others} would explain the remaining residuals equally well."
@@ -73,6 +75,15 @@ def _unnamed(result: SearchResult) -> str:
     words = [f"{table.adds_to} over {' and '.join(table.knots)}" for table in tables]
     laws = "laws" if len(words) > 1 else "law"
     return f" The revised model contains an unnamed {laws}: {', '.join(words)}." if words else ""
+
+
+def unconfirmed_words(names: Sequence[str]) -> str:
+    """Return the sentence about effects that held-out runs do not confirm."""
+    it = "them" if len(names) > 1 else "it"
+    return (
+        f"Held-out runs do not confirm {' and '.join(names)}, so the revised model does not "
+        f"contain {it}."
+    )
 
 
 def explains(names: Sequence[str]) -> str:

@@ -17,6 +17,8 @@ REST_M_S = 2e-3  # windows with a lower speed are at rest
 MATERIAL = 0.002
 # Why an effect is not tried that is no candidate: a tolerance that every model is refitted with.
 FITTED = "every bench has it; it is refitted with the parameters of the model"
+# Or a part of a hydraulic bench that a driven mass does not have.
+NO_PART = "does not change the force balance of a driven mass"
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,7 @@ class RunGap:
     gap: GapTable
 
 
+MOTION_BALANCE = "force_mass"  # force balance of a driven mass
 UNEXPLAINED_GAP = 2.0  # trial scatters; a smaller one is no reason to look for a missing effect
 LEAST_EXPLAINED = 0.25  # share of the excess gap that an effect must explain to be named
 LEAST_SIZE = 0.25  # of its typical size that it must have
@@ -170,7 +173,7 @@ class AddedEffect:
     parameters: dict[str, FitParameter]  # each in the unit that it carries, a bench's: l/min/bar
     of_sensor: bool
     gap_before: FloatOrNan  # held-out runs, over the balances it touches: refitted model without it
-    gap_after: FloatOrNan
+    gap_after: FloatOrNan  # with it and the other effects, without unnamed laws
     score: FloatOrNan
     runner_up: Rival | None
     shape: str = ""  # the shape parameter that held-out runs supported; empty: textbook form
@@ -307,7 +310,7 @@ class Diagnosis:
     why: str  # the verdict in a sentence or two
     where: tuple[Gap, ...]  # balances of the refitted model, worst first
     regions: tuple[Region, ...]  # of the refitted model
-    effects: tuple[AddedEffect, ...]  # in order of adding
+    effects: tuple[AddedEffect, ...]  # in order of adding; the revised model has the confirmed ones
     alternatives: tuple[Candidate, ...]  # the ambiguous set
     rest: tuple[Gap, ...]  # balances whose residuals no effect explains
     next_experiment: str | None  # in words
@@ -335,3 +338,9 @@ class Diagnosis:
     # Why the refit without effects was refused: "refitted" then is the model as given. Empty: not.
     refit_refused: str = ""
     errors: tuple[HeldOutError, ...] = ()  # of the motion of a driven mass
+    within_tolerance: tuple[str, ...] = ()  # errors that every bench has, in the revised model
+
+    @property
+    def confirmed(self) -> tuple[AddedEffect, ...]:
+        """The effects that the revised model contains: those that held-out runs confirm."""
+        return tuple(effect for effect in self.effects if effect.confirmed)

@@ -14,8 +14,11 @@ import yaml
 from hbench import workflow
 from hbench.config.stroke_model import parse_motion
 from hbench.errors import DataError
-from hbench.reconcile.motion.motion_diagnosis import MotionTask, diagnose_motion, error_words
+from hbench.reconcile.motion.motion_diagnosis import MotionTask, diagnose_motion
 from hbench.records import HeldOutError, Provenance
+from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
+from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.diagnosis.revised_yaml import revised_yaml
 from hbench.report.diagnosis.text import diagnosis_text
 from tests.support import driven_axis as axis
 from tests.support.commands import hbench
@@ -62,7 +65,8 @@ def test_without_an_effect_the_verdict_is_none_and_both_errors_are_reported(seed
     errors = errors_of(found)
     assert errors["force"].after == errors["force"].refitted < 0.3 * errors["force"].before
     assert errors["position"].after == errors["position"].refitted < errors["position"].before
-    assert "force error is" in found.why and "position error is" in found.why
+    for text in (diagnosis_text(found), diagnosis_page(found, ()), revised_yaml(found)):
+        assert "force error is" in text and "position error is" in " ".join(text.split("\n# "))
 
 
 @pytest.mark.parametrize(
@@ -80,7 +84,7 @@ def test_a_hidden_effect_is_named_and_both_errors_fall(effect, name, friction):
     errors = errors_of(found)
     assert errors["force"].after < 0.6 * errors["force"].refitted
     assert errors["position"].after < 0.9 * errors["position"].refitted
-    assert "The effects improve" not in found.why  # one without the other
+    assert "The effects improve" not in one_sided_words(found)
 
 
 def test_a_weight_is_an_offset_of_its_force():
@@ -110,7 +114,8 @@ def test_a_better_force_with_a_motion_that_is_no_better_is_reported(seed):
     errors = errors_of(found)
     assert errors["force"].after < 0.8 * errors["force"].refitted
     assert errors["position"].after > errors["position"].refitted
-    assert "The effects improve the force without the position" in found.why
+    for text in (diagnosis_text(found), diagnosis_page(found, ())):
+        assert "The effects improve the force without the position" in text
 
 
 @pytest.mark.parametrize(
@@ -125,10 +130,12 @@ def test_a_better_force_with_a_motion_that_is_no_better_is_reported(seed):
 )
 def test_each_step_that_improves_one_error_alone_is_in_the_words(force, position, said):
     errors = HeldOutError("force", "N", *force), HeldOutError("position", "mm", *position)
-    words = error_words(errors, refitted=True, effects=True)
+    found = replace(hidden(axis.asymmetry), errors=errors)
+    words = f"{errors_in_words(found)} {one_sided_words(found)}"
     assert [words.count(each) >= 1 for each in said] == [True] * len(said)
     assert words.count("without the") >= len(said) and (said or "without the" not in words)
-    assert f"{force[2]} N with the effects" in words and f"{position[0]} mm as given" in words
+    assert f"{force[2]:.2f} N with the effects" in words
+    assert f"{position[0]:.2f} mm as given" in words
 
 
 @pytest.mark.parametrize("size", [1e-3, 1e3])
@@ -162,6 +169,19 @@ def test_a_log_without_noise_and_one_without_motion():
     )
     with pytest.raises(DataError, match="no friction is measured"):
         diagnosis(still)
+
+
+def test_the_page_has_no_names_of_a_hydraulic_bench():
+    for effect in (axis.no_effect, axis.asymmetry, axis.weight, axis.more_mass):
+        page = diagnosis_page(hidden(effect), ())
+        assert "force balance of the mass" in page and "no more than" not in page
+        for name in ("test cylinder:", "of the test cylinder", "of test cylinder", "load cell 0"):
+            assert name not in page
+        for name in ("Metering edge", "valve's gain", "dead volumes", "oil columns", "chamber"):
+            assert name not in page
+    found = hidden(axis.weight)
+    assert "a constant force acts, such as a weight" in diagnosis_page(found, ())
+    assert "instruments have an error" not in diagnosis_page(found, ())
 
 
 def test_few_runs_and_runs_without_a_drive_force_are_reported():

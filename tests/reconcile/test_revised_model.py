@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.revised_model import revision
+from hbench.reconcile.revised_model import revision, without_unconfirmed
 from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import FitParameter
 
@@ -45,3 +45,36 @@ def test_a_refit_or_what_is_fitted_with_an_addition_is_in_the_model(result):
     factors, sections = revision(GIVEN, result, estimates())
     assert list(factors) == ["valve.gain"]
     assert sections == {"valve": {"gain": "1.2e-06 m^2/V"}}
+
+
+def model_with(force, supply):
+    """A model with a gap in the force balance and in that of the supply, at each of two points."""
+    excess = np.array([[force**2 - 1, supply**2 - 1]] * 2)
+    names = ("force_test", "supply")
+    return SimpleNamespace(
+        gap_map=SimpleNamespace(excess=excess, point=np.array([0, 1]), names=names)
+    )
+
+
+@pytest.mark.parametrize(
+    ("mass_after", "droop_after", "kept"),
+    [
+        (1.1, 1.2, ("added_mass", "supply_droop")),
+        (1.9, 1.2, ("supply_droop",)),
+        (1.9, 5.5, ()),
+    ],
+)
+def test_the_revised_model_has_the_effects_that_held_out_runs_confirm(
+    mass_after, droop_after, kept
+):
+    """Added mass touches the force alone, a droop the supply alone."""
+    steps = tuple(
+        SearchStep(model_with(1.5, 5.0), (), name, ()) for name in ("added_mass", "supply_droop")
+    )
+    refitted, final = model_with(1.5, 5.0), model_with(mass_after, droop_after)
+    search = SimpleNamespace(without=lambda model, removed, others: model_with(1.5, droop_after))
+    result = SearchResult(None, refitted, steps, final)
+    result = without_unconfirmed(search, result, np.array([1]))
+    assert result.names == ("added_mass", "supply_droop") and result.confirmed == kept
+    assert [each.model for each in result.unconfirmed.values()] == [final] * (2 - len(kept))
+    assert (result.final is refitted) == (not kept) and (result.final is final) == (len(kept) == 2)

@@ -71,7 +71,8 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     row = [f"{getattr(flow, step):.2f}" for step in ("before", "refitted", "after", "floor")]
     assert re.search(words.balance("flow_tp").title + " +" + " +".join(row), text)
     total = named.gap_heldout.total
-    assert re.search(rf": {total.before:.1f} [^,]*, {total.refitted:.1f} ", text)
+    before, refitted = map(words.gap_number, (total.before, total.refitted))
+    assert re.search(rf": {before} [^,]*, {refitted} ", text)
     assert re.search(r"external_leakage +584\.6 +14\.0 +72 %", text)
     assert re.search(r"valve\.gain +0\.9780 \+- 0\.0040", text)
     assert re.search(r"moving_mass\.test +0\.550 \(.* lower ", text)
@@ -395,7 +396,7 @@ def test_the_worst_runs_stand_first_on_the_terminal_and_the_page_has_more(named,
     assert gaps == sorted(gaps, reverse=True) and len(gaps) == 8
     assert gaps[0] == pytest.approx(max(one.gap.total.after for one in named.gap_runs), abs=0.01)
     page = diagnosis_page(named, drawings)
-    title = table.title.partition(":")[0]
+    title = table.title.partition(" (")[0]
     assert f"<summary>{title}" in page and "gaps_by_run.csv" in page
 
 
@@ -429,7 +430,7 @@ def test_a_signal_that_the_effects_make_worse_is_named_before_the_figures(named)
     worse = BeforeAfter(5.5, 5.4, 6.7, float("nan"))
     table = replace(named.gap_heldout, signals=named.gap_heldout.signals | {"v": worse})
     page = diagnosis_page(replace(named, gap_heldout=table), ())
-    place = page.index("velocity in closed loop (5.4 to 6.7)")
+    place = page.index("velocity in closed loop (5.40 to 6.70)")
     assert place < page.index("<h2")
     better = replace(worse, after=5.5)
     table = replace(table, signals=table.signals | {"v": better})

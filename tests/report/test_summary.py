@@ -29,6 +29,8 @@ from hbench.report.diagnosis.change_words import changes_tables
 from hbench.report.diagnosis.figures.law_figures import law_figure
 from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.diagnosis.revised_yaml import revised_yaml
+from hbench.report.diagnosis.sentences import coefficients_words
 from hbench.report.diagnosis.separability_tables import lookalikes_tables
 from hbench.report.diagnosis.summary import answers, short_summary
 from hbench.report.diagnosis.text import diagnosis_text
@@ -124,7 +126,7 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
         "l/min/bar; 95 % intervals). It changes the flow"
     )
     assert "oil leaks" not in text  # once on the page is enough
-    assert "deviation in the quantities that it touches falls from 16.7 to 1.6 times" in verdict
+    assert "deviation in the quantities that it touches falls from 16.7 to 1.60 times" in verdict
     assert text.startswith(
         "At the median working point (extending at 80 mm/s, load cell 2490 N, piston side "
         "P_Tp 63 bar, rod side P_Tr 52.1 bar, supply P_S 150 bar), 0.180 ± 0.010 l/min less oil "
@@ -174,6 +176,11 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
     unconfirmed = replace(effect, gap_before=1.02, gap_after=1.04)
     worse = replace(named, effects=(unconfirmed,))
     verdict = ordinary_spaces(verdict_words(worse))
+    assert "So model.yaml does not contain it." in verdict
+    page = ordinary_spaces(diagnosis_page(worse, ()))
+    assert "It does not contain internal leakage." in page and "with the effects" not in page
+    assert "# Not in this model: internal_leakage (test" in revised_yaml(worse)
+    assert "Not in this model" not in revised_yaml(named)
     order = (
         "Internal leakage may be missing in the model: oil leaks (test cylinder 0.00300 ± 0.00020",
         "It would change the flow",
@@ -229,7 +236,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
         "The model does not contain internal leakage: oil leaks (",
         "It changes the flow to the piston side of the test cylinder (Tp) by up to 0.35 l/min, "
         "the speed by up to 4.6 mm/s and the friction of the load cylinder by up to 9.0 N.",
-        "falls from 16.7 to 1.6 times the repeatability of the bench, in runs that were not used",
+        "falls from 16.7 to 1.60 times the repeatability of the bench, in runs that were not used",
         "Next, inspect the piston seal.",
     )
     places = [text.index(part) for part in order]
@@ -358,7 +365,7 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     )
     assert "Tolerances allow" not in page
     verdict = verdict_words(found)
-    falls = "falls from 16.7 to 1.6 times the repeatability of the bench"
+    falls = "falls from 16.7 to 1.60 times the repeatability of the bench"
     assert f"{falls}, when each load is predicted from the other loads." in verdict
     assert (
         "A second deviation has several possible causes, which these runs cannot distinguish; at "
@@ -384,7 +391,10 @@ def test_a_refit_to_strokes_that_is_worse_at_other_loads_is_reported_with_why_it
     )
     words = "in the gaps of friction (35.9 to 58.3). The refit is kept, since"
     assert f"The refitted model is worse than the model as given {words}" in summary(worse)
-    assert "from the other loads (model as given: 35.9)." in verdict_words(worse)
+    assert (
+        "is 14.0 times the repeatability of the bench, when each load is predicted from the other "
+        "loads; the model as given has 35.9, the refitted model without the effect 58.3."
+    ) in verdict_words(worse)
     assert "as given" not in verdict_words(better) + summary(better)
 
 
@@ -435,15 +445,15 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "with a correct model, after Holm: 0.010 (force of test cylinder)." in text
     assert "), the refitted model is off by 38 N (force of test cylinder)." in text
     largest = (
-        "In scatters of the trials, over all runs, the force of the test cylinder deviates most "
-        "by direction while retracting (9.0; smallest 2.0). Next, inspect the seals and guides of "
-        "the test cylinder, the load cell and"
+        "Over all runs, the force of the test cylinder deviates most by direction while "
+        "retracting (9.0 trial scatters there, 2.0 where it is smallest). Next, inspect the seals "
+        "and guides of the test cylinder, the load cell and"
     )
     assert largest in ordinary_spaces(verdict_words(compared))  # all speeds are about alike
     assert "Load friction is the closest of 2 known effects and would explain 80 %" in text
     assert "It is not named: its size of 0.22 times a typical one is too small" in text
     assert "Take it as a hint" in text and "chance" not in text
-    assert "The gap of 2 held-out runs, all balances together, is 9.5" in text
+    assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
     assert "more steady runs where its gap is largest, by direction while retracting, and" in text
 
 
@@ -505,19 +515,61 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
         replace(compared, verdict="none", rest=(), separability=Separability(sizes, ()),
                 not_tried={"rest_time": "no breakaway"})
     )  # fmt: skip
-    assert (
-        "The gap of 2 held-out runs, all balances together, is 9.5 with the refitted model" in text
-    )
-    assert "A correct model whose values are as uncertain would have 1.2 on average." in text
+    assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
+    assert "A correct model whose values are as uncertain would have 1.20 on average." in text
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "mass and rest time: these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
     assert "These runs give no reason to inspect or to repair anything." in text
-    gap = "the force of the test cylinder by 40 N RMS (p = 0.010, matters above 12 N)"
-    assert f"Significant, but too small for a missing effect: {gap}." in text
+    assert "too small to matter" not in text  # 40 N matter
     close = replace(compared.where[0], deviation=11.64, material=12.04)
     text = summary(replace(compared, verdict="none", rest=(), where=(close,)))
     assert "the force of the test cylinder by 11.6 N RMS (p = 0.010, matters above 12.0 N)" in text
+
+
+def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(compared):
+    """Without a missing effect the verdict states the gap, the limits and the scatter beside."""
+
+    def verdict(total, **changes):
+        table = GapTable(total, {"force_test": total}, {}, {})
+        where = (replace(compared.where[0], **changes),)
+        found = replace(compared, verdict="none", rest=(), where=where, gap_heldout=table)
+        return ordinary_spaces(verdict_words(found))
+
+    close, off = BeforeAfter(12.0, 1.25, 1.25, 1.2), BeforeAfter(12.0, 1.7, 1.7, 1.2)
+    text = verdict(off, gap=1.9, deviation=19.0, p_value=0.008)
+    assert "agrees" not in text
+    assert "by 1.70 times the repeatability of the bench, a correct one by 1.20 on average" in text
+    assert "The force of the test cylinder deviates by 19 N RMS (matters above 12 N; p =" in text
+    assert "p = 0.008, 1.90 trial scatters). That is significant and large enough to" in text
+    assert "but only more than 2 trial scatters are reported as unexplained: a small" in text
+    assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
+    text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
+    assert "agrees" in text and "is not distinguishable from the scatter of the trials" in text
+    text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
+    assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
+
+
+def test_signals_that_the_simulation_does_not_reproduce_are_reported(compared):
+    gaps = {"v": 11.6, "u_t": 6.4, "x": 1.9}
+    signals = {name: BeforeAfter(9.0, gap, gap, NAN) for name, gap in gaps.items()}
+    table = replace(compared.gap_heldout, signals=signals)
+    text = summary(replace(compared, verdict="none", rest=(), gap_heldout=table))
+    assert "deviate in the velocity by 11.6 and the command of valve T by 6.40 trial" in text
+    assert "position by" not in text
+    assert "Simulated in closed loop" not in summary(compared)
+
+
+def test_a_coefficient_of_a_power_law_has_the_value_where_its_unit_holds(named):
+    """Its unit is that of the textbook's exponent; the law has a reference for any other."""
+    (effect,) = named.effects
+    law = "Q = G p_0 (|P| / p_0)^n, n = exponent, p_0 = 50 bar"
+    power = {**effect.parameters, "exponent": FitParameter(0.7, 0.07, (0.56, 0.84), None, "1")}
+    curved = replace(effect, law=law, parameters=power)
+    assert coefficients_words(curved) == (
+        "test cylinder 0.00300 ± 0.00020 l/min/bar at 50 bar, exponent 0.70 ± 0.14"
+    )
+    assert "at 50 bar" not in coefficients_words(replace(effect, law=law))
 
 
 def test_an_agreement_states_what_the_refit_changes_and_what_is_fitted_with_the_model(compared):
@@ -558,7 +610,15 @@ def test_two_effects_share_one_description_of_the_working_point(named):
     second = added("load_cell_gain", 9.0, of_sensor=True)
     text = summary(replace(named, effects=(*named.effects, second), practice=(LEAK, CELL)))
     assert text.count("extending at 80 mm/s") == 1
-    assert ". There the load cell shows 49.8 N too much" in text
+    assert "Coefficients with 95 % intervals: test cylinder 0.00300" in text
+    assert "There the load cell shows 49.8 N too much" in text
+    both = replace(named, effects=(*named.effects, second), practice=(LEAK, CELL))
+    verdict = ordinary_spaces(verdict_words(both))
+    assert "0.00300" not in verdict  # brief: the coefficients are below
+    assert verdict.count("in runs that were not used for the fit") == 1
+    assert (
+        "With both effects, the model's deviation in all quantities falls from 9.50 to" in verdict
+    )
 
 
 def test_the_terminal_begins_with_the_verdict_and_the_paragraph_in_short(named):

@@ -137,7 +137,8 @@ ROWS = {
         balances=FLOWS,
         laws={"oil": flows.tank_back_pressure, "flows": flows.return_line},
         states=1,
-        law="lag dp/dt = resistance Q |Q| - p, p added to the tank's pressure",
+        law="lag dp/dt = resistance Q_0^2 (Q / Q_0)^n - p, p added to the tank's pressure, "
+        "Q the return flow, n = exponent (2: turbulent), Q_0 = 10 l/min",
         signals="Commands and the pressure of the emptying chamber rise with the square of speed.",
         confused_with={
             "supply_droop": Separation(
@@ -160,7 +161,8 @@ ROWS = {
         },
         balances=("supply",),
         laws={"flows": flows.supply_droop},
-        law="lag dP_S/dt = P_0 - slope Q - P_S, Q the flow drawn",
+        law="lag dP_S/dt = P_0 - slope Q_0 (Q / Q_0)^n - P_S, Q the flow drawn, n = exponent "
+        "(1: in proportion), Q_0 = 10 l/min",
         signals="P_S falls while the piston moves fast, and recovers at rest.",
         confused_with={
             "pressure_gain": Separation(

@@ -19,7 +19,8 @@ ROWS = {
         },
         balances=FORCES,
         laws={"friction": friction.seal_pressure_friction},
-        law="dry friction grows by k_p P_p + k_r P_r, k of the side and the chamber",
+        law="dry friction grows by k P_0 (P / P_0)^n for the piston side and for the rod side, "
+        "k and P of the side, n = exponent (1: in proportion), P_0 = 50 bar",
         signals="Friction rises with the pressure level, also at the same load.",
         confused_with={
             "load_friction": Separation(
@@ -48,7 +49,8 @@ ROWS = {
         },
         balances=FORCES,
         laws={"friction": friction.load_friction},
-        law="dry friction grows by k |F|, k = test or load, F the pressure force",
+        law="dry friction grows by k F_0 (|F| / F_0)^n, k = test or load, F the pressure force, "
+        "n = exponent (1: in proportion), F_0 = 2500 N",
         signals="Friction rises with the load in both directions.",
         confused_with={
             "load_cell_gain": Separation(

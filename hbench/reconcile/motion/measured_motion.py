@@ -32,7 +32,7 @@ from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.motion.force_unit import in_unit, unit_of
 from hbench.reconcile.nuisance import ASSUMED_TOLERANCE
 from hbench.records import Gap, Run
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.diagnosis import NO_PART, REST_M_S
 
 BALANCE = "force_test"
 _AREA_M2 = 1.0
@@ -222,7 +222,7 @@ def observable_in_motion(
     observable, not_tried = [], {}
     for name, row in EFFECTS.items():
         if BALANCE not in row.balances:
-            not_tried[name] = "does not change the force balance of a driven mass"
+            not_tried[name] = NO_PART
         elif name in _OIL:
             not_tried[name] = "needs the pressures of a hydraulic bench"
         elif name == "load_friction" and not has_load:

@@ -5,9 +5,8 @@ measured motion. The position error is that of the motion that a model makes of 
 force. A model can improve one alone, so both are always reported.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,9 @@ from hbench.reconcile.motion.measured_motion import (
     measured_motion,
     observable_in_motion,
 )
+from hbench.reconcile.motion.motion_words import of_driven_mass
 from hbench.reconcile.motion.open_loop import open_loop_positions
+from hbench.reconcile.revised_model import without_unconfirmed
 from hbench.reconcile.search import CampaignSearch, silent
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.observable import divided_points
@@ -34,26 +35,9 @@ from hbench.reconcile.verdict import FEWEST_POINTS
 from hbench.records import Diagnosis, HeldOutError, Overlay, Provenance, Run
 
 _SHORTEST_S = 1.0
-_EQUAL = 0.02  # of an error: a smaller change is none
-_STAGES = {"before": "as given", "refitted": "refitted", "after": "with the effects"}
-_SUBJECTS = {
-    ("before", "refitted"): "The refit improves",
-    ("before", "after"): "Compared with the model as given, the revised model improves",
-    ("refitted", "after"): "The effects improve",
-}
-_MEANING = {
-    "force": "the simulated motion is no better",
-    "position": "errors of the force may cancel in the simulated motion",
-}
-_TEXTS = {"force": "force error", "position": "open-loop position error"}
 _NOTES = (
-    "Motion of a driven mass: the force of the test cylinder is that of the drive, the balance is "
-    "drive force less applied force, friction and inertia. load_cell_offset is any constant "
-    "force, such as a weight or an offset of the drive. A trial scatter is the noise of the "
-    "measured signals and the change of friction from run to run.",
-    "The open-loop position error is that of the motion simulated under the measured drive force "
-    "from the first sample of each held-out run. Nothing corrects this motion, so errors of the "
-    "force accumulate.",
+    "Motion of a driven mass: load_cell_offset is any constant force, such as a weight or an "
+    "offset of the drive.",
 )
 
 
@@ -87,7 +71,8 @@ def diagnose_motion(task: MotionTask) -> Diagnosis:
     names, not_tried = observable_in_motion(usable, task.plant)
     measured = measured_motion(task.plant, usable, task.material)
     train, held_out = divided_points(len(usable))
-    result = CampaignSearch(measured, train, names, task.stage).run()
+    search = CampaignSearch(measured, train, names, task.stage)
+    result = without_unconfirmed(search, search.run(), held_out)
     whole = ReconcileTask(
         provenance=task.provenance,
         bench=None,
@@ -104,11 +89,11 @@ def diagnose_motion(task: MotionTask) -> Diagnosis:
     )
     fitted = frozenset(measured.start.effects) | frozenset(result.names)
     errors, shown = _held_out_errors(measured, result, held_out)
-    words = error_words(errors, refitted=not result.refused, effects=bool(result.names))
     notes = tuple(note for note in diagnosis.notes if note != NOT_SIMULATED)
+    has_load = any(run.f_applied_n is not None for run in usable)
+    of_mass = of_driven_mass(in_newtons(diagnosis, measured.unit_n, fitted), names, has_load)
     return replace(
-        in_newtons(diagnosis, measured.unit_n, fitted),
-        why=f"{diagnosis.why} {words}",
+        of_mass,
         errors=errors,
         overlays=(shown,),
         notes=(*_NOTES, *notes),
@@ -127,11 +112,6 @@ def _unusable(run: Run) -> str:
     signals = (run.x_m, run.f_drive_n, run.f_applied_n)
     gaps = any(y is not None and not np.isfinite(y).all() for y in signals)
     return "position or force has gaps" if gaps else ""
-
-
-def _listed(parts: Sequence[str]) -> str:
-    """Return parts of a sentence with commas and a final "and"."""
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
 
 
 def _held_out_errors(
@@ -175,33 +155,3 @@ def _positions(measured: MeasuredMotion, hypothesis: Hypothesis) -> list[np.ndar
 
 def _mean_square(values: np.ndarray) -> float:
     return float(np.mean(values**2))
-
-
-def error_words(errors: Sequence[HeldOutError], *, refitted: bool, effects: bool) -> str:
-    """Return both errors of held-out runs, and each step that improves one without the other.
-
-    ``refitted`` and ``effects`` are whether the model was refitted, and whether it has effects.
-    """
-    stages = ("before", *(["refitted"] if refitted else []), *(["after"] if effects else []))
-    parts = [
-        f"the {_TEXTS[error.quantity]} is "
-        + _listed(
-            [f"{getattr(error, stage):.3g} {error.unit} {_STAGES[stage]}" for stage in stages]
-        )
-        for error in errors
-    ]
-    sentences = [f"In held-out runs {'; '.join(parts)}."]
-    steps = [*pairwise(stages), *([("before", "after")] if len(stages) > 2 else [])]
-    for start, end in steps:
-        better = [error.quantity for error in errors if _improves(error, start, end)]
-        if len(better) == 1:
-            (other,) = (each.quantity for each in errors if each.quantity not in better)
-            sentences.append(
-                f"{_SUBJECTS[start, end]} the {better[0]} without the {other}: "
-                f"{_MEANING[better[0]]}."
-            )
-    return " ".join(sentences)
-
-
-def _improves(error: HeldOutError, start: str, end: str) -> bool:
-    return bool(getattr(error, end) < (1 - _EQUAL) * getattr(error, start))

@@ -138,9 +138,9 @@ def _quantities(
     si: dict[str, np.ndarray] = {}
     for channel, reading in readings.items():
         if model.sensors[channel] != without.sensors[channel]:
-            si[channel] = true_value(reading, channel, without) - true_value(
-                reading, channel, model
-            )
+            true = true_value(reading, channel, model)
+            scale, zero = without.sensors[channel]
+            si[channel] = reading - (scale * true + zero)
     way = np.sign(v)
     for balance in row.balances:
         column = missing[:, BALANCES.index(balance)]

@@ -32,7 +32,7 @@ from hbench.config.stroke_model import StrokePlant
 from hbench.model.effects.catalogue import EFFECTS, changed_by, read_effects
 from hbench.model.parameters import PlantParameters
 from hbench.model.sensors import SensorParameters, ideal_sensors
-from hbench.reconcile.gaps.gap_map import GapMap, by_point, gap_map, gaps, point_of
+from hbench.reconcile.gaps.gap_map import GapMap, by_point, column_means, gap_map, gaps, point_of
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, effect_coefficients, stepped
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import WindowedRun
@@ -228,9 +228,15 @@ class MeasuredStrokes:
         return own if reference is None else own.in_units_of(reference)
 
     def ranked_gaps(self, hypothesis: Hypothesis) -> tuple[Gap, ...]:
-        """Return the gaps of both balances with a hypothesis, largest first."""
+        """Return the gaps of both balances with a hypothesis, largest first.
+
+        Their deviations are root mean squares over all pairs of strokes, with their scatter.
+        """
         residuals = self._compared(hypothesis)
-        return gaps(residuals, _exact(residuals))[0]
+        ranked, differences = gaps(residuals, _exact(residuals))
+        squares = column_means(differences.difference**2)
+        deviations = dict(zip(differences.names, np.sqrt(squares).tolist(), strict=True))
+        return tuple(replace(gap, deviation=deviations[gap.name]) for gap in ranked)
 
     def contradiction(self, name: str) -> str:
         """Return why an effect can't explain the mean of both directions; empty if it can."""

@@ -53,6 +53,7 @@ from hbench.reconcile.verdict import (
     gap_list,
     missing_experiments,
     scores,
+    unconfirmed_words,
 )
 from hbench.records import (
     AddedEffect,
@@ -168,8 +169,16 @@ def _assembled(
 ) -> Diagnosis:
     search, start = series[0]
     result = search_series(series)
-    names, strokes = result.names, search.measured
-    estimates = search.estimates(result.final, names)
+    strokes, final = search.measured, result.final
+    estimates = search.estimates(final, result.names)
+    by_load = leave_each_load_out(search, start, result.names)
+    fits = dict.fromkeys(result.names, estimates)
+    effects = _added_effects(search, start, result, estimates, gap_table(by_load))
+    names = tuple(effect.name for effect in effects if effect.confirmed)
+    if names != result.names:
+        final = search.refit(result.refitted, names)
+        estimates = search.estimates(final, names)
+        by_load = leave_each_load_out(search, start, names)
     factors = search.factors(estimates)
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
     no_change = "does not change the mean of a steady stroke"
@@ -180,21 +189,19 @@ def _assembled(
     undecided = {step.balance for step in result.steps if step.ambiguous}
     unexplained = tuple(
         gap
-        for gap in unexplained_gaps(strokes.ranked_gaps(result.final.hypothesis))
+        for gap in unexplained_gaps(strokes.ranked_gaps(final.hypothesis))
         if gap.name not in undecided
     )
-    verdict, why = _decide_verdict(result, unexplained)
-    by_load = leave_each_load_out(search, start, names)
-    held_out = gap_table(by_load)
+    unconfirmed = [effect.name for effect in effects if not effect.confirmed]
+    verdict, why = _decide_verdict(result, unconfirmed, unexplained)
     points = frozenset(start.gap_map.points)
     indices = np.arange(len(points))
-    fits = dict.fromkeys(names, estimates)
     for candidate in alternatives:
         joined = (*names, candidate.name)
         fits[candidate.name] = search.estimates(search.refit(start, joined), joined)
-    point, practice = strokes_in_practice(strokes, result.final.hypothesis, fits)
+    point, practice = strokes_in_practice(strokes, final.hypothesis, fits)
     before = result.refitted.gap_map
-    after = result.final.gap_map.in_units_of(before)
+    after = final.gap_map.in_units_of(before)
     train = gap_table([gaps_at(search, start, names, indices)], gap_floor(strokes, estimates))
     return Diagnosis(
         provenance=task.provenance,
@@ -204,12 +211,12 @@ def _assembled(
         where=strokes.ranked_gaps(result.refitted.hypothesis),
         regions=regions(before),
         regions_after=regions(after),
-        effects=_added_effects(search, start, result, estimates, held_out),
+        effects=effects,
         alternatives=alternatives,
         rest=unexplained,
         next_experiment=_next_experiment(alternatives),
         next_schedule=None,
-        gap_heldout=with_floor(held_out, train),
+        gap_heldout=with_floor(gap_table(by_load), train),
         gap_train=train,
         gap_runs=(),
         ranking=result.steps[0].evaluated,
@@ -223,16 +230,19 @@ def _assembled(
         missing=missing,
         left_out=left_out,
         revised=revised(task.plant_data, factors, estimates.hypothesis(estimates.beta)),
-        notes=tuple(_notes(labels, search, start, result, by_load)),
+        notes=tuple(_notes(labels, search, start, names, alternatives, by_load)),
         working_point=point,
         practice=practice,
     )
 
 
-def _decide_verdict(result: StrokeSearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:
+def _decide_verdict(
+    result: StrokeSearchResult, unconfirmed: Sequence[str], unexplained: Sequence[Gap]
+) -> tuple[Verdict, str]:
     sentences = []
     if result.names:
         sentences.append(f"{explains(result.names)} the residuals in cross-validation.")
+        sentences += [unconfirmed_words(unconfirmed)] if unconfirmed else []
     for step in result.steps:
         if step.ambiguous:
             sentences.append(
@@ -289,7 +299,8 @@ def _notes(
     labels: Sequence[str],
     search: SeriesSearch,
     start: LinearisedModel,
-    result: StrokeSearchResult,
+    names: Sequence[str],
+    alternatives: Sequence[Candidate],
     by_load: Sequence[StageGaps],
 ) -> Iterator[str]:
     if not search.measured.load_is_known:
@@ -299,14 +310,14 @@ def _notes(
         "from the other loads. The effects were chosen with all loads."
     )
     yield (
-        "Root mean square error of both directions at the held-out load, refitted to with the "
-        f"effects: {force_errors(by_load)}."
+        "Root mean square error of both directions at the held-out load, of the refitted model and "
+        f"with the effects: {force_errors(by_load)}."
     )
-    alternatives = [candidate.name for step in result.steps for candidate in step.ambiguous]
-    for name in alternatives:
-        more = leave_each_load_out(search, start, (*result.names, name))
+    others = [candidate.name for candidate in alternatives]
+    for name in others:
+        more = leave_each_load_out(search, start, (*names, name))
         yield f"The same errors with {name} in addition: {force_errors(more)}."
-    if "load_cell_gain" in (*alternatives, *result.names):
+    if "load_cell_gain" in (*others, *names):
         yield GAIN_NOTE
     if len(labels) > 1:
         yield (

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, WordTable
+from hbench.records.diagnosis import MOTION_BALANCE
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     CHAMBERS,
@@ -22,7 +23,7 @@ _GROUPS: tuple[tuple[str, ...], ...] = (
     _READINGS,
     _FLOWS,
     ("speed",),
-    ("force_test", "force_load"),
+    ("force_test", "force_load", MOTION_BALANCE),
     ("pressure",),
     ("supply",),
     ("kinematics",),
@@ -36,7 +37,12 @@ _OBJECTS = {
 }
 _FRICTION = "force_test"  # balance of the friction of the test cylinder
 _LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
-_CYLINDERS = {"force_test": "test cylinder", "force_load": "load cylinder"}
+_CYLINDERS = {
+    "force_test": "friction of the test cylinder",
+    "force_load": "friction of the load cylinder",
+    MOTION_BALANCE: "force against the motion",
+}
+_INERTIA = "added_mass"  # the effect whose force is no friction
 
 
 def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
@@ -251,13 +257,15 @@ def _size(change: Change) -> str:
 def _thing(name: str) -> str:
     """Return a force or a flow by its cylinder or chamber."""
     if name in _CYLINDERS:
-        return f"friction of the {_CYLINDERS[name]}"
+        return _CYLINDERS[name]
     return f"flow to {CHAMBERS[name[-2:]]}"
 
 
-def _object(change: Change, *, computed: bool) -> str:
+def _object(change: Change, *, computed: bool, inertia: bool) -> str:
     """Return a quantity as the object of a sentence."""
     name = change.quantity
+    if inertia and name in _CYLINDERS:
+        return f"the {_thing(name).replace('friction', 'inertial force')}"
     if name in _CYLINDERS or name in _FLOWS:
         return f"the {'computed ' if computed else ''}{_thing(name)}"
     if name in BALANCE_NAMES:
@@ -279,12 +287,19 @@ def along_words(effect: EffectInPractice) -> str:
     )
 
 
-def largest_words(effect: EffectInPractice) -> str:
-    """Return the largest changes over all measured motion, as objects of a sentence."""
+def largest_words(effect: EffectInPractice, *, brief: bool = False) -> str:
+    """Return the largest changes over all measured motion, as objects of a sentence.
+
+    In brief, the first and the last of the groups alone: of an error, the reading and the friction.
+    """
+    every = _along(effect)
+    chosen = [every[0], every[-1]] if brief and len(every) > 2 else every
+    if brief and (readings := wrong_readings(effect)) > 1:
+        chosen = [(f"the readings of {readings} sensors", chosen[0][1]), *chosen[1:]]
     return listed(
         [
             f"{thing} by up to {significant(change.largest, 2)} {change.unit}"
-            for thing, change in _along(effect)
+            for thing, change in chosen
         ]
     )
 
@@ -296,7 +311,8 @@ def _along(effect: EffectInPractice) -> list[tuple[str, Change]]:
         [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
     )
     chosen = (max(group, key=lambda change: _rounded(change.along)) for group in groups if group)
-    return [(_object(change, computed=computed), change) for change in chosen]
+    inertia = effect.name == _INERTIA
+    return [(_object(change, computed=computed, inertia=inertia), change) for change in chosen]
 
 
 def _rounded(value: float) -> float:

@@ -3,7 +3,7 @@
 from hbench.records import Diagnosis
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 from hbench.report.diagnosis.change_words import wrong_readings
-from hbench.report.diagnosis.names import in_words, of_strokes
+from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
 from hbench.report.render.symbols import capital
 
 Fact = tuple[str, str]  # name and description
@@ -12,14 +12,9 @@ SENSOR = (
     "An effect of a sensor is an error of the measurement, not of the bench. Correct the "
     "instrument rather than the model."
 )
-POORLY_KNOWN = (
-    "Poorly known values of the model file are levels of friction, a valve's gain, dead volumes "
-    "and the like"
-)
-REFITTED = f"{POORLY_KNOWN}. They are fitted first, so that their errors do not appear as effects."
+REFITTED = "They are fitted first, so that their errors do not appear as effects."
 REFUSED = (
-    "So the values of the model file predict runs outside the fit at least as well as refitted "
-    "ones, and they are kept: a refit must reduce this gap, however little it differs. The whole "
+    "A refit must reduce the gap of runs outside the fit, however little it differs. The whole "
     "page compares the measurement with the model as given{fitted}."
 )
 FITTED_WITH = "; the values of model.yaml are those fitted together with the {added}"
@@ -62,7 +57,8 @@ _STROKES = (
 )
 _MOTION = (
     "Newton's law of the driven mass: the force of the drive less the applied force, friction and "
-    "inertia. It is evaluated along the measured logs, and it decides."
+    "inertia. It is evaluated along the measured logs, and it decides. Its scatter is the noise of "
+    "the measured signals and the change of friction from run to run."
 )
 _SIGNALS = (
     "The same schedule, simulated in closed loop and in open loop. They check the revised model; "
@@ -94,6 +90,7 @@ _SIGNS = (
     "same commands and pressures; the pressure, which is that of the fed chamber, at the same "
     "speed and load.",
 )
+_SIGNS_OF_MASS = ("Signs", "A force is positive against the motion.")
 _COMPUTED = (
     "Error of an instrument",
     "It changes the readings, and the friction and the flows that are computed from them. At the "
@@ -111,10 +108,19 @@ _P = (
     "balances. It is computed from 999 random draws, so the smallest possible value is 0.001 times "
     "this number.",
 )
+_P_OF_MOTION = (
+    "p (Holm)",
+    "Probability that as many runs deviate by more than the noise if the model is correct: then "
+    "half of them do (sign test).",
+)
 _DEVIATION = (
     "Deviation",
     "Root mean square of the residual in the unit of the balance, without the noise of single "
     "windows, but with the scatter from trial to trial. Below the next column it does not matter.",
+)
+_DEVIATION_OF_STROKES = (
+    "Deviation",
+    "Root mean square of the residual over all pairs of strokes, with their scatter.",
 )
 _ALLOWED = (
     "Tolerances allow",
@@ -125,6 +131,16 @@ _EDGE = (
     "Edge of the valve's spool that connects the chamber with the supply or the tank. Where one "
     "gap is much larger, inspect that edge.",
 )
+
+
+def poorly_known(diagnosis: Diagnosis) -> str:
+    """Return which values of the model are fitted."""
+    values = "levels of friction, a valve's gain, dead volumes and the like"
+    if diagnosis.errors:
+        values = "the levels of friction and the moving mass"
+    elif of_strokes(diagnosis):
+        values = "the levels of friction"
+    return f"Poorly known values of the model file are {values}."
 
 
 def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
@@ -148,8 +164,10 @@ def _not_fitted(diagnosis: Diagnosis) -> str:
 def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     """Return the definitions of the section on where the model disagrees."""
     if of_strokes(diagnosis):
-        return _ALL_RUNS, _STRUCTURED, _P
-    return _ALL_RUNS, _STRUCTURED, _P, _DEVIATION, _ALLOWED, _EDGE
+        return _ALL_RUNS, _STRUCTURED, _P, _DEVIATION_OF_STROKES
+    p_value = _P_OF_MOTION if diagnosis.errors else _P
+    edges = (_EDGE,) if any(gap.name in EDGES for gap in diagnosis.where) else ()
+    return _ALL_RUNS, _STRUCTURED, p_value, _DEVIATION, _ALLOWED, *edges
 
 
 def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:
@@ -159,7 +177,7 @@ def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     computed = (_COMPUTED,) if any(map(wrong_readings, diagnosis.practice)) else ()
     if of_strokes(diagnosis):
         return _POINT, _ALONG_STROKES, *computed
-    return _POINT, _ALONG, _SIGNS, *computed
+    return _POINT, _ALONG, _SIGNS_OF_MASS if diagnosis.errors else _SIGNS, *computed
 
 
 def of_laws(diagnosis: Diagnosis) -> tuple[Fact, ...]:

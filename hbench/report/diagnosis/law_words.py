@@ -12,7 +12,7 @@ _TERMS = {
     "force": "force against extension",
     "friction": "dry friction",
     "supply": "supply pressure",
-    "position": "travel of the piston over that of its reading, less 1",
+    "position": "excess of the true travel over the measured one",
 }
 _VALVES = {"tp": "u_T", "tr": "u_T", "lp": "u_L2", "lr": "u_L1"}  # of each chamber
 

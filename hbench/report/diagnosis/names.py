@@ -5,7 +5,8 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from hbench.channels import CHANNELS
-from hbench.records import Diagnosis, FitParameter, Gap
+from hbench.records import AddedEffect, Diagnosis, FitParameter, Gap
+from hbench.records.diagnosis import MOTION_BALANCE
 from hbench.report.render.numbers import NONE, number, significant, with_ends
 from hbench.units import from_si
 
@@ -32,6 +33,9 @@ STROKE_NAMES = {
     "force_band": DisplayName("friction (half difference)", "N"),
     "force_middle": DisplayName("mean force of both directions", "N"),
 }
+_KNOWN = (
+    BALANCE_NAMES | STROKE_NAMES | {MOTION_BALANCE: DisplayName("force balance of the mass", "N")}
+)
 PRESSURE_SYMBOLS = {
     name: CHANNELS[f"{name}_pa"].symbol for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 }
@@ -69,6 +73,8 @@ STEPS = {
     "after": "with the effects",
     "floor": "expected of a correct model",
 }
+_OF_POWER = re.compile(r"_0 = (\d+ [^,]+)")  # where a law of any exponent has the same value
+_NOT_OF_POWER = ("exponent", "lag")
 CHAMBERS = {
     "tp": "the piston side of the test cylinder (Tp)",
     "tr": "the rod side of the test cylinder (Tr)",
@@ -99,6 +105,8 @@ EDGES = {
 
 _KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")  # name of an effect
 _CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
+_VALUE_OF = re.compile(r"test cylinder (?=[−\d])")
+_PART = re.compile(r", test (cylinder|side)")
 _WITHOUT_ARTICLE = ("friction", "kinematics")
 _MOST_DIGITS = 4  # of a deviation that is close to its limit
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
@@ -106,8 +114,7 @@ _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 def balance(name: str) -> DisplayName:
     """Return the display name of a balance, by default its key."""
-    known = BALANCE_NAMES | STROKE_NAMES
-    return known.get(name, DisplayName(name.replace("_", " "), ""))
+    return _KNOWN.get(name, DisplayName(name.replace("_", " "), ""))
 
 
 def of_strokes(diagnosis: Diagnosis) -> bool:
@@ -137,8 +144,7 @@ def in_words(name: str) -> str:
 
 def keys_in_words(line: str) -> str:
     """Return a text with effects, balances and channels in words or symbols, not in keys."""
-    every = (*SIGNAL_NAMES.items(), *BALANCE_NAMES.items(), *STROKE_NAMES.items())
-    names = {key: name.title for key, name in every}
+    names = {key: name.title for key, name in (SIGNAL_NAMES | _KNOWN).items()}
     return _KEY.sub(lambda key: names.get(key[0]) or in_words(key[0]), line)
 
 
@@ -185,14 +191,25 @@ def value_words(path: str) -> str:
     return f"{part} {in_words(key)}"
 
 
-_FRICTION = {"force_test": "friction of test cylinder", "force_load": "friction of load cylinder"}
+_FRICTION = {
+    "force_test": "friction of test cylinder",
+    "force_load": "friction of load cylinder",
+    MOTION_BALANCE: "force against the motion",
+}
+
+
+def of_the_mass(diagnosis: Diagnosis, words: str) -> str:
+    """Return words without the cylinders where a driven mass was measured, which has none."""
+    if not diagnosis.errors:
+        return words
+    return _VALUE_OF.sub("", _PART.sub("", words)).replace("test cylinder", "mass")
 
 
 def quantity(name: str) -> str:
     """Return the title of a quantity that an effect changes."""
     if name in _FRICTION:
         return _FRICTION[name]
-    if name in BALANCE_NAMES | STROKE_NAMES:
+    if name in _KNOWN:
         return balance(name).title
     if name in SIGNAL_NAMES:
         return f"reading: {SIGNAL_NAMES[name].title}"
@@ -205,11 +222,20 @@ def steps_of(diagnosis: Diagnosis, *, of_balances: bool = True) -> dict[str, str
     The gap that is expected of a correct model is known of balances only. A refused refit has no
     step.
     """
-    steps = {**STEPS, "after": STEPS["after"] if diagnosis.effects else "with the unnamed laws"}
-    has_after = diagnosis.effects or diagnosis.unnamed
+    added = added_words(diagnosis)
+    steps = {**STEPS, "after": f"with the {added}"}
     refitted = [] if diagnosis.refit_refused else ["refitted"]
-    known = ("before", *refitted, *(["after"] if has_after else []))
+    known = ("before", *refitted, *(["after"] if added else []))
     return {step: steps[step] for step in (*known, *(["floor"] if of_balances else []))}
+
+
+def added_words(diagnosis: Diagnosis) -> str:
+    """Return what the revised model has beside refitted values; empty where it has nothing."""
+    parts = [
+        *(["effects"] if diagnosis.confirmed else []),
+        *(["unnamed laws"] if diagnosis.unnamed else []),
+    ]
+    return " and ".join(parts)
 
 
 def compared_model(diagnosis: Diagnosis) -> str:
@@ -238,6 +264,11 @@ def deviation_and_limit(gap: Gap) -> tuple[str, str]:
     return deviation, limit
 
 
+def gap_number(value: float) -> str:
+    """Write a gap as the tables do, those from 10 on with one decimal."""
+    return number(value, 2 if abs(value) < 10 else 1)
+
+
 def share(value: float) -> str:
     """Write a share in whole per cent, and all shares below −100 % alike."""
     if value < -1:
@@ -249,7 +280,7 @@ def in_sentence(name: str) -> str:
     """Write a balance or a signal within a sentence: ``the force of the test cylinder``."""
     if name == "force_band":
         return "friction"
-    title = (balance(name) if name in BALANCE_NAMES | STROKE_NAMES else signal(name)).title
+    title = (balance(name) if name in _KNOWN else signal(name)).title
     if title.startswith("P_") or name in _WITHOUT_ARTICLE:
         return title
     return "the " + _CYLINDER.sub(r"\1 the \2", title)
@@ -289,11 +320,24 @@ def parameter_text(parameter: FitParameter) -> str:
     return " ".join(texts)
 
 
+def coefficient_text(effect: AddedEffect, name: str) -> str:
+    """Write a coefficient, and where it holds if the law has another exponent than the textbook's.
+
+    With the exponent its unit no longer fits the law: the law has a reference value for that.
+    """
+    text, reference = parameter_text(effect.parameters[name]), _OF_POWER.search(effect.law)
+    if reference is None or name in _NOT_OF_POWER or "exponent" not in effect.parameters:
+        return text
+    return f"{text} at {reference[1]}"
+
+
 def _with_interval(parameter: FitParameter) -> str:
     value = significant(parameter.value, 3)
     if parameter.ci95 is None:
         return value
     low, high = parameter.ci95
+    if parameter.value == 0 and parameter.at_bound:
+        return f"0 (95 %: {significant(low, 2)} to {significant(high, 2)})"
     if high - low > _FINE:
         return with_ends(parameter.value, low, high)
     return f"{value} ({significant(low, 3)} to {significant(high, 3)})"

@@ -10,7 +10,13 @@ from hbench.report.diagnosis.change_words import (
     candidates_table,
     changes_tables,
 )
-from hbench.report.diagnosis.names import in_words, keys_in_words, value_words
+from hbench.report.diagnosis.names import (
+    added_words,
+    in_words,
+    keys_in_words,
+    of_the_mass,
+    value_words,
+)
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.separability_tables import (
     MATRIX_TEXT,
@@ -40,7 +46,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         drawings=drawn("unnamed"),
     )
     gap = Section(
-        "The gap before and after" if diagnosis.effects else "The gap",
+        "The gap before and after" if added_words(diagnosis) else "The gap",
         (text.gap_line(diagnosis),),
         drawings=drawn("gap"),
         tables=_with_rows(text.errors_table(diagnosis)),
@@ -81,7 +87,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "The effects" if diagnosis.effects else "The candidates that remain",
         (definitions.SENSOR,) if any(effect.of_sensor for effect in diagnosis.effects) else (),
         tables=_with_rows(
-            text.effects_table(diagnosis),
+            _effects_table(diagnosis),
             text.alternatives_table(diagnosis),
             candidates_table(diagnosis),
             *([] if diagnosis.alternatives else details),
@@ -107,16 +113,19 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *(section for section in sections if _holds_something(section)),
             *([missing] if missing.items or missing.facts else []),
         ),
-        verdict_words(diagnosis),
+        of_the_mass(diagnosis, verdict_words(diagnosis)),
         provenance.source,
     )
 
 
 def _answer(diagnosis: Diagnosis) -> Section:
     """Return the first section: the engineer's answers, and the files beside the page."""
-    known = tuple((question, keys_in_words(words)) for question, words in answers(diagnosis))
+    known = tuple(
+        (question, of_the_mass(diagnosis, keys_in_words(words)))
+        for question, words in answers(diagnosis)
+    )
     if diagnosis.refit_refused:
-        added = "effects" if diagnosis.effects else "unnamed laws" if diagnosis.unnamed else ""
+        added = added_words(diagnosis)
         fitted = definitions.FITTED_WITH.format(added=added) if added and diagnosis.refitted else ""
         known += (
             ("Refit", f"{diagnosis.refit_refused} {definitions.REFUSED.format(fitted=fitted)}"),
@@ -127,7 +136,7 @@ def _answer(diagnosis: Diagnosis) -> Section:
 def _files(diagnosis: Diagnosis) -> str:
     """Return which files are beside the page, and what they are for."""
     contents = [
-        *(["the effects"] if diagnosis.effects else []),
+        *(["the effects"] if diagnosis.confirmed else []),
         *(["unnamed laws"] if diagnosis.unnamed else []),
     ]
     if diagnosis.refitted and diagnosis.refit_refused:
@@ -137,6 +146,9 @@ def _files(diagnosis: Diagnosis) -> str:
     model = f"the model with {listed(contents)}" if contents else "the model as given"
     files = [definitions.NEXT_FILE] if diagnosis.next_schedule else []
     files.append(f"model.yaml is {model}, for hbench run --plant.")
+    left_out = [in_words(effect.name) for effect in diagnosis.effects if not effect.confirmed]
+    if left_out:
+        files.append(f"It does not contain {listed(left_out)}.")
     files.append(
         definitions.NUMBERS if diagnosis.gap_runs else "diagnosis.json is this result as data."
     )
@@ -160,19 +172,25 @@ def _train_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     return text.gap_tables(diagnosis, diagnosis.gap_train, "training runs")
 
 
+def _effects_table(diagnosis: Diagnosis) -> WordTable:
+    table = text.effects_table(diagnosis)
+    rows = (tuple(of_the_mass(diagnosis, cell) for cell in row) for row in table.rows)
+    return replace(table, rows=tuple(rows))
+
+
 def _refitted_table(diagnosis: Diagnosis) -> WordTable:
     table = _untitled(text.refitted_table(diagnosis))
-    return replace(table, rows=tuple((value_words(path), words) for path, words in table.rows))
+    rows = ((of_the_mass(diagnosis, value_words(path)), words) for path, words in table.rows)
+    return replace(table, rows=tuple(rows))
 
 
 def _refitted_words(diagnosis: Diagnosis) -> str:
     """Return what was fitted, and when."""
     if not diagnosis.refit_refused:
-        return definitions.REFITTED
-    added = "effects" if diagnosis.effects else "unnamed laws"
+        return f"{definitions.poorly_known(diagnosis)} {definitions.REFITTED}"
     return (
-        f"{definitions.POORLY_KNOWN}. Fitted first, they made held-out runs worse; these are "
-        f"fitted together with the {added}."
+        f"{definitions.poorly_known(diagnosis)} Fitted first, they made held-out runs worse; these "
+        f"are fitted together with the {added_words(diagnosis)}."
     )
 
 

@@ -9,6 +9,7 @@ from hbench.report.diagnosis.change_words import main_changes, phrase, wrong_rea
 from hbench.report.diagnosis.names import (
     AXES,
     EDGES,
+    added_words,
     compared_model,
     in_sentence,
     residual_name,
@@ -69,8 +70,7 @@ def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
     point = diagnosis.working_point
     if point is None:
         return ""
-    revised = diagnosis.effects or diagnosis.unnamed
-    model = "revised model" if revised else compared_model(diagnosis)
+    model = "revised model" if added_words(diagnosis) else compared_model(diagnosis)
     shown_names = list(names[:_FEW])
     shown_names += ["speed"] if any(name.startswith("flow_t") for name in shown_names) else []
     shown_names += ["pressure"] if "force_test" in shown_names else []
@@ -98,13 +98,11 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
     if not places:
         return ""
     parts = [
-        f"by {each.axis} {each.words} ({number(each.gap, 1)}; smallest {number(each.least, 1)})"
+        f"by {each.axis} {each.words} ({number(each.gap, 1)} trial scatters there, "
+        f"{number(each.least, 1)} where it is smallest)"
         for each in places
     ]
-    return (
-        f"In scatters of the trials, over all runs, {in_sentence(name)} deviates most "
-        f"{listed(parts)}."
-    )
+    return f"Over all runs, {in_sentence(name)} deviates most {listed(parts)}."
 
 
 class Place(NamedTuple):

@@ -7,7 +7,9 @@ from typing import Any
 import yaml
 
 from hbench.records import AddedEffect, Diagnosis
-from hbench.report.diagnosis.names import parameter_text
+from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
+from hbench.report.diagnosis.names import coefficient_text, parameter_text
+from hbench.report.diagnosis.sentences import effect_words, gap_change
 from hbench.report.diagnosis.text import gap_line
 
 _SOURCES = {
@@ -15,6 +17,7 @@ _SOURCES = {
     "real": "measured on a bench",
     "imported": "measured elsewhere and imported",
 }
+_TOLERATED = "within a bench's tolerances: fitted with the values of the model"
 _WIDE = 96
 _COLUMN = 44  # where a comment beside a value begins
 
@@ -27,7 +30,14 @@ def revised_yaml(diagnosis: Diagnosis) -> str:
         f"{provenance.started[:10]} (bench {provenance.bench!r}), {_SOURCES[provenance.source]}.",
         "Give it to `hbench run --plant`, or to `hbench simulate` or `reconcile` as --model.",
         f"Verdict: {diagnosis.verdict}. {diagnosis.why}",
+        *(
+            f"Not in this model: {effect_words(effect)}. {gap_change(effect)}"
+            for effect in diagnosis.effects
+            if not effect.confirmed
+        ),
         gap_line(diagnosis),
+        errors_in_words(diagnosis),
+        one_sided_words(diagnosis),
         "Values with 95 % intervals; values without a comment are those of the model.",
     ]
     body = "".join(_lines(diagnosis.revised, _comments(diagnosis), ()))
@@ -53,10 +63,12 @@ def _comments(diagnosis: Diagnosis) -> dict[tuple[str, ...], str]:
     }
     if diagnosis.unnamed:
         comments["learned",] = "unnamed: tables fitted to what no effect of the catalogue explains"
-    for effect in diagnosis.effects:
+    for name in diagnosis.within_tolerance:
+        comments["effects", name] = _TOLERATED
+    for effect in diagnosis.confirmed:
         comments["effects", effect.name] = _law(effect)
-        for name, parameter in effect.parameters.items():
-            comments["effects", effect.name, name] = f"found: {parameter_text(parameter)}"
+        for name in effect.parameters:
+            comments["effects", effect.name, name] = f"found: {coefficient_text(effect, name)}"
     return comments
 
 

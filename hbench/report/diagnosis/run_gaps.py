@@ -37,10 +37,10 @@ def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
     compared = [run_gap for run_gap in diagnosis.gap_runs if run_gap.gap.balances]
     chosen = sorted(compared, key=lambda run_gap: -run_gap.gap.total.after)[:most]
     steps = steps_of(diagnosis)
-    title = "Gap of each run: all balances, the worst balance and signals"
+    title = "Gap of each run"
     if len(chosen) < len(compared):
         title += f" (the worst {len(chosen)} of {len(compared)})"
-    rows = tuple(
+    rows = [
         (
             run_gap.plan.run,
             plan_words(run_gap.plan),
@@ -49,16 +49,22 @@ def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
             *_worst(run_gap.gap),
         )
         for run_gap in chosen
-    )
+    ]
     head = ("run", "what", "held out", *steps.values())
-    return WordTable(title, (*head, "balance", "signal, closed loop", "open loop"), rows)
+    head += ("balance", "signal, closed loop", "open loop")
+    several = {name for each in compared for name in each.gap.balances}
+    kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
+    kept = [i for i in kept if head[i] != "balance" or len(several) > 1]
+    known = tuple(tuple(row[i] for i in kept) for row in rows)
+    return WordTable(title, tuple(head[i] for i in kept), known)
 
 
 def plan_words(plan: RunPlan) -> str:
     """Return what a run was: its experiment, speed, load and trial."""
     speed = f"{plan.kind} {short(1e3 * plan.v_ref_m_s)} mm/s" if plan.v_ref_m_s else plan.kind
     load = load_words(plan.f_load_n, plan.p_lr_ref_pa)
-    return ", ".join(filter(None, (plan.label, speed, load, f"trial {plan.trial}")))
+    label = plan.label.removesuffix(plan.run).strip()  # strokes of one file are runs of their own
+    return ", ".join(filter(None, (label, speed, load, f"trial {plan.trial}")))
 
 
 def _worst(gap: GapTable) -> tuple[str, ...]:

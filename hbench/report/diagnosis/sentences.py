@@ -10,13 +10,16 @@ from hbench.records import (
     EffectInPractice,
     Gap,
 )
-from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, UNEXPLAINED_GAP
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.names import (
+    added_words,
     balance,
+    coefficient_text,
     coefficient_words,
     compared_model,
     deviation_and_limit,
+    gap_number,
     in_sentence,
     in_unit,
     in_words,
@@ -25,6 +28,7 @@ from hbench.report.diagnosis.names import (
     p_words,
     parameter_text,
     share,
+    steps_of,
     value_words,
 )
 from hbench.report.render.numbers import number, significant
@@ -37,23 +41,19 @@ _CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
 _MOST_WORSE = 3  # gaps of a sentence that become larger
 
 
-def gap_change(diagnosis: Diagnosis, effect: AddedEffect) -> str:
+def gap_change(effect: AddedEffect) -> str:
     """Return how an effect changes the gap of held-out runs, also where it does not reduce it."""
-    before, after, where = effect.gap_before, effect.gap_after, "in the balances that it touches"
+    before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
+    where = "in the balances that it touches"
     if effect.confirmed:
         return (
-            f"It reduces the gap of held-out runs {where} from {number(before, 1)} to "
-            f"{number(after, 1)}{with_laws(diagnosis)}, where 1 is the repeatability of the bench."
+            f"It reduces the gap of held-out runs {where} from {before} to {after}, where 1 is the "
+            "repeatability of the bench."
         )
     return (
-        f"It does not reduce the gap of held-out runs {where}: {number(before, 2)} without it and "
-        f"{number(after, 2)} with it, where 1 is the repeatability of the bench."
+        f"It does not reduce the gap of held-out runs {where}: {before} without it and {after} "
+        "with it, where 1 is the repeatability of the bench. So model.yaml does not contain it."
     )
-
-
-def with_laws(diagnosis: Diagnosis) -> str:
-    """Return that the gaps of the final model have unnamed laws in them; empty without any."""
-    return " (together with the unnamed laws)" if diagnosis.unnamed else ""
 
 
 def effect_words(effect: AddedEffect) -> str:
@@ -68,7 +68,9 @@ def coefficients_words(effect: AddedEffect) -> str:
     """Return an effect's coefficients with their intervals; see ``effect_words``."""
     free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
     chosen = free or effect.parameters
-    return ", ".join(f"{coefficient_words(name)} {parameter_text(p)}" for name, p in chosen.items())
+    return ", ".join(
+        f"{coefficient_words(name)} {coefficient_text(effect, name)}" for name in chosen
+    )
 
 
 def odds_words(effect: AddedEffect) -> str:
@@ -159,12 +161,13 @@ def agreement(diagnosis: Diagnosis) -> str:
     total = diagnosis.gap_heldout.total
     if not isfinite(total.refitted):
         return ""
-    after = f" and {number(total.after, 1)} with the unnamed laws" if diagnosis.unnamed else ""
+    after = f" and {gap_number(total.after)} with the unnamed laws" if diagnosis.unnamed else ""
+    together = ", all balances together," if len(diagnosis.gap_heldout.balances) > 1 else ""
     return (
-        f"The gap of {len(diagnosis.heldout_runs)} held-out runs, all balances together, is "
-        f"{number(total.refitted, 1)} with the {compared_model(diagnosis)}{after}, where 1 is the "
+        f"The gap of {len(diagnosis.heldout_runs)} held-out runs{together} is "
+        f"{gap_number(total.refitted)} with the {compared_model(diagnosis)}{after}, where 1 is the "
         "repeatability of the bench. A correct model whose values are as uncertain would have "
-        f"{number(total.floor, 1)} on average.{_worst_heldout(diagnosis)}"
+        f"{gap_number(total.floor)} on average.{_worst_heldout(diagnosis)}"
     )
 
 
@@ -172,11 +175,11 @@ def _worst_heldout(diagnosis: Diagnosis) -> str:
     """Return the held-out gap of the first balance that no effect explains; empty without any."""
     name = diagnosis.rest[0].name if diagnosis.rest else ""
     gap = diagnosis.gap_heldout.balances.get(name)
-    if gap is None:
+    if gap is None or len(diagnosis.gap_heldout.balances) < 2:
         return ""
     return (
-        f" In these runs {in_sentence(name)} alone has {number(gap.refitted, 1)}, and would have "
-        f"{number(gap.floor, 1)}; in all runs it has {number(diagnosis.rest[0].gap, 1)}."
+        f" In these runs {in_sentence(name)} alone has {gap_number(gap.refitted)}, and would have "
+        f"{gap_number(gap.floor)}; in all runs it has {gap_number(diagnosis.rest[0].gap)}."
     )
 
 
@@ -186,7 +189,7 @@ def worse_words(diagnosis: Diagnosis) -> str:
     It is compared with the model that it was made from: an effect's with the refitted one, and the
     refitted one with the given one.
     """
-    revised = diagnosis.effects or diagnosis.unnamed
+    revised = added_words(diagnosis)
     if not revised and diagnosis.refit_refused:
         return ""
     if not revised:
@@ -226,7 +229,7 @@ def _worse(
         (" in open loop", table.open_loop),
     )
     parts = [
-        f"{in_sentence(name)}{where} ({number(before, 1)} to {number(after, 1)})"
+        f"{in_sentence(name)}{where} ({gap_number(before)} to {gap_number(after)})"
         for where, gaps in groups
         for name, gap in gaps.items()
         for before, after in [(getattr(gap, start), getattr(gap, end))]
@@ -245,8 +248,10 @@ def deviations(gaps: Sequence[Gap]) -> str:
     parts = []
     for gap in gaps[:_FEW]:
         size = f"{number(gap.gap, 1)} trial scatters"
-        if isfinite(gap.deviation):
+        if isfinite(gap.material):
             size = "{} RMS (matters above {})".format(*deviation_and_limit(gap))
+        elif isfinite(gap.deviation):
+            size += f" ({in_unit(gap, gap.deviation)} RMS)"
         elif isfinite(gap.scatter):
             size += f" ({in_unit(gap, gap.gap * gap.scatter)})"
         parts.append(f"{in_sentence(gap.name)} deviates by {size}")
@@ -272,24 +277,58 @@ def increased(diagnosis: Diagnosis) -> str:
     return f"Without the effects {less}: the values that are fitted together with them increase it."
 
 
+def poorly_simulated(diagnosis: Diagnosis) -> str:
+    """Return which signals the simulation of the final model reproduces worst; empty for none."""
+    *_, step = (step for step in steps_of(diagnosis, of_balances=False))
+    gaps = {name: getattr(gap, step) for name, gap in diagnosis.gap_heldout.signals.items()}
+    poor = sorted((n for n in gaps if gaps[n] > UNEXPLAINED_GAP), key=lambda n: -gaps[n])
+    if not poor:
+        return ""
+    parts = [f"{in_sentence(name)} by {gap_number(gaps[name])}" for name in poor[:_MOST_WORSE]]
+    more = f" (the worst {_MOST_WORSE} of {len(poor)} signals above {UNEXPLAINED_GAP:g})"
+    return (
+        "Simulated in closed loop with the model of model.yaml, held-out runs deviate in "
+        f"{listed(parts)} trial scatters{more if len(poor) > _MOST_WORSE else ''}. The verdict "
+        "rests on the balances, which need no simulation; do not expect the simulation to "
+        "reproduce these signals, or an oscillation in them, within the repeatability of the bench."
+    )
+
+
+def agrees(diagnosis: Diagnosis) -> bool:
+    """Return whether the compared model is as close as a correct one may be.
+
+    Its gap of held-out runs is that expected of a correct model, and no significant deviation is
+    large enough to matter.
+    """
+    total = diagnosis.gap_heldout.total
+    small = not total.refitted > _CLEARLY_WORSE * total.floor
+    return small and not any(gap.p_value < SIGNIFICANCE for gap in exceeding(diagnosis.where))
+
+
+def exceeding(gaps: Sequence[Gap]) -> list[Gap]:
+    """Return the gaps whose deviations are large enough to matter, the worst first."""
+    large = [gap for gap in gaps if gap.deviation > gap.material > 0]
+    return sorted(large, key=lambda gap: -gap.deviation / gap.material)
+
+
 def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
     """Return the gap whose deviation exceeds its limit most; None where no limit is known."""
-    known = [gap for gap in gaps if isfinite(gap.deviation) and gap.material > 0]
+    known = [gap for gap in gaps if gap.deviation >= 0 and gap.material > 0]
     return max(known, key=lambda gap: gap.deviation / gap.material, default=None)
 
 
 def significant_gaps(gaps: Sequence[Gap]) -> str:
-    """Return the gaps that are significant where no missing effect is found; empty without any."""
+    """Return the gaps that are significant but do not matter; empty without any."""
     parts = [
         f"{in_sentence(gap.name)} by {deviation} RMS ({p_equation(gap.p_value)}, matters above "
         f"{limit})"
         for gap in gaps
-        if gap.p_value < SIGNIFICANCE and isfinite(gap.deviation)
+        if gap.p_value < SIGNIFICANCE and gap.deviation <= gap.material
         for deviation, limit in [deviation_and_limit(gap)]
     ]
     if len(parts) > _FEW:
         parts = [*parts[:_FEW], f"{len(parts) - _FEW} more, which the table shows"]
-    return f"Significant, but too small for a missing effect: {listed(parts)}." if parts else ""
+    return f"Significant, but too small to matter: {listed(parts)}." if parts else ""
 
 
 def significance(gaps: Sequence[Gap]) -> str:

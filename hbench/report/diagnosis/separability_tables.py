@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 
 from hbench.records import Diagnosis, EffectPair, PlannedEffects, Separability, WordTable
-from hbench.records.diagnosis import FITTED
+from hbench.records.diagnosis import FITTED, NO_PART
 from hbench.report.diagnosis.names import in_words
 from hbench.report.render.numbers import NONE, number, significant
 from hbench.report.render.symbols import capital, listed
@@ -149,7 +149,7 @@ def _detectable(diagnosis: Diagnosis) -> dict[str, bool]:
     seen: dict[str, bool] = {}
     for size in diagnosis.separability.sizes:
         seen[size.effect] = seen.get(size.effect, False) or size.detectable
-    unseen = [name for name, why in diagnosis.not_tried.items() if why != FITTED]
+    unseen = [name for name, why in diagnosis.not_tried.items() if why not in (FITTED, NO_PART)]
     return {**seen, **dict.fromkeys(unseen, False)}
 
 

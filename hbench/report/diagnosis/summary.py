@@ -22,6 +22,7 @@ from hbench.report.diagnosis.change_words import (
     friction_words,
     main_changes,
 )
+from hbench.report.diagnosis.error_words import drift_words, one_sided_words
 from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.names import in_sentence, in_words
 from hbench.report.diagnosis.place_words import (
@@ -36,11 +37,13 @@ from hbench.report.diagnosis.sentences import (
     agreement,
     best_candidate,
     closeness,
+    coefficients_words,
     deviations,
     gap_change,
     increased,
     largest_deviation,
     odds_words,
+    poorly_simulated,
     refit_words,
     ruled_out_words,
     significance,
@@ -66,8 +69,8 @@ _MEANWHILE = (
 )
 _IF_PRESENT = "The sizes that follow apply only if {name} is present."
 _NO_GAIN = (
-    "The effect is named by its score in the cross-validation over the runs of the fit. Do not "
-    "expect model.yaml to predict these balances better than the model without the effect."
+    "The effect is named by its score in the cross-validation over the runs of the fit. Held-out "
+    "runs do not confirm it, so model.yaml and all gaps below are those of the model without it."
 )
 _WORSE, _CLOSEST = "What gets worse", "Closest known effect"
 _UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
@@ -105,17 +108,20 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         for question, sentence in _ambiguous(diagnosis):
             yield _of(own, question), sentence
     if diagnosis.effects and diagnosis.rest:
-        yield _NOT_EXPLAINED, f"With the effects, {deviations(diagnosis.rest)} over all runs."
+        model = "With the effects" if diagnosis.confirmed else "In the model of model.yaml"
+        yield _NOT_EXPLAINED, f"{model}, {deviations(diagnosis.rest)} over all runs."
         yield _NOT_EXPLAINED, increased(diagnosis)
         yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
         rest = listed([in_sentence(gap.name) for gap in diagnosis.rest])
         yield _NOT_EXPLAINED, f"Do not rely on model.yaml for {rest} until this is explained."
-    if diagnosis.effects or diagnosis.alternatives:
-        return
-    if diagnosis.verdict == "unknown":
-        yield from _unknown(diagnosis) if diagnosis.where else _insufficient(diagnosis)
-    else:
-        yield from _none(diagnosis)
+    if not (diagnosis.effects or diagnosis.alternatives):
+        if diagnosis.verdict == "unknown":
+            yield from _unknown(diagnosis) if diagnosis.where else _insufficient(diagnosis)
+        else:
+            yield from _none(diagnosis)
+    yield "Force and motion", one_sided_words(diagnosis)
+    yield "Force and motion", drift_words(diagnosis)
+    yield "Simulation", poorly_simulated(diagnosis)
 
 
 def _of(part: str, question: str) -> str:
@@ -129,7 +135,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         if effect.name in practice:
             yield _condition(effect)
             yield at_point_words(diagnosis.working_point, practice[effect.name], brief=True)
-        yield gap_change(diagnosis, effect)
+        yield gap_change(effect)
         yield odds_words(effect)
         yield _what_to_do(diagnosis, effect)
     if diagnosis.alternatives:
@@ -155,6 +161,8 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
 
 def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    if len(diagnosis.confirmed) > 1 and effect.confirmed:
+        yield _SIZE, f"Coefficients with 95 % intervals: {coefficients_words(effect)}."
     if practice:
         yield _SIZE, _condition(effect)
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
@@ -162,6 +170,8 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
             yield _ALONG, f"Over all runs it changes {along}."
         yield _SENSORS, common_error(practice)
     yield _EVIDENCE, odds_words(effect) if effect.confirmed else _NO_GAIN
+    if len(diagnosis.confirmed) > 1 and effect.confirmed:
+        yield _EVIDENCE, gap_change(effect)
     yield _EVIDENCE, ruled_out_words(diagnosis)
     yield _ACTION, _what_to_do(diagnosis, effect)
 

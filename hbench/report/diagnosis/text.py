@@ -12,15 +12,18 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.diagnosis.change_words import candidates_table, changes_tables
+from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
 from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     EDGES,
     DisplayName,
     balance,
+    coefficient_text,
     coefficient_words,
     compared_model,
     deviation_and_limit,
+    gap_number,
     in_sentence,
     in_unit,
     of_strokes,
@@ -32,7 +35,7 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.place_words import edge_gaps
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import deviations, effect_words
+from hbench.report.diagnosis.sentences import agrees, deviations, effect_words
 from hbench.report.diagnosis.separability_tables import not_tried_lines
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short, significant
@@ -51,7 +54,13 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
         f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}",
         f"{gap_line(diagnosis)} {unit}".strip(),
     ]
-    blocks += (diagnosis.why, *effect_lines(diagnosis), *law_lines(diagnosis))
+    errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
+    blocks += (
+        diagnosis.why,
+        " ".join(filter(None, errors)),
+        *effect_lines(diagnosis),
+        *law_lines(diagnosis),
+    )
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
@@ -79,13 +88,21 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         where = _list(diagnosis.rest or diagnosis.where[:1])
         return f"unknown: no effect of the catalogue explains the residuals in {where}.{also}"
     refitted = "with refitted values " if diagnosis.refitted and not diagnosis.refit_refused else ""
-    agrees = (
+    finding = (
         f"{refitted}the model agrees with the measurement within the repeatability of the bench "
         "and the uncertainty of its values"
     )
+    if not agrees(diagnosis):
+        total = diagnosis.gap_heldout.total
+        finding = (
+            f"{refitted}the model deviates from held-out runs by {gap_number(total.refitted)} "
+            f"times the repeatability of the bench, a correct one by {gap_number(total.floor)} on "
+            "average. No known effect explains the difference, and no deviation is so clear that "
+            "an unknown one must be present"
+        )
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
-        return f"none: in the balances that these channels determine, {agrees}."
-    return f"none: {agrees}."
+        return f"none: in the balances that these channels determine, {finding}."
+    return f"none: {finding}."
 
 
 def _finding(effect: AddedEffect) -> str:
@@ -102,30 +119,51 @@ def gap_line(diagnosis: Diagnosis) -> str:
     if not diagnosis.gap_heldout.balances:
         return ""
     steps = ", ".join(
-        f"{number(getattr(total, step), 1)} {title}"
+        f"{gap_number(getattr(total, step))} {title}"
         for step, title in steps_of(diagnosis).items()
         if step != "floor"
     )
     worse = not diagnosis.refit_refused and total.refitted > total.before
     remark = " The refit increases it." if worse else ""
+    every = ", all balances" if len(diagnosis.gap_heldout.balances) > 1 else ""
+    words = (
+        f"Gap of held-out runs{every}: {steps}.{remark} A correct model whose values are as "
+        f"uncertain would have {gap_number(total.floor)} on average.",
+        _most_in(diagnosis),
+    )
+    return " ".join(filter(None, words))
+
+
+def undecided_words(diagnosis: Diagnosis) -> str:
+    """Return how far a balance deviates from the model while its cause is undecided."""
+    name = _undecided_balance(diagnosis)
+    if name is None:
+        return ""
+    none = "neither" if len(diagnosis.alternatives) == 2 else "none"
+    gap = diagnosis.gap_heldout.balances[name].after
     return (
-        f"Gap of held-out runs, all balances: {steps}.{remark} A correct model whose values are as "
-        f"uncertain would have {number(total.floor, 1)} on average.{_undecided(diagnosis)}"
+        f"Until this is decided, model.yaml contains {none} of them, and {in_sentence(name)} in "
+        f"held-out runs deviates from it by {gap_number(gap)} times the repeatability of the bench."
     )
 
 
-def _undecided(diagnosis: Diagnosis) -> str:
-    """Return which balance most of the gap is in that stays with its causes undecided."""
-    if not (diagnosis.effects and diagnosis.alternatives):
+def _most_in(diagnosis: Diagnosis) -> str:
+    name = _undecided_balance(diagnosis)
+    if name is None:
         return ""
+    return (
+        f"Most of the last gap is in {in_sentence(name)}: of its possible causes, which these runs "
+        "cannot distinguish, none is added to the model."
+    )
+
+
+def _undecided_balance(diagnosis: Diagnosis) -> str | None:
+    """Return the balance that most of the gap is in while its causes are undecided."""
+    if not (diagnosis.confirmed and diagnosis.alternatives):
+        return None
     balances = diagnosis.gap_heldout.balances
     worst = max(balances, key=lambda name: balances[name].after)
-    if balances[worst].after < diagnosis.gap_heldout.total.after:
-        return ""
-    return (
-        f" Most of the last gap is in {in_sentence(worst)}: of its possible causes, which these "
-        "runs cannot distinguish, none is added to the model."
-    )
+    return worst if balances[worst].after >= diagnosis.gap_heldout.total.after else None
 
 
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
@@ -161,20 +199,26 @@ def law_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 
 def effects_table(diagnosis: Diagnosis) -> WordTable:
-    """Return a row for each coefficient, with what adding its effect did to held-out runs."""
+    """Return a row for each coefficient, with what its effect does to held-out runs."""
     rows = []
     for added in diagnosis.effects:
         rival = (
             f"{added.runner_up.name}, {short(added.runner_up.margin)}" if added.runner_up else NONE
         )
-        gains = (number(added.gap_before, 2), number(added.gap_after, 2), short(added.score), rival)
-        for i, (name, p) in enumerate(added.parameters.items()):
+        gains = (
+            number(added.gap_before, 2),
+            number(added.gap_after, 2),
+            "yes" if added.confirmed else "no",
+            short(added.score),
+            rival,
+        )
+        for i, name in enumerate(added.parameters):
             effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
-            rows.append((effect, coefficient_words(name), parameter_text(p), *cells))
-    head = ("effect", "coefficient", "value with 95 % interval", "gap before", "after")
+            rows.append((effect, coefficient_words(name), coefficient_text(added, name), *cells))
+    head = ("effect", "coefficient", "value with 95 % interval", "gap without it", "with it")
     return WordTable(
-        "Effects that were added; gaps of held-out runs in the balances they touch",
-        (*head, "score (nats)", "next best, below by (nats)"),
+        "Effects, and gaps of held-out runs in the balances that they touch",
+        (*head, "in model.yaml", "score (nats)", "next best, below by (nats)"),
         tuple(rows),
     )
 
@@ -209,7 +253,7 @@ def where_table(diagnosis: Diagnosis) -> WordTable:
 
 def rest_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances that the effects do not explain; no rows without effects."""
-    gaps = diagnosis.rest if diagnosis.effects else ()
+    gaps = diagnosis.rest if diagnosis.confirmed else ()
     return _gaps_table(diagnosis, "Balances that the effects do not explain, all runs", gaps)
 
 
@@ -273,8 +317,8 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
 
 
 def with_total(table: GapTable) -> dict[str, BeforeAfter]:
-    """Return the balances' gaps after that of all; empty where nothing was compared."""
-    return {"all": table.total, **table.balances} if table.balances else {}
+    """Return the balances' gaps, after that of all if there are several."""
+    return {"all": table.total, **table.balances} if len(table.balances) > 1 else table.balances
 
 
 _ERRORS = {"force": "force along the motion", "position": "open-loop position"}

@@ -16,8 +16,10 @@ from hbench.report.diagnosis.change_words import (
     sizes_words,
     wrong_readings,
 )
+from hbench.report.diagnosis.error_words import errors_in_words
 from hbench.report.diagnosis.names import (
     deviation_and_limit,
+    gap_number,
     in_sentence,
     in_words,
     keys_in_words,
@@ -27,16 +29,16 @@ from hbench.report.diagnosis.names import (
 from hbench.report.diagnosis.sentences import (
     coefficients_words,
     deviations,
+    exceeding,
     gap_change,
     increased,
     largest_deviation,
     odds_words,
-    with_laws,
 )
 from hbench.report.diagnosis.separability_tables import undetectable
-from hbench.report.diagnosis.text import verdict_sentence
+from hbench.report.diagnosis.text import undecided_words, verdict_sentence
 from hbench.report.render.numbers import number
-from hbench.report.render.symbols import capital
+from hbench.report.render.symbols import capital, listed
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:
@@ -46,13 +48,19 @@ def verdict_words(diagnosis: Diagnosis) -> str:
 
 
 def _named(diagnosis: Diagnosis) -> Iterator[str]:
+    several = len(diagnosis.confirmed) > 1
     for effect in diagnosis.effects:
-        yield _effect(diagnosis, effect)
+        yield _effect(diagnosis, effect, brief=several and effect.confirmed)
+    if diagnosis.errors:
+        yield errors_in_words(diagnosis)
+    elif several:
+        yield _together(diagnosis)
     if diagnosis.alternatives:
         yield (
             "A second deviation has several possible causes, which these runs cannot distinguish; "
             f"at the working point: {sizes_words(diagnosis)}."
         )
+        yield undecided_words(diagnosis)
     if diagnosis.rest:
         runs = " even with the values fitted to all loads" if of_strokes(diagnosis) else ""
         yield f"Not explained: {deviations(diagnosis.rest)}{runs}."
@@ -60,8 +68,11 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
     yield next_step(diagnosis)
 
 
-def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
-    """State an effect, its largest changes, and what it does to held-out runs."""
+def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
+    """State an effect, its largest changes, and what it does to held-out runs.
+
+    In brief, beside another effect, without its coefficients and what it does alone.
+    """
     name = in_words(effect.name)
     sure = effect.confirmed
     missing = f"The model does not contain {name}"
@@ -69,33 +80,56 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
     elif not sure:
         missing = f"{capital(name)} may be missing in the model"
-    finding = f"{missing}: {effect.description} ({coefficients_words(effect)}; 95 % intervals)."
+    values = "" if brief else f" ({coefficients_words(effect)}; 95 % intervals)"
+    finding = f"{missing}: {effect.description}{values}."
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    changes = largest_words(practice) if practice else ""
+    changes = largest_words(practice, brief=brief) if practice else ""
     verb = "changes" if sure else "would change"
     size = f"It {verb} {changes}." if changes else ""
-    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(diagnosis, effect)
+    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
+    if sure and (brief or diagnosis.errors):
+        evidence = ""
     return " ".join(filter(None, (finding, size, evidence)))
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
-    runs, gaps = "in runs that were not used for the fit", diagnosis.gap_heldout.balances.values()
-    if of_strokes(diagnosis):
-        runs = "when each load is predicted from the other loads"
-        given = [gap.before for gap in gaps if gap.refitted == effect.gap_before]
-        if given and given[0] < effect.gap_before:
-            runs += f" (model as given: {number(given[0], 1)})"
+    gaps = diagnosis.gap_heldout.balances.values()
+    before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
+    given = [gap.before for gap in gaps if gap.refitted == effect.gap_before]
+    if of_strokes(diagnosis) and given and given[0] < effect.gap_before:
+        return (
+            f"With it, the model's deviation in the quantities that it touches is {after} times "
+            f"the repeatability of the bench, {_runs(diagnosis)}; the model as given has "
+            f"{gap_number(given[0])}, the refitted model without the effect {before}."
+        )
+    laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
-        "With it, the model's deviation in the quantities that it touches falls from "
-        f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)} times the repeatability "
-        f"of the bench{with_laws(diagnosis)}, {runs}."
+        f"With it, the model's deviation in the quantities that it touches falls from {before} to "
+        f"{after} times the repeatability of the bench{laws}, {_runs(diagnosis)}."
     )
 
 
-def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
+def _together(diagnosis: Diagnosis) -> str:
+    """State what several effects do to the deviation of the model in held-out runs."""
+    total, laws = diagnosis.gap_heldout.total, " and the unnamed laws" if diagnosis.unnamed else ""
+    effects = "both effects" if len(diagnosis.confirmed) == 2 else "these effects"
+    return (
+        f"With {effects}{laws}, the model's deviation in all quantities falls from "
+        f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability of the "
+        f"bench, {_runs(diagnosis)}."
+    )
+
+
+def _runs(diagnosis: Diagnosis) -> str:
+    if of_strokes(diagnosis):
+        return "when each load is predicted from the other loads"
+    return "in runs that were not used for the fit"
+
+
+def _no_improvement(effect: AddedEffect) -> str:
     """State the odds of an effect in the runs of the fit, and that held-out runs differ."""
-    return f"The evidence is contradictory. {odds_words(effect)} {gap_change(diagnosis, effect)}"
+    return f"The evidence is contradictory. {odds_words(effect)} {gap_change(effect)}"
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
@@ -112,28 +146,45 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     _, _, finding = verdict_sentence(diagnosis).partition(": ")
     yield f"No missing effect is found: {keys_in_words(finding)}"
     yield _largest(diagnosis.where)
+    yield errors_in_words(diagnosis)
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
 
 
 def _largest(gaps: Sequence[Gap]) -> str:
-    """State the deviation that exceeds its limit most, and why it is no missing effect."""
-    largest = largest_deviation(gaps)
-    if largest is None:
+    """State the deviations that are large enough to matter, and why they are no missing effect."""
+    large, nearest = exceeding(gaps), largest_deviation(gaps)
+    if nearest is None:
         return ""
-    why = f"is not distinguishable from the trials' scatter ({p_equation(largest.p_value)})"
-    if largest.deviation <= largest.material:
-        why = "does not matter"
-    elif largest.p_value < SIGNIFICANCE:
-        why = (
-            f"is {number(largest.gap, 2)} trial scatters, and only more than "
-            f"{number(UNEXPLAINED_GAP, 0)} point to a missing effect"
+    if not large:
+        deviation, limit = deviation_and_limit(nearest)
+        return (
+            "No deviation is large enough to matter; nearest to its limit is "
+            f"{in_sentence(nearest.name)} with {deviation} RMS (matters above {limit})."
         )
-    deviation, limit = deviation_and_limit(largest)
-    return (
-        f"The largest deviation that remains, {in_sentence(largest.name)} by {deviation} RMS "
-        f"(matters above {limit}), {why}."
-    )
+    groups = {
+        real: [g for g in large if (g.p_value < SIGNIFICANCE) == real] for real in (True, False)
+    }
+    parts = {
+        real: listed(
+            [
+                f"{in_sentence(gap.name)} deviates by {deviation} RMS (matters above {limit}; "
+                f"{p_equation(gap.p_value)}, {number(gap.gap, 2)} trial scatters)"
+                for gap in gaps
+                for deviation, limit in [deviation_and_limit(gap)]
+            ]
+        )
+        for real, gaps in groups.items()
+        if gaps
+    }
+    ends = {
+        True: "That is significant and large enough to matter, but only more than "
+        f"{number(UNEXPLAINED_GAP, 0)} trial scatters are reported as unexplained: a small effect "
+        "outside the catalogue is possible there.",
+        False: "That would be large enough to matter, but is not distinguishable from the scatter "
+        "of the trials.",
+    }
+    return " ".join(f"{capital(words)}. {ends[real]}" for real, words in parts.items())
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
@@ -145,4 +196,5 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     yield (
         f"No known effect explains how the measurement deviates from the model: {deviations(gaps)}."
     )
+    yield errors_in_words(diagnosis)
     yield next_step(diagnosis)

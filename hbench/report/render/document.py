@@ -30,6 +30,8 @@ BANNERS = {
     "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
     "real": "Measured on a bench that hbench ran.",
 }
+_SENTENCE = re.compile(r"(?<=[\w)]\.) (?=[A-Z])")
+_PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
@@ -77,6 +79,14 @@ class Document:
     alarm: str = ""  # why the document is not to be used as it is, such as an aborted campaign
 
     @property
+    def headline(self) -> tuple[str, str]:
+        """Return the first sentence of a long verdict, and the others; all of a short one."""
+        if len(self.verdict) <= _PARAGRAPH:
+            return self.verdict, ""
+        first, *others = _SENTENCE.split(self.verdict, maxsplit=1)
+        return first, " ".join(others)
+
+    @property
     def tab(self) -> str:
         """Return the title with the folder's name before it; source and incompleteness behind."""
         remarks = ", ".join(filter(None, (self.source, "incomplete" if self.alarm else "")))
@@ -91,8 +101,11 @@ def document(
     verdict: str = "",
     source: str = "",
 ) -> str:
-    """Return a page of sections; ``source`` is that of the numbers, where they are simulated."""
-    banner = BANNERS["simulated"] if source == "simulated" else ""
+    """Return a page of sections; ``source`` is that of the numbers, where a bench has any.
+
+    Those of this bench need no banner.
+    """
+    banner = BANNERS[source] if source in ("simulated", "imported") else ""
     return page(Document(title, subtitle, sections, verdict, banner, source if banner else ""))
 
 

@@ -18,9 +18,20 @@ from hbench.report.diagnosis.figures.gap_figures import (
 )
 from hbench.report.diagnosis.figures.law_figures import law_figure
 from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
-from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure, worst
+from hbench.report.diagnosis.figures.residual_figures import (
+    has_loads,
+    maps_figure,
+    shape_figure,
+    worst,
+)
 from hbench.report.diagnosis.law_words import law_title
-from hbench.report.diagnosis.names import balance, compared_model, of_strokes, steps_of
+from hbench.report.diagnosis.names import (
+    added_words,
+    balance,
+    compared_model,
+    of_strokes,
+    steps_of,
+)
 from hbench.report.diagnosis.run_gaps import plan_words
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
@@ -51,7 +62,7 @@ _REGIONS = (
     "colour scale."
 )
 _MAPS = (
-    "Residuals of the worst balances over velocity and load, all runs, in units of the trials' "
+    "Residuals of the worst balances over {over}, all runs, in units of the trials' "
     "scatter. A dot is the mean of neighbouring {windows}; its size grows with their "
     "number. All panels share the colour scale."
 )
@@ -109,12 +120,13 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         yield "unnamed", f"law {i} {law.adds_to}", title, _LAW, law_figure(diagnosis, law)
     if diagnosis.where:
         stages = _stages(diagnosis)
-        title = "Residuals over velocity and load"
+        over = "velocity and load" if has_loads(diagnosis) else "velocity and position"
+        title = f"Residuals over {over}"
         strokes = of_strokes(diagnosis)
-        maps = _MAPS.format(windows="pairs of strokes" if strokes else "windows")
+        maps = _MAPS.format(over=over, windows="pairs of strokes" if strokes else "windows")
         yield "where", "maps", title, maps + stages, maps_figure(diagnosis)
         shape = _SHAPE.format(window="pair of strokes" if strokes else "window of 0.16 s")
-        shape += stages + (_HELD_OUT if diagnosis.effects else "")
+        shape += stages + (_HELD_OUT if diagnosis.confirmed else "")
         for name in _shapes(diagnosis):
             title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
@@ -130,7 +142,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
     if diagnosis.ranking:
         yield "ranking", "ranking", "Candidates", _RANKING, ranking_figure(diagnosis)
     if diagnosis.refitted:
-        fitted = ", fitted together with the effects" if diagnosis.effects else ""
+        fitted = ", fitted together with the effects" if diagnosis.confirmed else ""
         caption = _REFITTED.format(fitted=fitted)
         yield "refitted", "refitted", "Refitted values", caption, refitted_figure(diagnosis)
 
@@ -143,12 +155,8 @@ def _shapes(diagnosis: Diagnosis) -> list[str]:
 
 def _stages(diagnosis: Diagnosis) -> str:
     """Return what the residuals before and after are those of; empty where nothing was added."""
-    added = [
-        *(["effects"] if diagnosis.effects else []),
-        *(["unnamed laws"] if diagnosis.unnamed else []),
-    ]
-    stages = _STAGES.format(model=compared_model(diagnosis), added=" and ".join(added))
-    return stages if added else ""
+    added = added_words(diagnosis)
+    return _STAGES.format(model=compared_model(diagnosis), added=added) if added else ""
 
 
 def _overlay_caption(diagnosis: Diagnosis) -> str:

@@ -1,5 +1,6 @@
 """Figures of gaps, their regions, candidates and refitted values."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -18,6 +19,7 @@ from hbench.report.diagnosis.names import (
     compared_model,
     in_words,
     mathtext,
+    of_the_mass,
     share,
     shown,
     signal,
@@ -32,6 +34,7 @@ from hbench.report.render.symbols import capital
 
 BEFORE, AFTER, MEASURED = style.COLOURS[1], style.COLOURS[0], "#9ca3af"
 BALANCES, CLOSED_LOOP, OPEN_LOOP = "Balances", "Signals, closed loop", "Signals, open loop"
+_LEAST_IN = 3.0  # height of a figure with a colour bar, whose label is as long
 _ROW_IN, _HEAD_IN = 0.27, 1.6  # of a figure with a row for each thing
 _LOOKS: dict[str, dict[str, Any]] = {
     "before": {"marker": "o", "color": style.QUIET, "markerfacecolor": "white"},
@@ -108,9 +111,10 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
     sides |= {after: diagnosis.regions_after} if after else {}
     every = [gap for side in sides.values() for region in side for gap in region.gaps.values()]
     norm = LogNorm(1, float(np.nanmax([_LEAST_SCALE, *every])))
-    axes_names = list(dict.fromkeys(region.axis for region in diagnosis.regions))
-    count = [sum(region.axis == name for region in diagnosis.regions) for name in axes_names]
-    height_in = 1.0 + (0.4 + 0.3 * len(names)) * len(sides)
+    regions_of = Counter(region.axis for region in diagnosis.regions)
+    axes_names = [name for name, number_of in regions_of.items() if number_of > 1]
+    count = [regions_of[name] for name in axes_names]
+    height_in = max(_LEAST_IN, 1.0 + (0.4 + 0.3 * len(names)) * len(sides))
     figure = style.new_figure(height_in=height_in, wide=True)
     panels = figure.subplots(
         len(sides), len(axes_names), sharex="col", sharey=True, width_ratios=count, squeeze=False
@@ -229,6 +233,6 @@ def refitted_figure(diagnosis: Diagnosis) -> Figure:
         if factor.ci95 is not None:
             behind(mark, {"from": [factor.ci95[0]], "to": [factor.ci95[1]]})
     axes.set_xlabel("Factor on the model's value (1)")
-    _rows(axes, [value_words(name) for name in names])
+    _rows(axes, [of_the_mass(diagnosis, value_words(name)) for name in names])
     style.head(axes, "Refitted values", diagnosis)
     return figure

@@ -1,5 +1,7 @@
 """Figures of the residuals of balances over velocity, load, position and time."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
@@ -12,7 +14,7 @@ from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.figures.colour_scales import RESIDUALS
-from hbench.report.diagnosis.names import AXES, balance, in_unit, shown
+from hbench.report.diagnosis.names import AXES, added_words, balance, in_unit, shown
 from hbench.report.diagnosis.sentences import largest_deviation
 from hbench.report.render import style
 from hbench.report.render.series import behind
@@ -24,31 +26,36 @@ _SEEN = 99.0  # percentile that the axis shows
 _LEAST = 3.0  # scatters that an axis shows at least, either way
 # Each panel's axis, and the quantity of its colours.
 _PANELS = (("v_m_s", "load_n"), ("x_m", "load_n"), ("t_s", "load_n"), ("load_n", "v_m_s"))
-_COLOURS = {"load_n": "viridis", "v_m_s": "plasma"}
+_AT_ONE_LOAD = (("v_m_s", "x_m"), ("t_s", "x_m"), ("x_m", "v_m_s"))
+_COLOURS = {"load_n": "viridis", "x_m": "viridis", "v_m_s": "plasma"}
 _DARK = 0.9  # of a colour scale, whose light end can't be seen on white
 _TITLES = ("before", "after")
 
 
 def maps_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw the worst balances over velocity and load, signed, in one scale of colours."""
+    """Draw the worst balances over velocity and load, signed, in one scale of colours.
+
+    At one load they are drawn over velocity and position.
+    """
     names = worst(diagnosis)[:_WORST]
     sides = _sides(diagnosis)
     figure = style.new_figure(height_in=0.9 + 2.3 * len(sides), wide=True)
     panels = figure.subplots(len(sides), len(names), sharex=True, sharey=True, squeeze=False)
-    cells = [[_cells(side, name) for name in names] for side in sides]
+    upwards = "load_n" if has_loads(diagnosis) else "x_m"
+    axis = AXES[upwards]
+    cells = [[_cells(side, name, upwards) for name in names] for side in sides]
     largest = max(float(np.max(np.abs(cell[2]), initial=_LEAST)) for row in cells for cell in row)
     norm = Normalize(-largest, largest)
     for row, panel_row, title in zip(cells, panels, _TITLES, strict=False):
-        for (v, load, value, count), axes, name in zip(row, panel_row, names, strict=True):
+        for (v, up, value, count), axes, name in zip(row, panel_row, names, strict=True):
             size = 14 + 46 * np.sqrt(count / max(count.max(initial=1), 1))
             dots = axes.scatter(
-                1e3 * v, load / 1e3, c=value, s=size, norm=norm, cmap=RESIDUALS,
+                1e3 * v, shown(up, axis), c=value, s=size, norm=norm, cmap=RESIDUALS,
                 edgecolors="#6b7280", linewidths=0.4, label=f"_{balance(name).title}, {title}",
             )  # fmt: skip
             behind(dots, {"Residual (trial scatters)": value, "windows": count})
-        panel_row[0].set_ylabel(
-            f"{title.capitalize()}\nLoad (kN)" if len(sides) > 1 else "Load (kN)"
-        )
+        label = f"{axis.title.capitalize()} ({axis.unit})"
+        panel_row[0].set_ylabel(f"{title.capitalize()}\n{label}" if len(sides) > 1 else label)
     for axes, name in zip(panels[0], names, strict=True):
         axes.set_title(balance(name).title, fontsize=9.5)
     for axes in panels[-1]:
@@ -63,23 +70,24 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
 def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
     """Draw one balance against each axis, before above after, in one scale."""
     sides = _sides(diagnosis)
+    columns = _PANELS if has_loads(diagnosis) else _AT_ONE_LOAD
     figure = style.new_figure(height_in=0.5 + 2.5 * len(sides), wide=True)
-    panels = figure.subplots(len(sides), len(_PANELS), sharex="col", sharey=True, squeeze=False)
+    panels = figure.subplots(len(sides), len(columns), sharex="col", sharey=True, squeeze=False)
     values = [side.value[:, side.names.index(name)] for side in sides]
     limits = _limits(np.concatenate(values))
     for row, side, value, title in zip(panels, sides, values, _TITLES, strict=False):
-        for axes, (across, colour) in zip(row, _PANELS, strict=True):
-            _points(axes, side, value, across, colour, limits, bool(diagnosis.effects))
-        _windows(row[0], side, value, title)
+        for axes, (across, colour) in zip(row, columns, strict=True):
+            _points(axes, side, value, across, colour, limits, bool(diagnosis.confirmed))
+        _windows(row[0], side, value, title, columns)
         row[0].set_ylabel(f"Residual {title if len(sides) > 1 else ''}\n(trial scatters)")
         row[0].set_ylim(*limits)
-    for axes, (across, _) in zip(panels[-1], _PANELS, strict=True):
+    for axes, (across, _) in zip(panels[-1], columns, strict=True):
         axis = AXES[across]
         axes.set_xlabel(f"{axis.title.capitalize()} ({axis.unit})")
-    _colour_bars(figure, panels, sides[0])
+    _colour_bars(figure, panels, sides[0], columns)
     style.head(panels[0, 0], balance(name).title, diagnosis, panels[0, -1])
     (scatter,) = (in_unit(gap, gap.scatter) for gap in diagnosis.where if gap.name == name)
-    panels[0, 2].set_title(
+    panels[0, len(columns) - 2].set_title(
         f"1 scatter = {scatter}", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
     )
     return figure
@@ -107,19 +115,28 @@ def worst(diagnosis: Diagnosis) -> list[str]:
 
 def _sides(diagnosis: Diagnosis) -> list[ResidualMap]:
     before, after = diagnosis.residuals_before, diagnosis.residuals_after
-    return [before, after] if diagnosis.effects or diagnosis.unnamed else [before]
+    return [before, after] if added_words(diagnosis) else [before]
 
 
-def _cells(side: ResidualMap, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return the means of windows that lie close: velocity, load, residual; and their number."""
+def has_loads(diagnosis: Diagnosis) -> bool:
+    """Return whether the windows are at more than one load."""
+    loads = diagnosis.residuals_before.load_n
+    return len(np.unique(loads[np.isfinite(loads)])) > 1
+
+
+def _cells(
+    side: ResidualMap, name: str, upwards: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the means of windows that lie close: velocity, ``upwards``, residual; their number."""
     value = side.value[:, side.names.index(name)]
-    known = np.isfinite(value) & np.isfinite(side.load_n)
-    v, load, value = side.v_m_s[known], side.load_n[known], value[known]
+    up = getattr(side, upwards)
+    known = np.isfinite(value) & np.isfinite(up)
+    v, up, value = side.v_m_s[known], up[known], value[known]
     if not len(value):
-        return v, load, value, value
-    wanted = [v, load, value]
-    means, *_, cell = binned_statistic_2d(v, load, wanted, "mean", bins=_CELLS)
-    count = binned_statistic_2d(v, load, None, "count", bins=_CELLS).statistic
+        return v, up, value, value
+    wanted = [v, up, value]
+    means, *_, cell = binned_statistic_2d(v, up, wanted, "mean", bins=_CELLS)
+    count = binned_statistic_2d(v, up, None, "count", bins=_CELLS).statistic
     some = count > 0
     return (*(mean[some] for mean in means), count[some])
 
@@ -158,10 +175,16 @@ def _points(
         )  # fmt: skip
 
 
-def _windows(axes: Axes, side: ResidualMap, value: np.ndarray, title: str) -> None:
+def _windows(
+    axes: Axes,
+    side: ResidualMap,
+    value: np.ndarray,
+    title: str,
+    panels: Sequence[tuple[str, str]],
+) -> None:
     """Put every window's numbers behind the figure, whose points are drawn as an image."""
     known = np.isfinite(value)
-    (first, _), *others = _PANELS
+    (first, _), *others = panels
     axes.set_autoscale_on(False)
     (line,) = axes.plot(shown(getattr(side, first), AXES[first])[known], value[known], " ")
     line.set_label(f"_windows {title}")
@@ -192,9 +215,13 @@ def _scale(side: ResidualMap, colour: str) -> ScalarMappable:
     return ScalarMappable(span, ListedColormap(shades))
 
 
-def _colour_bars(figure: Figure, panels: np.ndarray, side: ResidualMap) -> None:
+def _colour_bars(
+    figure: Figure, panels: np.ndarray, side: ResidualMap, columns: Sequence[tuple[str, str]]
+) -> None:
     """Put a bar for each colour beside the panels that it is for."""
-    for columns, colour in ((panels[:, :3], "load_n"), (panels[:, 3:], "v_m_s")):
+    colours = [colour for _, colour in columns]
+    for colour in dict.fromkeys(colours):
         axis = AXES[colour]
         label = f"{axis.title.capitalize()} ({axis.unit})"
-        figure.colorbar(_scale(side, colour), ax=columns, label=label, pad=0.02)
+        beside = panels[:, [each == colour for each in colours]]
+        figure.colorbar(_scale(side, colour), ax=beside, label=label, pad=0.02)
