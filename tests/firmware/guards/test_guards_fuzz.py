@@ -70,11 +70,14 @@ def seeds(recorded_board, tmp_path):
         board.start()
         ticks(2400)
     with scene("vents"):
-        board.write_row({"valves": 3, **quick}, {"valves": 1, **quick}, trials=2)
+        vent = {"valves": 3, "a_m_s2": 50.0, "duration_s": 0.3}  # to both sides, 0.25 s each
+        board.write_row(vent, {"valves": 1, **quick}, trials=2)
         board.si["p_s"] = 2e5
+        ticks(500)  # the filter's lag
         board.start()
-        ticks(300)
+        ticks(3200)
         board.si["p_s"] = 1.5e7
+        ticks(500)
         board.start(again=True)
         ticks(100)
     with scene("faults"):
