@@ -163,10 +163,9 @@ def test_friction_drift_from_its_relative_limit_on(make_run, rules, drift_n, rej
 # ---- the log -------------------------------------------------------------------------------------
 
 
-def test_truncated_and_aborted_tell_why(make_run, rules):
-    why = {"aborted": "fault: heartbeat", "truncated": "at record 17"}
-    run = make_run(**why)
-    assert screen(run, rules).reasons == tuple(f"{code}: {cause}" for code, cause in why.items())
+@pytest.mark.parametrize(("code", "why"), [("aborted", "heartbeat"), ("truncated", "record 17")])
+def test_a_truncated_and_an_aborted_run_have_their_cause_as_reason(make_run, rules, code, why):
+    assert screen(make_run(**{code: why}), rules).reasons == (f"{code}: {why}",)
 
 
 def test_a_record_missing_in_the_window_is_a_gap_and_before_it_a_note(make_run, rules):
@@ -299,17 +298,25 @@ def test_each_kind_of_fault_of_a_log_is_a_reason_with_its_code_once(make_run, ru
     assert screen(run, rules).reasons[0] == "changed: not the bytes that were written"
 
 
+def test_an_aborted_run_is_not_rejected_for_its_short_log_too(make_run, rules):
+    run = make_run(aborted="interrupted by the operator", truncated="no last record; changed: x")
+    assert codes(screen(run, rules)) == ["aborted", "changed"]
+    empty = without(run, np.ones(len(run.t_s), dtype=bool))
+    assert codes(screen(empty, rules)) == ["aborted", "changed"]
+    whole = make_run(aborted="fault: travel", valve_saturated=np.ones(200, dtype=bool))
+    assert codes(screen(whole, rules)) == ["aborted", "valve_saturated"]
+
+
 def test_all_reasons_are_given_the_most_fundamental_first(make_run, rules):
     run = make_run(
         v_m_s=0.1,
         v_ref_m_s=0.2,
-        aborted="fault: travel",
         truncated="no last record",
         valve_saturated=np.ones(200, dtype=bool),
         drift_n=lambda t: 200 * t,
     )
     found = codes(screen(run, rules))
-    assert found == ["aborted", "truncated", "valve_saturated", "off_reference", "not_steady"]
+    assert found == ["truncated", "valve_saturated", "off_reference", "not_steady"]
     assert found == sorted(found, key=CODES.index)
 
 

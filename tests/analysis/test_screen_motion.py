@@ -53,7 +53,8 @@ def test_a_run_that_does_what_it_should_is_accepted_and_has_no_steady_means(run)
 def test_every_kind_is_rejected_for_an_incomplete_log_and_a_saturated_sensor(run):
     flagged = run.sensor_saturated.copy()
     flagged[7] = True
-    assert codes(replace(run, truncated="cut", aborted="fault")) == ["aborted", "truncated"]
+    assert codes(replace(run, truncated="cut")) == ["truncated"]
+    assert codes(replace(run, truncated="cut", aborted="fault")) == ["aborted"]
     assert codes(replace(run, sensor_saturated=flagged)) == ["sensor_saturated"]
     assert codes(replace(run, p_tp_pa=None)) == ["missing_channel"]
 

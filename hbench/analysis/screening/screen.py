@@ -49,6 +49,7 @@ CODES = (
 
 SCREENING_RULES = ("steady_window", *RULES)  # of the column ``screening`` of KINDS
 
+_BY_ABORT = ("truncated", "too_short")  # faults of a log that an abort causes
 _OF_LOG = ("missing", "unreadable", "truncated", "changed")
 _STANDSTILL_S = 0.2
 _DRIFT_ERRORS = 3.0  # standard errors by which a drift must exceed its limit
@@ -94,7 +95,11 @@ def _screened(run: Run, rules: Screening, notes: list[str]) -> ScreenedRun:
 
 
 def _in_order(reasons: list[str]) -> tuple[str, ...]:
-    return tuple(sorted(reasons, key=lambda reason: CODES.index(reason.split(":")[0])))
+    """Sort reasons, without the short log of an aborted run: the abort is its cause."""
+    codes = [reason.split(":")[0] for reason in reasons]
+    left_out = _BY_ABORT if "aborted" in codes else ()
+    kept = [each for each in zip(codes, reasons, strict=True) if each[0] not in left_out]
+    return tuple(reason for _, reason in sorted(kept, key=lambda each: CODES.index(each[0])))
 
 
 def _with_values(run: Run) -> tuple[Run, list[str]]:
