@@ -226,8 +226,8 @@ def _steadiness(
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
     if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
         yield (
-            f"not_steady: friction drifts by {change.value:+.1f} N (standard error "
-            f"{change.se:.1f} N) over the window; limit {limit:.1f} N"
+            f"not_steady: friction drifts by {change.value:+.0f} N (standard error "
+            f"{change.se:.0f} N) over the window; limit {limit:.0f} N"
         )
 
 

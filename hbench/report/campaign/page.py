@@ -62,8 +62,9 @@ _NOT_PRINTED = (
     f"{_SHEET} points is on the page and not on paper."
 )
 _TRACES = (
-    "Each reason has a figure of the first rejected runs, in the channel that shows it: velocity "
-    "with its reference, valve voltages, pressures, or else the position."
+    "A figure for each reason shows the first rejected runs in the channel that it concerns: "
+    "velocity with its reference, valve voltages, pressures, or else the position. A reason that "
+    "concerns the file alone has none."
 )
 _TESTED = (
     "Difference of friction over a range of speeds ± half-width of its 95 % interval "
