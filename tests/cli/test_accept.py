@@ -100,5 +100,8 @@ def test_the_report_states_the_probability_of_conformity_and_the_rule(accept, tm
     table = report[report.index("## Decision") : report.index("## Friction")].replace("\\", "")
     assert min(known) < 0.001 and max(known) > 0.999
     assert table.count("> 99.9 %") == sum(p > 0.999 for p in known)
-    assert "The lowest probability of conformity that is known is < 0.1 %." in table
+    assert (
+        "The lowest probability of conformity that is known is < 0.1 %, with the uncertainty U"
+        in table
+    )
     assert f"Limits: {document['limits']}" in table and "Rule: " in table

@@ -50,7 +50,8 @@ def decision_section(
     known = [check.probability for check in checks if check.probability is not None]
     if known:
         each = "" if len(known) == len(checks) else " that is known"
-        words += f" The lowest probability of conformity{each} is {probability_words(min(known))}."
+        words += f" The lowest probability of conformity{each} is {probability_words(min(known))}, "
+        words += "with the uncertainty U taken into account."
     items = [f"limits: {limits}"] if limits else []
     items += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
     items += [CONFORMS] if known else []
