@@ -249,6 +249,27 @@ def test_a_tile_of_some_series_counts_them(small):
     some = f"{len(others)} of {len(others) + 1} loads and directions"
     assert some in " ".join(map(str, document.sections[0].tiles))
     assert f", over {some}." in document.verdict
+    labelled = (replace(first, friction_n=None, label="no load"), *others)
+    document = report_document(
+        replace(small, headline=replace(small.headline, series=labelled)), ()
+    )
+    assert f", over {len(others)} of {len(others) + 1} series." in document.verdict
+
+
+def test_a_load_cell_that_differs_from_the_set_load_is_explained_without_efficiency_too(small):
+    def explanation(difference_n):
+        curves = tuple(
+            replace(c, points=tuple(replace(p, f_applied_n=c.f_load_n + difference_n)
+                                    for p in c.points))
+            for c in small.curves
+        )  # fmt: skip
+        series = tuple(replace(each, efficiency=None) for each in small.headline.series)
+        headline = replace(small.headline, series=series)
+        document = report_document(replace(small, curves=curves, headline=headline), ())
+        return dict(document.sections[0].facts).get("Load", "")
+
+    assert "by the friction of the load cylinder" in explanation(300.0)
+    assert explanation(0.2) == ""
 
 
 def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small):

@@ -43,9 +43,9 @@ _ONE_TRIAL = (
 _EFFICIENCY = (
     "F_applied / F_T where the oil drives the load, F_T / F_applied where the load drives the oil. "
     "F_T = F_applied + friction is the pressure force of the test cylinder; friction counts "
-    "as negative when it retracts. F_applied differs from the set load F_L by the friction of the "
-    "load cylinder."
+    "as negative when it retracts."
 )
+_LOAD = "F_applied differs from the set load F_L by the friction of the load cylinder."
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -62,7 +62,8 @@ def summary_section(results: Results) -> Section:
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
     title = "Results of each direction and load, with expanded uncertainty U"
-    table_of_series = _table(series, _load_cell(results))
+    load_cell_n = _load_cell(results)
+    table_of_series = _table(series, load_cell_n)
     tables = (replace(table_of_series, title=title),) if series else ()
     budget = friction_budget_table(results)
     folded = True if len(series) > _LONG else None
@@ -76,6 +77,7 @@ def summary_section(results: Results) -> Section:
         ),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
+        ("Load", _LOAD if _differs_from_load(series, load_cell_n) else ""),
         ("Drift", drift_fact(results.drift)),
         ("Oil", temperature_words(results)),
         ("Friction laws", _laws(results)),
@@ -123,15 +125,16 @@ def headline_words(results: Results) -> str:
     if not parts:
         return ""
     name, words, numbers = parts[0]
-    where = f", over {_of_series(numbers)}" if len(series) > 1 else ""
+    where = f", over {_of_series(numbers, series)}" if len(series) > 1 else ""
     return f"{name[:1].upper()}{name[1:]} is {words}{where}."
 
 
-def _of_series(numbers: Sequence[HeadlineNumber | None]) -> str:
-    """Count the loads and directions that have a number."""
+def _of_series(numbers: Sequence[HeadlineNumber | None], series: Sequence[HeadlineSeries]) -> str:
+    """Count the loads and directions that have a number; labelled ones are series."""
     known = sum(each is not None for each in numbers)
     count = "all" if known == len(numbers) else f"{known} of {len(numbers)}"
-    return f"{count} loads and directions"
+    labelled = len({each.label for each in series}) > 1
+    return f"{count} {'series' if labelled else 'loads and directions'}"
 
 
 def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
@@ -219,10 +222,20 @@ def _tiles(results: Results) -> Iterable[Tile]:
     series = results.headline.series
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
     at = f"friction at {_speed(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
-    yield from _tile([each.friction_n for each in series], 1.0, "N", at, "working-speed")
-    yield from _tile([each.breakaway_n for each in series], 1.0, "N", "breakaway", "breakaway")
-    caption = "efficiency at that speed"
-    yield from _tile([each.efficiency for each in series], 100.0, "%", caption, "efficiency")
+    quantities = (
+        ([each.friction_n for each in series], 1.0, "N", at, "working-speed"),
+        ([each.breakaway_n for each in series], 1.0, "N", "breakaway", "breakaway"),
+        (
+            [each.efficiency for each in series],
+            100.0,
+            "%",
+            "efficiency at that speed",
+            "efficiency",
+        ),
+    )
+    for numbers, scale, unit, caption, anchor in quantities:
+        where = _of_series(numbers, series) if len(series) > 1 else ""
+        yield from _tile(numbers, scale, unit, caption, anchor, where)
     yield from _band_tiles(results)
     accepted = sum(run.accepted for run in results.runs)
     planned = results.quality.completeness.planned
@@ -261,15 +274,18 @@ def _band_tiles(results: Results) -> Iterable[Tile]:
 
 
 def _tile(
-    numbers: Iterable[HeadlineNumber | None], scale: float, unit: str, caption: str, anchor: str
+    numbers: Sequence[HeadlineNumber | None],
+    scale: float,
+    unit: str,
+    caption: str,
+    anchor: str,
+    where: str,
 ) -> Iterable[Tile]:
-    every = list(numbers)
-    known = [each for each in every if each is not None]
+    known = [each for each in numbers if each is not None]
     if not known:
         return
     halves = [each.u95 for each in known if each.u95 is not None]
-    where = [_of_series(every)] if len(every) > 1 else []
-    caption = ", ".join([caption, *_flag_words(known), *where])
+    caption = ", ".join(filter(None, (caption, *_flag_words(known), where)))
     anchor = f"method-{anchor}"
     if len(known) == 1:
         half = scale * halves[0] if halves else None
@@ -289,6 +305,16 @@ def _load_cell(results: Results) -> list[float | None]:
         for point in curve.points
     }
     return [forces.get((*_who(each), each.v_m_s)) for each in results.headline.series]
+
+
+def _differs_from_load(
+    series: Collection[HeadlineSeries], load_cell_n: Iterable[float | None]
+) -> bool:
+    """Return whether the load cell's force differs from a set load, as the table writes them."""
+    return any(
+        None not in (force_n, each.f_load_n) and number(force_n, 0) != number(each.f_load_n, 0)
+        for each, force_n in zip(series, load_cell_n, strict=True)
+    )
 
 
 def _who(series: Curve | HeadlineSeries) -> tuple:
