@@ -138,6 +138,9 @@ def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_set
     page = ordinary_spaces(differences_page(changed, ()))
     identity = page[page.index('<dl class="identity"') : page.index("</dl>")]
     assert "simulated with different plant files, which represent two cylinders" in identity
+    settings = page[page.index(">Settings that differ</h2>") :]
+    assert "None." in settings and "The simulated plants differ" in settings
+    assert "The simulated plants differ" not in differences_page(found, ())
     assert "Simulated plants" not in differences_page(replace(changed, b=a), ())
     own = replace(changed, b=replace(b, details={"port": "sim"}))
     text = ordinary_spaces(differences_text(own))

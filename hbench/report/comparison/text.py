@@ -213,7 +213,8 @@ def _settings_section(differences: CampaignDifferences) -> Section:
     if table.rows:
         table = replace(table, title="Settings of A and B that differ")
         return Section("Settings that differ", (_MAY_CAUSE,), tables=(table,), anchor=_SETTINGS)
-    return Section("Settings that differ", (_NONE_DIFFERS,), anchor=_SETTINGS)
+    plants = (_PLANTS_DIFFER,) if plants_words(differences) else ()
+    return Section("Settings that differ", (_NONE_DIFFERS, *plants), anchor=_SETTINGS)
 
 
 def _counted(what: str, differences: Sequence[Difference]) -> str:
@@ -250,6 +251,10 @@ _MAY_CAUSE = (
 _NONE_DIFFERS = (
     "None. A difference above is one of the cylinders, their mounting or the conditions of the "
     "test, such as the oil, or a drift."
+)
+_PLANTS_DIFFER = (
+    "The simulated plants differ, as the table at the top of the page states. A plant takes the "
+    "place of a cylinder and is no setting of the bench."
 )
 _SPREAD = (
     "The means above can differ significantly although the parameters do not: a fit distributes a "
