@@ -70,7 +70,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         if abs(n - 1.0) > half:
             found = _solved(_matrix(holds, n, p_0), moved, number, runs, bench)
             exponent, exponent_ci95 = n, half
-    coefficients, messages = [], []
+    coefficients, messages, rounded = [], [], []
     for i, name in enumerate(LEAK_NAMES):
         value, se, half = float(found.value[i]), float(found.se[i]), float(found.half[i])
         known = not found.unknown[i] and np.isfinite(half)
@@ -78,12 +78,15 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         if known and value < 0:
             messages.append(f"{name} is negative: no leak detected")
         if known and found.by_rounding[i]:
-            messages.append(f"the interval of {name} is that of a drift by one converter code")
+            rounded.append(name)
         coefficients.append(
             LeakCoefficient(
                 name, None if found.unknown[i] else value, se if known else None, interval
             )
         )
+    if rounded:
+        which = ", ".join(rounded)
+        messages.append(f"interval of a drift by one converter code: {which}")
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(
