@@ -74,7 +74,7 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     leuven = law("leuven", 9.9, {"theta_1_n": unknown, "theta_2_n": unknown})
     assert verdict(identified(leuven, lugre)).endswith(
         "hbench run --plant lugre.yaml. These runs do not determine its bristle damping "
-        "σ1 (at its lower bound): use it for motions like these alone."
+        "σ1 (at its lower bound): use it only for motions like these."
     )
 
 

@@ -50,7 +50,7 @@ def _next_step(identification: Identification) -> str:
     (fit,) = (law.fit for law in identification.laws if law.law == best)
     unknown = undetermined_words(fit) if fit else []
     reserve = (
-        f" These runs do not determine its {listed(unknown)}: use it for motions like these alone."
+        f" These runs do not determine its {listed(unknown)}: use it only for motions like these."
         if unknown
         else ""
     )
