@@ -287,6 +287,19 @@ def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small)
     assert steps[0] == "" and steps[1].startswith("Make more trials of each point")
 
 
+def test_tolerances_are_stated_in_the_bench_file_or_else_in_the_map_of_an_import(small):
+    checks = tuple(
+        replace(check, grade="with care" if check.name == "instruments" else "good")
+        for check in small.quality.checks
+    )
+    quality = replace(small.quality, grade="with care", checks=checks)
+    assert next_step(quality, "").endswith("state their tolerances in the bench file.")
+    imported = replace(small, quality=quality)
+    imported = replace(imported, provenance=replace(small.provenance, source="imported"))
+    step = dict(report_document(imported, ()).sections[0].facts)["Next step"]
+    assert step.endswith("state their tolerances in the map, then import again.")
+
+
 def test_the_next_step_of_poor_data_is_that_of_its_poor_checks_and_refers_to_the_reasons(stribeck):
     grades = {"runs_accepted": "poor", "instruments": "with care"}
     checks = tuple(

@@ -50,7 +50,7 @@ _STEPS = {
     "zero_drift": "warm the sensors up first, and check their zeros more often",
     "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",
     "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
-    "and state their tolerances in the bench file or map",
+    "and state their tolerances in the {file}",
 }
 _CONTINUE = (
     "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged"
@@ -66,18 +66,20 @@ def quality_count(quality: Quality) -> str:
     return f"{good} of {len(quality.checks)} checks {'is' if good == 1 else 'are'} good"
 
 
-def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
+def next_step(quality: Quality, parts: str, aborted: bool = False, imported: bool = False) -> str:
     """Return what improves the worst checks; empty if all are good.
 
     ``parts`` names the largest parts of the uncertainty and their table, as far as known. An
     ``aborted`` campaign is continued first, which makes its missing runs and trials; --resume
-    refuses another bench file or schedule, so what changes them comes afterwards.
+    refuses another bench file or schedule, so what changes them comes afterwards. The tolerances
+    of an ``imported`` campaign are stated in its map.
     """
     missing = ("complete", "trials_per_point") if aborted else ()
+    file = "map, then import again" if imported else "bench file"
     if not quality.completeness.not_completed:
         missing = (*missing, "complete")  # no run is missing, but trials are
     steps = [
-        _STEPS[check.name].format(parts=f" ({parts})" if parts else "")
+        _STEPS[check.name].format(parts=f" ({parts})" if parts else "", file=file)
         for check in quality.checks
         if check.grade == quality.grade != "good" and check.name not in missing
     ]

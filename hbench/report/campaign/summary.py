@@ -73,7 +73,12 @@ def summary_section(results: Results) -> Section:
         ("Measured", _measured(results)),
         (
             "Next step",
-            next_step(results.quality, _largest(results, parts), bool(aborted_words(results))),
+            next_step(
+                results.quality,
+                _largest(results, parts),
+                bool(aborted_words(results)),
+                results.provenance.source == "imported",
+            ),
         ),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
