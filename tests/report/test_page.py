@@ -24,7 +24,7 @@ from hbench.records import (
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.page import report_document
-from hbench.report.campaign.page_tables import cause_table
+from hbench.report.campaign.page_tables import budget_table, cause_table
 from hbench.report.campaign.quality import next_step, quality_table, quality_verdict
 from hbench.report.campaign.reasons import CAUSES
 from hbench.report.render.document import anchor
@@ -478,6 +478,19 @@ def test_numbers_read_as_people_write_them():
 def test_the_parts_of_an_efficiencys_uncertainty_stand_largest_first(page):
     words = r"piston-side pressure 1\.5, load cell 1\.0, rod-side pressure 0\.5\d*, trials 0\.2\d"
     assert re.search(words, Parsed(page).text)
+
+
+def test_the_uncertainty_of_a_mean_efficiency_has_two_digits_or_one_trial_as_its_reason(small):
+    first, *others = small.efficiency
+
+    def cell(u):
+        curve = replace(first, mean=replace(first.mean, sigma_combined=u))
+        table = budget_table(replace(small, efficiency=(curve, *others)))
+        found = table.rows[0][table.head.index("u (%)")]
+        return found.text, found.flag
+
+    assert cell(0.00919) == ("0.92", "") and cell(0.0212) == ("2.1", "")
+    assert cell(None) == ("–", "one trial")
 
 
 def test_held_out_errors_and_laws_of_all_loads_have_their_tables(small):

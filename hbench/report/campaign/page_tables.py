@@ -130,7 +130,7 @@ def _degrees_of_freedom(dof: float | None) -> str:
 
 def budget_table(results: Results) -> Table:
     """Return each curve's mean efficiency and the parts of its uncertainty, largest first."""
-    rows = []
+    rows: list[tuple[str | Cell, ...]] = []
     for curve in without_common_rod_pressure(results.efficiency):
         if curve.mean is None or curve.mean.sigma is None:
             continue
@@ -143,7 +143,7 @@ def budget_table(results: Results) -> Table:
                 *who(curve),
                 str(curve.mean.points),
                 _percent(curve.mean.efficiency),
-                _percent(curve.mean.sigma_combined),
+                Cell(_share(u)) if (u := curve.mean.sigma_combined) else Cell(NONE, "one trial"),
                 ", ".join(f"{name} {_share(sigmas[name])}" for name in ranked),
             )
         )
