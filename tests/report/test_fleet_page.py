@@ -253,6 +253,19 @@ def test_histograms_need_ten_campaigns(tmp_path, undrawn):
     assert "from 10 campaigns on." in fleet_page(few, ())
 
 
+def test_a_figure_names_the_direction_that_has_too_few_campaigns_for_a_trend(found, undrawn):
+    def caption(*few):
+        spreads = tuple(
+            replace(one, n=9, trend=None) if one.direction in few else one for one in found.spreads
+        )
+        drawings = draw_fleet(replace(found, spreads=spreads))
+        return next(one.caption for one in drawings if one.name == "drift-friction-n")
+
+    assert "Not tested" not in caption()
+    assert "Not tested: retracting, with fewer than 10." in caption("retract")
+    assert "Not tested" not in caption("extend", "retract")
+
+
 def test_values_have_three_digits_however_wide_their_intervals_are(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 4))
     rows = [

@@ -171,12 +171,17 @@ def _read_as(spreads: Iterable[Spread]) -> str:
 
 
 def _trends(spreads: Iterable[Spread]) -> str:
-    trends = [spread.trend for spread in spreads if spread.trend is not None]
+    drawn = list(spreads)
+    trends = [spread.trend for spread in drawn if spread.trend is not None]
     if not trends:
-        return "The trend is not tested: that takes at least 10 campaigns."
+        return f"The trend is not tested: that takes at least {FEWEST_CAMPAIGNS} campaigns."
+    text = "By date of the campaign. No trend is significant."
     if any(trend.real for trend in trends):
-        return "By date of the campaign. Line: significant trend (Theil and Sen's line)."
-    return "By date of the campaign. No trend is significant."
+        text = "By date of the campaign. Line: significant trend (Theil and Sen's line)."
+    untested = [_title(spread).lower() for spread in drawn if spread.n < FEWEST_CAMPAIGNS]
+    if not untested:
+        return text
+    return f"{text} Not tested: {' and '.join(untested)}, with fewer than {FEWEST_CAMPAIGNS}."
 
 
 def _span_days(fleet: Fleet) -> float:
