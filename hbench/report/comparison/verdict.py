@@ -17,7 +17,7 @@ from hbench.report.render.numbers import (
 )
 
 _FEW = 2  # curves that the verdict lists
-_CONFIRM = "Measure A again after B to decide."
+_CONFIRM = "Measure A again after B to see whether A repeats its friction."
 
 
 def alarm(differences: CampaignDifferences) -> str:
