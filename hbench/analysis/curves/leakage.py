@@ -86,7 +86,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         )
     if rounded:
         which = ", ".join(rounded)
-        messages.append(f"interval of a drift by one converter code: {which}")
+        messages.append(f"the interval is that of a drift by one converter code: {which}")
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(
