@@ -219,7 +219,7 @@ class CampaignSearch(CandidateEvaluator):
     ) -> tuple[SearchStep, LinearisedModel | None]:
         """Return a step from the given values of the nuisances, or ``step`` if it adds nothing."""
         start = self.measured.start
-        found = {name: model.hypothesis.effects[name] for name in added}
+        found = {name: own for name, own in model.hypothesis.effects.items() if name in added}
         fresh = self.linearise_at(model, replace(start, effects={**start.effects, **found}))
         fresh = self.with_columns(fresh, fresh.columns)
         again = self.refit(fresh, added)

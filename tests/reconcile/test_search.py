@@ -19,6 +19,7 @@ from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.search import CampaignSearch, silent
+from hbench.reconcile.search_result import SearchStep
 from hbench.records import Candidate
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule
@@ -156,6 +157,35 @@ def test_close_candidates_are_both_present_if_each_is_accepted_beside_the_other(
     step, model = search._decided(None, (), [EvaluatedCandidate(each, "model") for each in close])
     assert (step.added, model) == (added, added)
     assert [each.name for each in step.ambiguous] == ([] if added else [c.name for c in close])
+
+
+def test_a_fresh_start_keeps_what_was_fitted_and_needs_no_coefficients_of_what_was_not():
+    """An effect may have been added at its linear fit, without a step in its coefficients."""
+    started = []
+
+    class Fresh(CampaignSearch):
+        def linearise_at(self, model, hypothesis):
+            started.append(hypothesis)
+            return model
+
+        def with_columns(self, model, names):
+            return model
+
+        def refit(self, model, effects, renewed=None):
+            return model
+
+        def _lost(self, model, without, effects, fewer):
+            return 0.0
+
+        def _linear(self, model, added):
+            return ()
+
+    fitted = Hypothesis({"oil.bulk_modulus": 1.3}, {"valve_lag": {"time": 2e-3}})
+    model = SimpleNamespace(hypothesis=fitted, columns={})
+    search = Fresh(SimpleNamespace(start=Hypothesis()), np.arange(40), ())
+    step = SearchStep(model, (), None, ())
+    assert search._step_afresh(model, ("valve_lag", "external_leakage"), step) == (step, None)
+    assert started == [Hypothesis({}, fitted.effects)]
 
 
 # ---- thresholds
