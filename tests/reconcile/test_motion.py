@@ -172,12 +172,15 @@ def test_a_log_without_noise_and_one_without_motion():
 
 
 def test_the_page_has_no_names_of_a_hydraulic_bench():
-    for effect in (axis.no_effect, axis.asymmetry, axis.weight, axis.more_mass):
+    effects = axis.no_effect, axis.asymmetry, axis.weight, axis.more_mass, axis.tight_place
+    for effect in effects:
         page = diagnosis_page(hidden(effect), ())
         assert "force balance of the mass" in page and "no more than" not in page
         for name in ("test cylinder:", "of the test cylinder", "of test cylinder", "load cell 0"):
             assert name not in page
         for name in ("Metering edge", "valve's gain", "dead volumes", "oil columns", "chamber"):
+            assert name not in page
+        for name in ("bore", "barrel", "rod"):
             assert name not in page
     found = hidden(axis.weight)
     assert "a constant force acts, such as a weight" in diagnosis_page(found, ())
@@ -227,6 +230,7 @@ def test_the_command_writes_both_errors_into_text_page_and_document(imported, un
     assert "named: direction_asymmetry" in done.stdout
     assert "force along the motion (N)" in done.stdout and "open-loop position (mm)" in done.stdout
     page = (out / "report.html").read_text()
+    assert "load cell 0" not in page  # nothing measured a load
     assert "open-loop position (mm)" in page and "law of the driven mass" in page
     document = json.loads((out / "diagnosis.json").read_text())
     assert [(each["quantity"], each["unit"]) for each in document["errors"]] == [

@@ -90,7 +90,7 @@ def diagnose_motion(task: MotionTask) -> Diagnosis:
     fitted = frozenset(measured.start.effects) | frozenset(result.names)
     errors, shown = _held_out_errors(measured, result, held_out)
     notes = tuple(note for note in diagnosis.notes if note != NOT_SIMULATED)
-    has_load = any(run.f_applied_n is not None for run in usable)
+    has_load = any(run.f_applied_n is not None and run.f_applied_n.any() for run in usable)
     of_mass = of_driven_mass(in_newtons(diagnosis, measured.unit_n, fitted), names, has_load)
     return replace(
         of_mass,

@@ -25,6 +25,14 @@ _ADVICE = {  # what to inspect, and what to do then
         "the seals and wipers of the guide, and the drive's force in both directions at one speed",
         "Replace the seal or the wiper that rubs unequally.",
     ),
+    "position_friction": (
+        "the guide's straightness and preload along its length, and the drive's screw or belt",
+        "Realign or clean the guide, or avoid its tight part.",
+    ),
+    "end_cushion": (
+        "the bumpers or shock absorbers at the ends of the travel",
+        "Adjust them, or keep the motion away from the ends.",
+    ),
     "added_mass": (
         "the driven mass by weighing, and the inertia of the drive",
         "Enter the mass in the model file.",
