@@ -21,6 +21,17 @@ def test_coefficients_come_in_si_with_defaults_for_those_not_given():
     assert values == {"supply_droop": {"slope": pytest.approx(3.6e9), "lag": 0.02, "exponent": 1.0}}
 
 
+def test_the_description_of_an_error_of_either_sign_states_no_sign():
+    both = [each for each in EFFECTS.values() if each.of_sensor and _may_be_negative(each)]
+    assert len(both) == 4
+    for effect in both:
+        assert "too much" not in effect.description and "too little" not in effect.description
+
+
+def _may_be_negative(effect):
+    return any(coefficient.low < 0 for coefficient in effect.coefficients.values())
+
+
 @pytest.mark.parametrize(
     ("section", "says"),
     [

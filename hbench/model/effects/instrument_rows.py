@@ -8,7 +8,7 @@ _TRANSDUCERS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 
 ROWS = {
     "load_cell_gain": Effect(
-        description="the load cell shows a share too much",
+        description="the load cell's reading is wrong by a share of the force",
         coefficients={"error": Coefficient("%", 2, -50, 50)},
         balances=FORCES,
         laws={"sensors": instruments.load_cell_gain},
@@ -27,7 +27,7 @@ ROWS = {
         source="linear calibration of a force transducer, ISO 376",
     ),
     "load_cell_offset": Effect(
-        description="the load cell shows a force too much",
+        description="the load cell's reading is wrong by a constant force",
         coefficients={"force": Coefficient("N", 30, -1e5, 1e5)},
         balances=FORCES,
         laws={"sensors": instruments.load_cell_offset},
@@ -43,7 +43,7 @@ ROWS = {
         source="linear calibration of a force transducer, ISO 376",
     ),
     "pressure_offset": Effect(
-        description="a transducer shows a pressure too much",
+        description="a transducer's reading is wrong by a constant pressure",
         coefficients={name: Coefficient("bar", 0.5, -20, 20) for name in _TRANSDUCERS},
         balances=(*FLOWS, *FORCES, "supply"),
         laws={"sensors": instruments.pressure_offset},
@@ -59,7 +59,7 @@ ROWS = {
         source="linear calibration of a pressure transducer",
     ),
     "pressure_gain": Effect(
-        description="a transducer shows a share too much",
+        description="a transducer's reading is wrong by a share of the pressure",
         coefficients={name: Coefficient("%", 1, -20, 20) for name in _TRANSDUCERS},
         balances=(*FLOWS, *FORCES, "supply"),
         laws={"sensors": instruments.pressure_gain},
