@@ -27,15 +27,13 @@ def law_figure(diagnosis: Diagnosis, law: UnnamedLaw) -> Figure:
     x_label = f"{capital(first_name.strip())} ({unit})"
     y_label = f"{term(law).capitalize()} ({law.unit})"
     for j, (value, low, high) in enumerate(zip(*(each.T for each in columns), strict=True)):
-        colour = style.COLOURS[j % len(style.COLOURS)]
+        series = style.series_style(j)
         label = None
         if len(law.knots) == 2:
             second = f"{short(law.knots[1][j])} {law.quantity_units[1]}"
             label = f"{other_names[0].strip()} = {second}"
-        axes.fill_between(first, low, high, color=colour, alpha=0.15, linewidth=0)
-        (line,) = axes.plot(
-            first, value, color=colour, marker=style.MARKERS[j % len(style.MARKERS)], label=label
-        )
+        axes.fill_between(first, low, high, color=series["color"], alpha=0.15, linewidth=0)
+        (line,) = axes.plot(first, value, **series, label=label)
         behind(line, {"low": low, "high": high})
     axes.axhline(0.0, color=style.QUIET, linewidth=0.8)
     axes.set_xlabel(x_label)
