@@ -445,7 +445,7 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "with a correct model, after Holm: 0.010 (force of test cylinder)." in text
     assert "), the refitted model is off by 38 N (force of test cylinder)." in text
     largest = (
-        "Over all runs, the force of the test cylinder deviates most by direction while "
+        "Over all runs, the force of the test cylinder deviates most while "
         "retracting (9.0 trial scatters there, 2.0 where it is smallest). Next, inspect the seals "
         "and guides of the test cylinder, the load cell and"
     )
@@ -454,7 +454,41 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "It is not named: its size of 0.22 times a typical one is too small" in text
     assert "Take it as a hint" in text and "chance" not in text
     assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
-    assert "more steady runs where its gap is largest, by direction while retracting, and" in text
+    assert "more steady runs where its gap is largest, while retracting, and" in text
+
+
+def test_each_balance_that_no_effect_explains_has_its_parts_to_inspect(compared):
+    first, second = (replace(gap, gap=9.0) for gap in compared.where)
+    text = ordinary_spaces(verdict_words(replace(compared, rest=(first, second))))
+    assert "Next, inspect the seals and guides of the test cylinder, the load cell and" in text
+    assert "For the flow to the test piston side, inspect the test valve" in text
+    assert "For the" not in verdict_words(compared)
+
+
+def test_a_place_is_a_stretch_of_its_axis(compared):
+    regions = tuple(
+        Region("position_m", "", low, low + 0.1, 99, {"force_test": gap})
+        for low, gap in ((0.05, 2.0), (0.2, 8.0))
+    )
+    text = ordinary_spaces(verdict_words(replace(compared, regions=regions)))
+    assert "deviates most at a position of 200 to 300 mm (8.0 trial scatters there" in text
+
+
+def test_two_effects_that_are_both_present_are_both_inspected(named):
+    other = added("tank_back_pressure", 50.0)
+    line = replace(LEAK, name="tank_back_pressure", inspect="the return line", lookalikes=())
+    both = replace(named, effects=(*named.effects, other), practice=(LEAK, line))
+    assert "Next, inspect the piston seal and the return line." in verdict_words(both)
+
+
+def test_an_unknown_effect_has_the_values_that_the_refit_changes_most(compared):
+    """They may be a hint: a value takes up what no effect of the catalogue explains."""
+    path = "cylinders.load.dead_volume_rod"
+    factor = FitParameter(1.47, 0.1, (1.28, 1.67), None, "1")
+    text = summary(replace(compared, refitted={path: factor}))
+    assert "Largest factors on values of the model: dead volume, rod side, load" in text
+    assert "An implausible one may be a trace of the missing effect." in text
+    assert "Largest factors" not in summary(compared)
 
 
 def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unnamed(compared):
@@ -504,6 +538,18 @@ def test_quantities_of_a_learned_law_have_the_symbols_of_its_chamber(compared):
         "opening $u_{L2}$ = −2 V",
         "opening $u_{L2}$ = 2 V",
     ]
+
+
+def test_the_curves_of_a_learned_law_all_differ_in_colour_or_marker(compared):
+    knots = (-2.0, 2.0), tuple(float(position) for position in range(40, 360, 40))
+    values = (0.1,) * 16
+    law = UnnamedLaw(
+        "flow_tr", ("flow_tr",), "l/min", ("velocity", "position"), ("mm/s", "mm"), knots, values,
+        values, values, 3.0, 1.1, 40.0, 12.0, 0.001,
+    )  # fmt: skip
+    (axes,) = law_figure(compared, law).axes
+    looks = {(line.get_color(), line.get_marker()) for line in axes.get_legend().get_lines()}
+    assert len(looks) == len(knots[1]) == 8
 
 
 def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):

@@ -11,11 +11,12 @@ from hbench.records import (
     Lookalike,
 )
 from hbench.report.diagnosis.change_words import readings_words
-from hbench.report.diagnosis.names import in_words, parts_of
+from hbench.report.diagnosis.names import in_sentence, in_words, parts_of
 from hbench.report.diagnosis.place_words import CLEARLY_LARGER, edge_gaps, worst_region
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
+_MOST_BALANCES = 2  # whose parts are to be inspected
 _ZEROS = (
     "There is no next.yaml, since a zero check is no run. To have hbench take the zeros in each "
     "campaign, list an experiment of the kind check first and last in the schedule, with "
@@ -92,7 +93,7 @@ def _inspections(
 
 def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     """Return the sentence on what to inspect next; empty where nothing is known."""
-    inspect = _either(_inspections(diagnosis, effects))
+    inspect = _joined(_inspections(diagnosis, effects), "and")
     return f"Next, inspect {inspect}." if inspect else ""
 
 
@@ -119,9 +120,14 @@ def _runs(other: Lookalike) -> str:
 
 
 def _either(parts: Sequence[str]) -> str:
-    """Return alternatives; a semicolon separates those that contain a comma or a colon."""
+    """Return alternatives, as ``_joined`` does."""
+    return _joined(parts, "or")
+
+
+def _joined(parts: Sequence[str], word: str) -> str:
+    """Join parts by a word, and by a semicolon too where some contain a comma or a colon."""
     long = any(sign in part for part in parts for sign in ",:;")
-    return ("; or " if long else " or ").join(parts)
+    return (f"; {word} " if long else f" {word} ").join(parts)
 
 
 def next_step(diagnosis: Diagnosis) -> str:
@@ -147,7 +153,7 @@ def next_step(diagnosis: Diagnosis) -> str:
 
 def _where_to_look(diagnosis: Diagnosis) -> str:
     """Return what to inspect, and under which conditions, where no effect explains the gaps."""
-    name = (diagnosis.rest or diagnosis.where)[0].name
+    name, *others = (gap.name for gap in diagnosis.rest or diagnosis.where[:1])
     inspect = parts_of(diagnosis, name)
     if not inspect:
         return ""
@@ -155,6 +161,11 @@ def _where_to_look(diagnosis: Diagnosis) -> str:
         worst_region(diagnosis, name),
         f"Next, inspect {inspect}.",
         first_edge(diagnosis, name),
+        *(
+            f"For {in_sentence(other)}, inspect {parts}."
+            for other in others[: _MOST_BALANCES - 1]
+            if (parts := parts_of(diagnosis, other)) and parts != inspect
+        ),
     )
     return " ".join(filter(None, words))
 

@@ -98,7 +98,7 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
     if not places:
         return ""
     parts = [
-        f"by {each.axis} {each.words} ({number(each.gap, 1)} trial scatters there, "
+        f"{each.words} ({number(each.gap, 1)} trial scatters there, "
         f"{number(each.least, 1)} where it is smallest)"
         for each in places
     ]
@@ -133,7 +133,7 @@ def worst_places(diagnosis: Diagnosis, name: str) -> list[Place]:
         if largest > CLEARLY_LARGER * least:
             display = AXES[axis]
             low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
-            stretch = f"at {low} to {high} {display.unit}"
+            stretch = f"at a {display.title} of {low} to {high} {display.unit}"
             way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
             places.append(Place(largest, least, display.title, way or stretch))
     return sorted(places, key=lambda place: -place.gap)[:_FEW]

@@ -351,10 +351,10 @@ def refit_words(diagnosis: Diagnosis) -> str:
     parts = [f"{value_words(path)} {parameter_text(changed[path])}" for path in largest]
     if not parts or diagnosis.refit_refused:
         return ""
-    return (
-        f"Largest factors on values of the model: {'; '.join(parts)}. If one is implausible, "
-        "correct the model file and reconcile again."
-    )
+    then = "If one is implausible, correct the model file and reconcile again."
+    if diagnosis.verdict == "unknown":
+        then = "An implausible one may be a trace of the missing effect."
+    return f"Largest factors on values of the model: {'; '.join(parts)}. {then}"
 
 
 def title(name: str) -> str:

@@ -226,6 +226,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _EVIDENCE, agreement(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
+    yield _REFIT, refit_words(diagnosis)
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
@@ -240,9 +241,7 @@ def _narrowing(diagnosis: Diagnosis, name: str) -> str:
         return diagnosis.missing[0]
     places = worst_places(diagnosis, name)
     set_by_run = [place for place in places if place.axis != "time in the run"]
-    where = "".join(
-        f" where its gap is largest, by {place.axis} {place.words}," for place in set_by_run[:1]
-    )
+    where = "".join(f" where its gap is largest, {place.words}," for place in set_by_run[:1])
     return f"more steady runs{where} and vary speed, load and pressure one at a time"
 
 
