@@ -234,6 +234,24 @@ def test_the_shape_is_every_window_of_the_map_in_the_units_of_its_axes(unknown):
     np.testing.assert_allclose(up, np.clip(value, low, high))
 
 
+def test_pairs_of_strokes_are_drawn_by_themselves_and_without_a_position(named):
+    """A pair has no direction of its own, and its load is the only held-out one."""
+    side = named.residuals_before
+    nowhere = np.full_like(side.x_m, np.nan)
+    maps = {
+        key: replace(getattr(named, key), x_m=nowhere, names=("force_middle", *side.names[1:]))
+        for key in ("residuals_before", "residuals_after")
+    }
+    gap = replace(named.where[0], name="force_middle")
+    figure = shape_figure(replace(named, where=(gap,), **maps), "force_middle")
+    below = [axes.get_xlabel() for axes in figure.axes if axes.get_xlabel()]
+    assert below == ["Velocity (mm/s)", "Time in the run (s)", "Load (kN)"]
+    lines = [line.get_label() for axes in figure.axes for line in axes.lines]
+    assert not [label for label in lines if "medians" in label]
+    grey, coloured = figure.axes[0].collections
+    assert len(coloured.get_offsets()) == len(side.x_m) and not len(grey.get_offsets())
+
+
 def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
     axes = gap_figures(named)["Balances"].axes[0]
     drawn = {line.get_label(): line.get_xdata() for line in axes.lines}

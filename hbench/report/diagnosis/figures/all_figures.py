@@ -68,9 +68,9 @@ _MAPS = (
 )
 _SHAPE = (
     "Residuals of this balance, all runs, in units of the trials' scatter (grey band: ±1). A point "
-    "is a {window}. Triangles: medians of equal numbers of points, extending (▶) and "
-    "retracting (◀). Points beyond the axis are drawn at its edge."
+    "is a {window}.{medians} Points beyond the axis are drawn at its edge."
 )
+_MEDIANS = " Triangles: medians of equal numbers of points, extending (▶) and retracting (◀)."
 _LAW = (
     "A table that was fitted to what no effect of the catalogue explains, with 95 % intervals of "
     "its values. It is linear between its points and constant beyond them. It predicts held-out "
@@ -125,8 +125,11 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         strokes = of_strokes(diagnosis)
         maps = _MAPS.format(over=over, windows="pairs of strokes" if strokes else "windows")
         yield "where", "maps", title, maps + stages, maps_figure(diagnosis)
-        shape = _SHAPE.format(window="pair of strokes" if strokes else "window of 0.16 s")
-        shape += stages + (_HELD_OUT if diagnosis.confirmed else "")
+        shape = _SHAPE.format(
+            window="mean of the pairs of strokes at one load" if strokes else "window of 0.16 s",
+            medians="" if strokes else _MEDIANS,
+        )
+        shape += stages + (_HELD_OUT if diagnosis.confirmed and not strokes else "")
         for name in _shapes(diagnosis):
             title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)

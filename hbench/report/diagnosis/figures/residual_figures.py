@@ -14,7 +14,14 @@ from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.figures.colour_scales import RESIDUALS
-from hbench.report.diagnosis.names import AXES, added_words, balance, in_unit, shown
+from hbench.report.diagnosis.names import (
+    AXES,
+    added_words,
+    balance,
+    in_unit,
+    of_strokes,
+    shown,
+)
 from hbench.report.diagnosis.sentences import largest_deviation
 from hbench.report.render import style
 from hbench.report.render.series import behind
@@ -22,6 +29,7 @@ from hbench.report.render.series import behind
 _WORST = 4  # balances side by side in a map
 _CELLS = 24  # of a map, either way
 _PARTS = 8  # of an axis, each with its median
+_SMALL, _LARGE = 9, 36  # area of a point: of many windows, and of the strokes at one load
 _SEEN = 99.0  # percentile that the axis shows
 _LEAST = 3.0  # scatters that an axis shows at least, either way
 # Each panel's axis, and the quantity of its colours.
@@ -70,14 +78,16 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
 def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
     """Draw one balance against each axis, before above after, in one scale."""
     sides = _sides(diagnosis)
-    columns = _PANELS if has_loads(diagnosis) else _AT_ONE_LOAD
+    columns = _panels(diagnosis)
     figure = style.new_figure(height_in=0.5 + 2.5 * len(sides), wide=True)
     panels = figure.subplots(len(sides), len(columns), sharex="col", sharey=True, squeeze=False)
     values = [side.value[:, side.names.index(name)] for side in sides]
+    strokes = of_strokes(diagnosis)
+    only_held_out = bool(diagnosis.confirmed) and not strokes
     limits = _limits(np.concatenate(values))
     for row, side, value, title in zip(panels, sides, values, _TITLES, strict=False):
         for axes, (across, colour) in zip(row, columns, strict=True):
-            _points(axes, side, value, across, colour, limits, bool(diagnosis.confirmed))
+            _points(axes, side, value, across, colour, limits, only_held_out, strokes)
         _windows(row[0], side, value, title, columns)
         row[0].set_ylabel(f"Residual {title if len(sides) > 1 else ''}\n(trial scatters)")
         row[0].set_ylim(*limits)
@@ -91,6 +101,13 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
         f"1 scatter = {scatter}", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
     )
     return figure
+
+
+def _panels(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
+    """Return the panels whose axes are known: pairs of strokes have no position."""
+    columns = _PANELS if has_loads(diagnosis) else _AT_ONE_LOAD
+    side = diagnosis.residuals_before
+    return tuple(each for each in columns if np.isfinite(getattr(side, each[0])).any())
 
 
 def _limits(values: np.ndarray) -> tuple[float, float]:
@@ -149,6 +166,7 @@ def _points(
     colour: str,
     limits: tuple[float, float],
     only_held_out: bool,
+    strokes: bool,
 ) -> None:
     x = shown(getattr(side, across), AXES[across])
     known = np.isfinite(value) & np.isfinite(x)
@@ -163,8 +181,11 @@ def _points(
     shade = shown(getattr(side, colour), AXES[colour])
     colours = _scale(side, colour).to_rgba(shade[coloured])
     axes.scatter(
-        x[coloured], inside[coloured], c=colours, s=9, rasterized=True, clip_on=False, linewidths=0
-    )
+        x[coloured], inside[coloured], c=colours, s=_LARGE if strokes else _SMALL, rasterized=True,
+        clip_on=False, linewidths=0,
+    )  # fmt: skip
+    if strokes:  # a pair of them has no direction
+        return
     for way, marker in ((1, ">"), (-1, "<")):
         going = known & (way * side.v_m_s > REST_M_S)
         middles, medians = _medians(x[going], value[going])
