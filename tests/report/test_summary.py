@@ -474,6 +474,18 @@ def test_a_place_is_a_stretch_of_its_axis(compared):
     assert "deviates most at a position of 200 to 300 mm (8.0 trial scatters there" in text
 
 
+def test_an_effect_that_is_present_but_too_small_to_matter_is_reported_as_such(named):
+
+    def verdict(largest):
+        changes = (Change("force_test", "N", 0.0, None, largest, largest),)
+        effect = replace(LEAK, changes=changes)
+        return ordinary_spaces(verdict_words(replace(named, practice=(effect,))))
+
+    words = "too small to matter (the force of the test cylinder: above 12 N)."
+    assert f"In 95 % of the motion that is {words}" in verdict(4.0)
+    assert "too small" not in verdict(12.5)
+
+
 def test_two_effects_that_are_both_present_are_both_inspected(named):
     other = added("tank_back_pressure", 50.0)
     line = replace(LEAK, name="tank_back_pressure", inspect="the return line", lookalikes=())

@@ -156,12 +156,12 @@ def _files(diagnosis: Diagnosis) -> str:
 
 
 def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
-    """Return the residuals of each balance: all where they are the answer, else the worst."""
+    """Return the residuals of each balance: all where they are the answer, else the first."""
     if diagnosis.verdict == "unknown":
         return Section("Shape of the residuals", drawings=drawings)
     others = Section("Residuals of the other balances", drawings=drawings[1:], folded=True)
     parts = (replace(others, printed=False),) if others.drawings else ()
-    return Section("Residuals of the worst balance", drawings=drawings[:1], parts=parts)
+    return Section("Residuals of one balance", drawings=drawings[:1], parts=parts)
 
 
 def _held_out_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:

@@ -28,6 +28,7 @@ from hbench.report.diagnosis.names import (
     p_words,
     parameter_text,
     share,
+    shown,
     steps_of,
     value_words,
 )
@@ -119,6 +120,24 @@ def _ratio(nats: float) -> str:
     if odds > _MOST_ODDS:
         return f"odds of more than {_MOST_ODDS:.0f} to 1"
     return f"odds of {significant(odds, 2)} to 1"
+
+
+def too_small_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
+    """State that no change by an effect is large enough to matter; empty where one may be."""
+    limits = {gap.name: gap for gap in diagnosis.where if gap.material > 0}
+    known = [
+        (change.largest / shown(limits[change.quantity].material, balance(change.quantity)), change)
+        for change in effect.changes
+        if change.quantity in limits
+    ]
+    share_of_limit, nearest = max(known, key=lambda each: each[0], default=(1.0, None))
+    if nearest is None or not share_of_limit < 1:
+        return ""
+    limit = in_unit(limits[nearest.quantity], limits[nearest.quantity].material)
+    return (
+        "In 95 % of the motion that is too small to matter "
+        f"({in_sentence(nearest.quantity)}: above {limit})."
+    )
 
 
 def advice(effect: EffectInPractice) -> str:

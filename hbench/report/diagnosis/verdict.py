@@ -34,6 +34,7 @@ from hbench.report.diagnosis.sentences import (
     increased,
     largest_deviation,
     odds_words,
+    too_small_words,
 )
 from hbench.report.diagnosis.separability_tables import undetectable
 from hbench.report.diagnosis.text import undecided_words, verdict_sentence
@@ -85,7 +86,8 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     changes = largest_words(practice, brief=brief) if practice else ""
     verb = "changes" if sure else "would change"
-    size = f"It {verb} {changes}." if changes else ""
+    small = too_small_words(diagnosis, practice) if practice else ""
+    size = " ".join(filter(None, (f"It {verb} {changes}." if changes else "", small)))
     evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
     if sure and (brief or diagnosis.errors):
         evidence = ""
