@@ -15,6 +15,7 @@ from hbench.reconcile.diagnosis_fields import (
     fitted_shape,
     insufficient_data_diagnosis,
     residual_map,
+    with_place,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.gaps.gap_map import GapMap, column_means, point_of
@@ -148,6 +149,8 @@ def assembled(
         expected_variance(final, estimates),
     )
     runs = tuple(run for log in measured.logs for run in log.runs)
+    ends = [float(end) for run in runs for end in (run.x_m.min(), run.x_m.max())]
+    cylinder = measured.balance_model(final.hypothesis).par.test
     simulated, overlaid, notes = _verification(task, result, held_out_points)
     where = rank(refitted.gap_map, _allowed(measured, refitted))
     by_effects = result.without_laws.gap_map.in_units_of(refitted.gap_map)
@@ -190,7 +193,10 @@ def assembled(
         where=where,
         regions=regions(refitted.gap_map),
         regions_after=regions(balances.maps[-1]),
-        effects=_added_effects(result, fits, held_out),
+        effects=tuple(
+            with_place(effect, cylinder, (min(ends), max(ends)))
+            for effect in _added_effects(result, fits, held_out)
+        ),
         alternatives=last.ambiguous,
         rest=unexplained,
         next_experiment=proposal.words,

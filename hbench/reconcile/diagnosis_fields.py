@@ -1,11 +1,13 @@
 """Fields of a diagnosis that the diagnoses of campaigns and of imported strokes share."""
 
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.model.parameters import CylinderParameters
 from hbench.reconcile.candidates import TIE
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
@@ -21,6 +23,8 @@ from hbench.records import (
     ResidualMap,
     Rival,
 )
+
+_PLACES = 501  # along the measured positions
 
 
 class ModelledData(Protocol):
@@ -85,6 +89,23 @@ def added_effect(
         runner_up=Rival(rival.name, added.score - rival.score) if rival else None,
         law=row.law,
     )
+
+
+def with_place(
+    effect: AddedEffect, cylinder: CylinderParameters, measured_m: tuple[float, float]
+) -> AddedEffect:
+    """Return an effect with the position of the largest friction in its description.
+
+    Of position_friction alone, slope s + bow s^2 with s = -1 to 1 along the stroke of ``cylinder``;
+    ``measured_m`` are the ends of the positions that were measured.
+    """
+    if effect.name != "position_friction":
+        return effect
+    x = np.linspace(*measured_m, _PLACES)
+    s = 2 * (x + cylinder.offset_m) / cylinder.stroke_m - 1
+    slope, bow = (effect.parameters[key].value for key in ("slope", "bow"))
+    largest = x[np.argmax(s * (slope + bow * s))]
+    return replace(effect, description=f"{effect.description}, most at {1e3 * largest:.0f} mm")
 
 
 def fitted_shape(name: str, hypothesis: Hypothesis) -> str:

@@ -87,6 +87,12 @@ def test_a_hidden_effect_is_named_and_both_errors_fall(effect, name, friction):
     assert "The effects improve" not in one_sided_words(found)
 
 
+def test_a_tight_place_is_reported_with_its_position():
+    (effect,) = hidden(axis.tight_place).effects
+    words, _, place = effect.description.partition(", most at ")
+    assert words and float(place.removesuffix(" mm")) == pytest.approx(300, abs=25)
+
+
 def test_a_weight_is_an_offset_of_its_force():
     found = hidden(axis.weight)
     (effect,) = found.effects
