@@ -486,6 +486,13 @@ def test_an_effect_that_is_present_but_too_small_to_matter_is_reported_as_such(n
     assert "too small" not in verdict(12.5)
 
 
+def test_the_law_of_an_effect_is_printed_with_raised_exponents(named):
+    law = "dp/dt = R Q_0^2 (Q / Q_0)^n - p"
+    lawful = replace(named, effects=(replace(named.effects[0], law=law),))
+    page = ordinary_spaces(diagnosis_page(lawful, ()))
+    assert "Q<sub>0</sub>² (Q / Q<sub>0</sub>)ⁿ − p." in page
+
+
 def test_two_effects_that_are_both_present_are_both_inspected(named):
     other = added("tank_back_pressure", 50.0)
     line = replace(LEAK, name="tank_back_pressure", inspect="the return line", lookalikes=())

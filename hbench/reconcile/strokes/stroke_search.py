@@ -272,8 +272,8 @@ def _inconsistency(estimates: Sequence[ParameterEstimates], name: str) -> str:
             dof = whole_dof(min(each.degrees_of_freedom((name, key)) for each in pair))
             if abs(a.value - b.value) > student_factor(dof) * np.hypot(a.se, b.se):
                 return (
-                    f"its coefficient {key} differs between series of this cylinder with different "
-                    f"seals: {a.value:.3g} and {b.value:.3g} {a.unit}, standard errors "
+                    f"its coefficient '{key}' differs between series of this cylinder with "
+                    f"different seals: {a.value:.3g} and {b.value:.3g} {a.unit}, standard errors "
                     f"{a.se:.1g} and {b.se:.1g}; only an effect of the seal may differ"
                 )
     return ""

@@ -183,7 +183,12 @@ def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:
 def of_laws(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     """Return the law of each effect that was added, by whose symbols its coefficients are meant."""
     return tuple(
-        (f"Law of {in_words(effect.name)}", f"{capital(effect.law.replace(' - ', ' − '))}.")
+        (f"Law of {in_words(effect.name)}", f"{capital(_as_printed(effect.law))}.")
         for effect in diagnosis.effects
         if effect.law
     )
+
+
+def _as_printed(law: str) -> str:
+    """Return a formula with a minus sign and raised exponents."""
+    return law.replace(" - ", " − ").replace("^2", "²").replace("^n", "ⁿ")
