@@ -134,4 +134,5 @@ def test_the_whole_campaign_and_reconcile_keep_their_budget(tmp_path):
         yield from fleet("demo", tmp_path, 20)
         yield from reconciled("discriminate", tmp_path)
 
-    assert measured(rows())["report, 360 runs"] < REPORT_S
+    seconds = measured(rows())
+    assert max(s for task, s in seconds.items() if task.startswith("report")) < REPORT_S
