@@ -1,9 +1,10 @@
 """Threads: one function with many arguments, for work in compiled code."""
 
-import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
+
+from hbench.parallel.process_pool import usable_cores
 
 
 def map_on_threads(work: Callable[[Any], Any], arguments: Iterable[Any]) -> list[Any]:
@@ -11,5 +12,5 @@ def map_on_threads(work: Callable[[Any], Any], arguments: Iterable[Any]) -> list
 
     Compiled functions and linear algebra run at the same time, Python code takes turns.
     """
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(usable_cores()) as pool:
         return list(pool.map(work, arguments))

@@ -38,6 +38,7 @@ def test_a_line_is_the_same_value_in_yaml(value):
 
 def test_characters_that_yaml_refuses_are_left_to_its_writer():
     assert json_line({"why": "\ufffe"}) is None
+    assert json_line({"limit": float("inf")}) is None
 
 
 @pytest.mark.parametrize(
@@ -45,6 +46,8 @@ def test_characters_that_yaml_refuses_are_left_to_its_writer():
     [
         "  stop: {outcome: done}",
         '  stop: {"records": 1e5}',  # text in YAML
+        '  stop: {"records": NaN}',  # likewise
+        '  stop: {"records": -Infinity}',
         '  stop: {"why": "\\u0007"}',  # control characters are refused by the YAML parser
         '  stop: {"why": "\x85"}',
         '  stop: {"a": 1, "a": 2}',

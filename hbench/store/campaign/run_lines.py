@@ -22,11 +22,14 @@ _STRING_OR_POWER = re.compile(r'("(?:[^"\\]|\\.)*")|(?<![\d.])(\d+)e(?=[+-])')
 
 
 def json_line(value: Mapping[str, Any]) -> str | None:
-    """Return a value as JSON on one line; None for characters that YAML may refuse.
+    """Return a value as JSON on one line; None for what is not JSON, or YAML may refuse.
 
     A number with an exponent has a point too: YAML 1.1 would read 1e-05 as text.
     """
-    text = json.dumps(value, ensure_ascii=False)
+    try:
+        text = json.dumps(value, ensure_ascii=False, allow_nan=False)
+    except ValueError:
+        return None
     if "e-" in text or "e+" in text:
         text = _STRING_OR_POWER.sub(lambda part: part[1] or f"{part[2]}.0e", text)
     return text if text.isprintable() else None
@@ -48,7 +51,12 @@ def parse_run_lines(text: str) -> list[dict[str, Any]] | None:
             return None
         else:
             try:
-                runs[-1][key] = json.loads(value, object_pairs_hook=_unique, parse_float=_decimal)
+                runs[-1][key] = json.loads(
+                    value,
+                    object_pairs_hook=_unique,
+                    parse_float=_decimal,
+                    parse_constant=_decimal,
+                )
             except ValueError:
                 return None
     return runs
