@@ -47,6 +47,7 @@ from hbench.reconcile.candidates import (
     indistinguishable,
     is_close,
 )
+from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.evidence import log_likelihood
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
@@ -153,6 +154,10 @@ class CampaignSearch(CandidateEvaluator):
 
         All columns are computed at ``model`` first: with those of the model without an effect no
         step may be better. Those of the nuisances then stay, as refinement changes them little.
+
+        Deviations that do not matter may determine an effect, but where the law of another one is
+        wrong they can also cost more of those that do. So the nuisances are refitted to these once
+        more, and that model is kept if the gap of the training points is smaller.
         """
         taking_part = [model.data.names[i] for i in model.index(names)]
         residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
@@ -171,7 +176,17 @@ class CampaignSearch(CandidateEvaluator):
                 shaped = self.refit(shaped, names, _columns_of(shaped, names))
                 gain = [log_likelihood(self._cross_validate(m, names))[0] for m in (best, shaped)]
                 best = shaped if gain[1] > gain[0] else best
-        return linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
+        fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
+        settled = self.refit(fine, self._tolerated(names), renewed=())
+        return min(
+            (fine, settled),
+            key=lambda each: gap_of_balances(each.gap_map, each.gap_map.names, self.train),
+        )
+
+    def _tolerated(self, names: Iterable[str]) -> list[str]:
+        """Return the effects among ``names`` that are nuisances within a tolerance."""
+        known = {effect for effect, _ in self.measured.tolerances}
+        return [name for name in names if name in known]
 
     def _refitted(self) -> tuple[LinearisedModel, LinearisedModel, str]:
         """Return the given and the refitted model; if not better, the given one and the reason.

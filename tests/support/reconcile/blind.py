@@ -31,7 +31,7 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.diagnose import ReconcileTask, expected_variance, run_search
 from hbench.reconcile.diagnosis_fields import gap_of_balances
-from hbench.reconcile.estimates import fit_coefficients
+from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.nuisance import BACKGROUND
@@ -41,6 +41,7 @@ from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import calibrated_runs
 from tests.support import ROOT
 from tests.support.hidden.foreign import write_index
+from tests.support.reconcile.coverage import estimated, hidden
 from tests.support.shared import once
 
 GENERATE = Path(__file__).parents[1] / "hidden" / "generate.py"
@@ -66,6 +67,8 @@ class Outcome:
     seconds: float  # of CPU
     coefficients: dict[str, float] = field(default_factory=dict)  # of the first effect, in SI
     learned: tuple[str, ...] = ()  # unnamed laws
+    # Of the first effect, if it is named: values and half widths of 95 % intervals, in SI.
+    quantities: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
@@ -80,6 +83,8 @@ def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
     verdict, _ = decide_verdict(found, left)
     best = found.steps[0].evaluated[0].candidate
     touched = EFFECTS[best.name].balances
+    train = np.setdiff1d(np.arange(len(found.final.gap_map.points)), out)
+    fit = fit_coefficients(task.plant, found.final, found.names, train)
     return Outcome(
         name=folder.name,
         verdict=verdict,
@@ -90,22 +95,23 @@ def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
         threshold=best.threshold,
         before=gap_of_balances(found.refitted.gap_map, touched, out),
         after=gap_of_balances(final, touched, out),
-        floor=_floor(task, found, out, touched),
+        floor=_floor(found, fit, out, touched),
         seconds=time.process_time() - started,
         coefficients=dict(found.final.hypothesis.effects.get(best.name, {})),
         learned=tuple(
             f"{table.adds_to} over {', '.join(table.knots)}"
             for table in found.final.hypothesis.tables
         ),
+        quantities=estimated(best.name, fit) if best.name in found.names else {},
     )
 
 
-def _floor(task: ReconcileTask, found: SearchResult, out: np.ndarray, touched: Sequence) -> float:
+def _floor(
+    found: SearchResult, fit: ParameterEstimates, out: np.ndarray, touched: Sequence
+) -> float:
     """Return the gap that a correct model has on average over balances and operating points."""
     gaps = found.final.gap_map
-    train = np.setdiff1d(np.arange(len(gaps.points)), out)
-    estimates = fit_coefficients(task.plant, found.final, found.names, train)
-    variance = expected_variance(found.final, estimates)
+    variance = expected_variance(found.final, fit)
     chosen = variance[np.isin(gaps.point, out)][:, np.isin(gaps.names, touched)]
     return float(np.sqrt(1 + np.nanmean(chosen)))
 
@@ -223,6 +229,7 @@ def tables(truth: dict, found: list[Outcome]) -> str:
             f"square {np.median(gone):.0%} gone (median); "
             f"{extra} of {len(named)} with a second name"
         )
+        lines.append(_coverage(truth, named))
     for group, own in others.items():
         verdicts = {one.verdict: 0 for one in own}
         for one in own:
@@ -236,6 +243,24 @@ def tables(truth: dict, found: list[Outcome]) -> str:
             lines.append(f"  not given a name, or the rest flagged: {flagged}")
     lines.append(f"CPU seconds a campaign: median {np.median([one.seconds for one in found]):.0f}")
     return "\n".join(lines)
+
+
+def _coverage(truth: dict, named: list[Outcome]) -> str:
+    """Return how often the intervals of the effects named right contain what was hidden."""
+    inside, errors = [], []
+    for one in named:
+        ((effect, coefficients),) = truth[one.name]["truth"]["effects"].items()
+        for quantity, value in hidden(effect, coefficients).items():
+            if value and quantity in one.quantities:
+                found, half_width = one.quantities[quantity]
+                inside.append(abs(found - value) <= half_width)
+                errors.append(abs(found / value - 1))
+    if not inside:
+        return "no coefficient can be compared"
+    return (
+        f"95 % intervals of the quantities that were hidden contain the truth in "
+        f"{np.mean(inside):.0%} of {len(inside)}; error {np.median(errors):.0%} (median)"
+    )
 
 
 def _kind(name: str, one: Outcome) -> str:
@@ -265,10 +290,11 @@ def main(out: Path, cases: str, form: str = "native") -> None:
         for _ in map_on_cores(imported, [one.parent for one in out.glob("[!.]*/campaign.yaml")]):
             pass
     found = outcomes(place)
+    truth = json.loads((out / "truth.json").read_text())
     print()
     for one in found:
         print(row(one))
-    print(tables(json.loads((out / "truth.json").read_text()), found))
+    print(tables(truth, found))
 
 
 if __name__ == "__main__":
