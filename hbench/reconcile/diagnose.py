@@ -300,8 +300,10 @@ def _verification(
         return None, (), (_NO_TRIALS,)
     task.stage("simulating the schedule with the given, the refitted and the final model")
     hypotheses = [model.hypothesis for model in (result.given, result.refitted, result.final)]
+    different = [each for i, each in enumerate(hypotheses) if each not in hypotheses[:i]]
+    made_with = task.simulate(different, [run.plan for run in runs])
+    results = [made_with[different.index(each)] for each in hypotheses]
     simulated, ended = [], []
-    results = task.simulate(hypotheses, [run.plan for run in runs])
     for model, made in zip(("given", "refitted", "final"), results, strict=True):
         if isinstance(made, str):
             ended.append(_STOPPED.format(model, made))

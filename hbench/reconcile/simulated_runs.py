@@ -7,12 +7,13 @@ from hbench.config.scaling import scaled
 from hbench.errors import ConfigError
 from hbench.experiment.closed_loop import record_plans
 from hbench.parallel.process_pool import map_on_cores
+from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.records import Run, RunPlan
 
 _SEED = 20_011  # of the sensors' noise
-_FEW = 3  # simulations that take less time in this process than the start of others
+_FEW = 3  # simulations that take less time in threads than the start of processes
 
 _Task = tuple[int, Bench, Plant, tuple[RunPlan, ...]]
 
@@ -40,7 +41,8 @@ def simulator(
             (i, bench, _without_scatter(hypothesis.plant(plant)), chosen)
             for i, hypothesis in enumerate(hypotheses)
         ]
-        results = map(_simulate, tasks) if len(tasks) <= _FEW else spread(_simulate, tasks)
+        every = map_on_threads if len(tasks) <= _FEW else spread
+        results = every(_simulate, tasks)
         runs_by_number: dict[int, tuple[Run, ...] | str] = {}
         for number, runs in results:
             runs_by_number[number] = runs
