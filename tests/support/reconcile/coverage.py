@@ -72,7 +72,7 @@ QUANTITIES: dict[str, dict[str, Pair]] = {
     "entrained_air": {
         "compliance at 20 bar": (
             lambda c: 1 / with_air(_STIFF_PA, _AIR_PA, c["fraction"]),
-            lambda h: compliance(_STIFF_PA, _AIR_PA, h["fraction"], h["dissolved"]),
+            lambda h: 1 / compliance(_STIFF_PA, _AIR_PA, h["fraction"], h["dissolved"]),
         )
     },
     "tank_back_pressure": {
