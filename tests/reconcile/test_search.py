@@ -29,7 +29,7 @@ CANDIDATES = ("internal_leakage", "tank_back_pressure", "supply_droop")
 UNTUNED = {"oil": {"bulk_modulus": "680 bar"}, "valve": {"gain": "7.5e-7 m^2/V"}}
 
 
-def searched(effects, seed=5, candidates=CANDIDATES, stage=silent):
+def searched(effects, seed=5, candidates=CANDIDATES, stage=silent, search=CampaignSearch):
     """Search a campaign with these effects; return result, estimates and held-out points."""
     data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
     bench = parse_bench(data, "bench")
@@ -40,7 +40,7 @@ def searched(effects, seed=5, candidates=CANDIDATES, stage=silent):
     points = np.arange(len({point_of(run.plan) for run in made.runs}))
     out = points[points % 5 == 2]
     train = np.setdiff1d(points, out)
-    found = CampaignSearch(own, train, candidates, stage).run()
+    found = search(own, train, candidates, stage).run()
     return found, fit_coefficients(own.plant, found.final, found.names, train), out
 
 
@@ -274,3 +274,32 @@ def test_what_leaves_much_has_a_high_threshold():
     )
     threshold = search._with_threshold(EvaluatedCandidate(one, before), (), search.candidates)
     assert threshold.candidate.threshold > 9
+
+
+# ---- refinement
+
+
+def test_refinement_ends_with_the_nuisances_that_leave_the_smaller_gap():
+    """An orifice's leak beside presliding that is not searched for: the model stays wrong."""
+    last = {}
+
+    class Watched(CampaignSearch):
+        def refit(self, start, effects, renewed=None):
+            last["fine"], last["settled"] = start, super().refit(start, effects, renewed)
+            return last["settled"]
+
+    found, _, out = searched(
+        {
+            "internal_leakage": {"test": "1e-2 l/min/bar", "exponent": "0.5"},
+            "presliding": {"force": "150 N"},
+        },
+        candidates=("internal_leakage",),
+        search=Watched,
+    )
+    train = np.setdiff1d(np.arange(len(found.final.gap_map.points)), out)
+    gaps = {name: gap_of_balances(m.gap_map, m.gap_map.names, train) for name, m in last.items()}
+    print(gaps)
+    assert gaps["settled"] < 0.9 * gaps["fine"]
+    assert found.final is last["settled"]
+    leak = [each.hypothesis.effects["internal_leakage"] for each in last.values()]
+    assert leak[0] == leak[1]
