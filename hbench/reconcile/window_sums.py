@@ -12,7 +12,7 @@ Slow errors cancel in a change. Its variance is at least that of a single window
 what the log can't resolve is no evidence.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -33,7 +33,8 @@ _UNSTEADY = 0.1  # relative change of the velocity over a window's width
 class _Rows(NamedTuple):
     """Values or changes of m windows, in units of the scatter."""
 
-    matrix: np.ndarray  # (m, c, 1 + q + 1): residuals, columns, what is not material
+    # Of each balance (m, 1 + u + 1): residuals, the u columns that change it, what is not material.
+    matrices: tuple[np.ndarray, ...]
     usable: np.ndarray  # (m, c)
     point: np.ndarray  # (m,) index of the operating point
     kind: np.ndarray  # (m,) index in ``GROUPS``
@@ -67,55 +68,62 @@ def products(
 
     ``known`` are those of other residuals with the same columns and scatter.
     """
-    values = _values(residuals, columns)
+    used = _used(columns.values(), len(residuals.names))
+    values = _values(residuals, list(columns.values()), used)
     for level in residuals.levels:
-        _take_out(values.matrix[level.windows, level.balance], level)
+        _take_out(values.matrices[level.balance][level.windows], level)
     every = [values] if residuals.white is None else [values, _changes(residuals, values)]
     groups = tuple((name, kind) for name in residuals.names for kind in GROUPS)
-    size, width = (len(residuals.points), len(groups)), values.matrix.shape[2]
-    mixed, immaterial, counts = np.zeros((*size, width)), np.zeros(size), np.zeros(size)
-    blocks = None if known else _empty_blocks(values.matrix, len(residuals.points))
+    size = len(residuals.points), len(groups)
+    mixed = np.zeros((*size, len(columns)))
+    squares, immaterial, counts = np.zeros((3, *size))
+    blocks = None if known else _empty_blocks(used, len(residuals.points))
     for rows in every:
-        _add(rows, mixed, immaterial, counts, blocks)
-    squares = mixed[:, :, 0]
+        _add(rows, used, mixed, squares, immaterial, counts, blocks)
     if residuals.white is None:
         noise = _noise(residuals, values, counts)
     else:
         squares, noise = _without_noise(residuals, values, squares, counts)
         noise = noise + immaterial
-    mixed = mixed[:, :, 1:-1]
     if known is not None:
         return known.with_residuals(mixed, squares, noise)
     assert blocks is not None
     blocks = tuple(block for block in blocks if len(block.columns))
-    of_columns = ColumnProducts(blocks, (*size, width - 2))
+    of_columns = ColumnProducts(blocks, (*size, len(columns)))
     return Products(tuple(columns), of_columns, mixed, squares, noise, counts, groups)
 
 
-def _empty_blocks(matrix: np.ndarray, points: int) -> tuple[Block, ...]:
+def _used(columns: Iterable[np.ndarray], balances: int) -> list[np.ndarray]:
+    """Return the indices of the columns that change each balance: few do."""
+    nonzero = [(np.abs(column) > 0).any(axis=0) for column in columns]
+    every = np.reshape(nonzero, (-1, balances))
+    return [np.flatnonzero(every[:, c]) for c in range(balances)]
+
+
+def _empty_blocks(used: Sequence[np.ndarray], points: int) -> tuple[Block, ...]:
     """Return a block of zeros for each balance, of the columns that change it."""
     blocks = []
-    for c in range(matrix.shape[1]):
+    for c, own in enumerate(used):
         groups = np.arange(c * len(GROUPS), (c + 1) * len(GROUPS))
-        used = np.flatnonzero(matrix[:, c, 1:-1].any(axis=0))
-        blocks.append(Block(groups, used, np.zeros((points, len(groups), len(used), len(used)))))
+        blocks.append(Block(groups, own, np.zeros((points, len(groups), len(own), len(own)))))
     return tuple(blocks)
 
 
-def _values(residuals: GapMap, columns: Mapping[str, np.ndarray]) -> _Rows:
-    w, c = residuals.difference.shape
+def _values(residuals: GapMap, columns: Sequence[np.ndarray], used: Sequence[np.ndarray]) -> _Rows:
     with np.errstate(divide="ignore", invalid="ignore"):
         per_unit = 1 / residuals.scatter
         relative = residuals.noise * per_unit**2
     usable = np.isfinite(residuals.difference * per_unit) & np.isfinite(relative)
     per_unit = np.where(usable, per_unit, 0.0)
-    matrix = np.zeros((w, c, len(columns) + 2))
-    matrix[:, :, 0] = np.nan_to_num(residuals.difference) * per_unit
-    for j, column in enumerate(columns.values(), start=1):
-        matrix[:, :, j] = np.nan_to_num(column) * per_unit
-    if residuals.material is not None:
-        matrix[:, :, -1] = np.nan_to_num(residuals.material) * np.sign(residuals.v_m_s)[:, None]
-    return _Rows(matrix, usable, residuals.point, window_motions(residuals))
+    matrices = []
+    for c, own in enumerate(used):
+        matrix = np.zeros((len(usable), 1 + len(own) + 1))
+        for k, column in enumerate([residuals.difference, *(columns[j] for j in own)]):
+            matrix[:, k] = np.nan_to_num(column[:, c]) * per_unit[:, c]
+        if residuals.material is not None:
+            matrix[:, -1] = np.nan_to_num(residuals.material[c]) * np.sign(residuals.v_m_s)
+        matrices.append(matrix)
+    return _Rows(tuple(matrices), usable, residuals.point, window_motions(residuals))
 
 
 def _changes(residuals: GapMap, values: _Rows) -> _Rows:
@@ -126,53 +134,51 @@ def _changes(residuals: GapMap, values: _Rows) -> _Rows:
     """
     v, run, motion = residuals.v_m_s, residuals.run, values.kind
     usable = values.usable[2:] & values.usable[:-2] & (run[2:] == run[:-2])[:, None]
-    matrix = (values.matrix[2:] - values.matrix[:-2]) / np.sqrt(2)
-    matrix *= usable[:, :, None]
     fastest = np.maximum(np.abs(v[2:]), np.abs(v[:-2]))
     turn = (np.sign(v[2:]) - np.sign(v[:-2])) / np.sqrt(2)
     reversing = (v[2:] * v[:-2] < 0) & (fastest > REST_M_S)
     share = np.where(reversing, turn, _IMMATERIAL_CHANGE)
-    material = 0.0 if residuals.material is None else np.nan_to_num(residuals.material)
-    matrix[:, :, -1] = material * share[:, None] * usable
+    matrices = []
+    for c, matrix in enumerate(values.matrices):
+        change = (matrix[2:] - matrix[:-2]) / np.sqrt(2)
+        material = 0.0 if residuals.material is None else np.nan_to_num(residuals.material[c])
+        change[:, -1] = material * share
+        matrices.append(change * usable[:, c, None])
     step = np.abs(v[2:] - v[:-2]) > _STEP * fastest + REST_M_S
     kind = len(MOTIONS) + np.select([reversing, step], [2, 1], 0)
     moving = np.maximum.reduce([motion[2:], motion[1:-1], motion[:-2]]) > MOTIONS.index("steady")
-    return _Rows(matrix, usable & moving[:, None], values.point[1:-1], kind)
+    return _Rows(tuple(matrices), usable & moving[:, None], values.point[1:-1], kind)
 
 
 def _add(
     rows: _Rows,
+    used: Sequence[np.ndarray],
     mixed: np.ndarray,
+    squares: np.ndarray,
     immaterial: np.ndarray,
     counts: np.ndarray,
     blocks: tuple[Block, ...] | None,
 ) -> None:
     """Add the products of some rows to those of their operating points and groups.
 
-    ``mixed`` (p, g, 1 + q + 1) are those of the residuals, ``blocks`` those of the columns.
+    ``mixed`` (p, g, q) are those of the residuals with the columns, ``blocks`` those of the columns
+    ``used`` by a balance.
     """
     order = np.lexsort((rows.kind, rows.point))
     point, kind = rows.point[order], rows.kind[order]
     first = np.flatnonzero(np.diff(point * len(GROUPS) + kind, prepend=-1))
     point, kind = point[first], kind[first]
-    for c in range(rows.usable.shape[1]):  # most columns change few of the balances
-        matrix, usable = rows.matrix[:, c], rows.usable[order, c]
-        used = np.flatnonzero(matrix.any(axis=0))
-        part = np.where(usable[:, None], matrix[np.ix_(order, used)], 0.0)
-        d = np.where(usable, matrix[order, 0], 0.0)
-        group = c * len(GROUPS) + kind
-        at = point[:, None], group[:, None]
-        mixed[*at, used] += np.add.reduceat(part * d[:, None], first)
-        unneeded = np.where(usable, matrix[order, -1], 0.0)
-        immaterial[point, group] += np.add.reduceat(unneeded**2, first)
+    for c, matrix in enumerate(rows.matrices):
+        usable, group = rows.usable[order, c], c * len(GROUPS) + kind
+        part = np.where(usable[:, None], matrix[order], 0.0)
+        sums = np.add.reduceat(part * part[:, :1], first)
+        squares[point, group] += sums[:, 0]
+        mixed[point[:, None], group[:, None], used[c]] += sums[:, 1:-1]
+        immaterial[point, group] += np.add.reduceat(part[:, -1] ** 2, first)
         counts[point, group] += np.add.reduceat(usable, first, dtype=float)
-        if blocks is None:
-            continue
-        inner = np.isin(used, blocks[c].columns + 1)
-        runs = np.split(np.ascontiguousarray(part[:, inner]), first[1:])
-        place = np.searchsorted(blocks[c].columns, used[inner] - 1)
-        own = point[:, None, None], kind[:, None, None], place[:, None], place
-        blocks[c].values[own] += np.array([run.T @ run for run in runs])
+        if blocks is not None:
+            runs = np.split(np.ascontiguousarray(part[:, 1:-1]), first[1:])
+            blocks[c].values[point, kind] += np.array([run.T @ run for run in runs])
 
 
 def _noise(residuals: GapMap, values: _Rows, counts: np.ndarray) -> np.ndarray:
@@ -200,7 +206,8 @@ def _without_noise(
     with np.errstate(divide="ignore", invalid="ignore"):
         chance = white * np.sqrt(2 / counts.sum(axis=0))
     first = np.unique(residuals.run, return_index=True)[1]
-    between = between_runs(values.matrix[:, :, 0], residuals.run, residuals.point[first])
+    deviations = np.column_stack([matrix[:, 0] for matrix in values.matrices])
+    between = between_runs(deviations, residuals.run, residuals.point[first])
     between = np.repeat(between, len(GROUPS))
     of_change = np.tile([is_change(kind) for kind in GROUPS], len(residuals.names))
     least = np.nan_to_num(chance, posinf=0.0) + np.where(of_change, white, np.nan_to_num(between))

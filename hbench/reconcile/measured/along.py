@@ -27,6 +27,8 @@ from hbench.model.parameters import PlantParameters, ValveParameters
 from hbench.model.plant import n_states, valve_flows
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, SPOOL_T, V, X, bristles_end
 from hbench.model.valves import clamp
+from hbench.parallel.process_pool import usable_cores
+from hbench.parallel.threads import map_on_threads
 
 STEP_S = 1e-3  # at most
 SIGNALS = 10  # x, v, P_Tp, P_Tr, P_Lp, P_Lr, P_s, u_T, u_L1, u_L2
@@ -54,6 +56,17 @@ class Starts(NamedTuple):
     states: np.ndarray  # (r, s) of the effects
     builds_up: np.ndarray  # (s,) states that go on from one log to the next, but for the first
 
+    def divided(self, most: int) -> "list[Starts]":
+        """Return the starts of up to ``most`` parts of similar length, if no state builds up."""
+        if self.builds_up.any():
+            return [self]
+        shares = np.linspace(self.edges[0], self.edges[-1], most + 1)
+        at = np.unique(np.searchsorted(self.edges, shares))
+        return [
+            Starts(self.edges[i : j + 1], self.friction_n[i:j], self.states[i:j], self.builds_up)
+            for i, j in zip(at[:-1], at[1:], strict=True)
+        ]
+
 
 def single_start(
     records: int, par: PlantParameters, friction_n: tuple[float, float] = (0.0, 0.0)
@@ -72,7 +85,7 @@ def along(
     levels: np.ndarray,
     step_s: float = STEP_S,
 ) -> AlongLog:
-    """Return the means along logs of n records in all.
+    """Return the means along logs of n records in all, on all cores.
 
     ``signals`` (10, n) are x, v, four chamber pressures, supply pressure and three commands in SI;
     ``levels`` (2,) are those of dry friction. Spools start at rest at their first command,
@@ -81,13 +94,15 @@ def along(
     steps = max(1, ceil(dt_s / step_s - 1e-9))
     h = dt_s / steps
     elements = len(par.test.friction.elements), len(par.load.friction.elements)
-    z = [np.zeros(2 * count) for count in elements]
-    work = [np.zeros((2, 2 * count)) for count in elements]
-    scratch = np.zeros((4, n_states(par))), np.zeros((3, 2)), np.zeros((SIGNALS, 3))
-    out = np.zeros((12, signals.shape[1]))
-    _integrate_logs(
-        signals, h, steps, _spool_step(par.valve, h), par, levels, *starts, *z, *work, *scratch, out
-    )
+    transition, out = _spool_step(par.valve, h), np.zeros((12, signals.shape[1]))
+
+    def integrate(part: Starts) -> None:
+        z = [np.zeros(2 * count) for count in elements]
+        work = [np.zeros((2, 2 * count)) for count in elements]
+        scratch = np.zeros((4, n_states(par))), np.zeros((3, 2)), np.zeros((SIGNALS, 3))
+        _integrate_logs(signals, h, steps, transition, par, levels, *part, *z, *work, *scratch, out)
+
+    map_on_threads(integrate, starts.divided(usable_cores()))
     volumes = (*extending_volumes(signals[X], par.test), *retracting_volumes(signals[X], par.load))
     return AlongLog(out[:4], np.log(volumes), out[4:8], *out[8:])
 

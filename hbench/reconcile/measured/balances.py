@@ -20,7 +20,7 @@ The flow balance of a pump (see ``model/supply.py``) is divided by its regulatio
 Q_max / band.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -31,6 +31,7 @@ from hbench.errors import DataError
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import (
     EFFECTS,
+    Effect,
     changed_by,
     read_effects,
     with_all_effects,
@@ -242,7 +243,15 @@ def starts(
         ]
     )
     share = _share_of_static(friction[:, 0], signals[:, session.edges[:-1]], model.par)
-    return Starts(session.edges, friction, share[:, None] * _DEFLECTS, _BUILDS_UP)
+    acts = [_acts(*each) for each in zip(EFFECTS.values(), model.par.effects or (), strict=True)]
+    builds_up = _BUILDS_UP & np.repeat(acts, _STATES)
+    return Starts(session.edges, friction, share[:, None] * _DEFLECTS, builds_up)
+
+
+def _acts(row: Effect, coefficients: Sequence[float]) -> bool:
+    """Return whether an effect's coefficients switch it on."""
+    own = zip(row.coefficients.values(), coefficients, strict=True)
+    return any(value != key.to_si(key.default) for key, value in own if key.typical)
 
 
 def _at_start(records: np.ndarray) -> float:
