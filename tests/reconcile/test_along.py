@@ -8,7 +8,8 @@ import pytest
 from hbench.config.bench import parse_plant
 from hbench.model.cylinders import extending_volumes
 from hbench.model.plant import initial_state
-from hbench.reconcile.measured.along import STEP_S, along, single_start
+from hbench.reconcile.measured import along as measured_along
+from hbench.reconcile.measured.along import STEP_S, Starts, along, single_start
 from hbench.reconcile.measured.balances import (
     BALANCES,
     FLOWS,
@@ -104,6 +105,31 @@ def test_states_that_do_not_build_up_begin_anew_with_each_log(plant_with):
     values = balance_values(both, model)
     assert values[: len(values) // 2] == pytest.approx(values[len(values) // 2 :], nan_ok=True)
     assert values[: len(values) // 2] == pytest.approx(balance_values(once, model), nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("warming", "parts"), [({}, [2, 2, 1]), ({"oil_warming": {"pump": "30 K"}}, [5])]
+)
+def test_logs_are_integrated_in_parts_where_no_state_goes_from_one_to_the_next(
+    plant_with, monkeypatch, warming, parts
+):
+    """To the bit; with oil that warms, they are not divided."""
+    model = plant_with({"friction_lag": {"time": "60 ms"}} | warming)
+    (session,) = sessions(strokes(model, 5))
+    divided, given = [], Starts.divided
+
+    def recorded(starts, most):
+        found = given(starts, most)
+        divided.append([len(part.states) for part in found])
+        return found
+
+    monkeypatch.setattr(Starts, "divided", recorded)
+    values = []
+    for cores in (1, 3):
+        monkeypatch.setattr(measured_along, "usable_cores", lambda cores=cores: cores)
+        values.append(balance_values(session, model))
+    assert np.array_equal(*values, equal_nan=True)
+    assert divided == [[5], parts]
 
 
 def test_a_pumps_flow_at_the_measured_pressure_is_what_the_valves_draw(bench_data):
