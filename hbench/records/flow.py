@@ -294,7 +294,8 @@ class FitParameter:
     # 95 % intervals by method: linearised, profile (which ``ci95`` is), bootstrap if asked for.
     intervals: dict[str, tuple[FloatOrNan, FloatOrNan] | None] = field(default_factory=dict)
     disagree: bool = False  # whether these differ by much
-    wide: bool = False  # ci95 is wider than the value and than a tenth of its typical size
+    # Half of ci95 exceeds a tenth of the typical size, and the value, or a bound cuts ci95 off.
+    wide: bool = False
     # Mean error of the estimate by the law's curvature; not corrected. None without a ``se``.
     bias: float | None = None
 

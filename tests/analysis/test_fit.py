@@ -224,6 +224,21 @@ def test_low_speeds_alone_do_not_determine_the_viscous_part(make_curve):
     assert re.search(r"\bb_viscous_n_s_m\b.* needs? \w+ above 20 mm/s\b", fit.message)
 
 
+def test_a_parameter_whose_interval_a_bound_cuts_off_is_not_determined(make_curve):
+    """The data does not set that end: it agrees with a Coulomb force of zero, the bound."""
+    cut_off = inside = 0
+    for seed in range(12):
+        fit = fit_tustin(make_curve(SPEEDS, noisy(seed, 25.0 if seed % 2 else 8.0)))
+        coulomb = fit.parameters["f_coulomb_n"]
+        if coulomb.at_bound or coulomb.ci95[1] - coulomb.ci95[0] > 2 * coulomb.value:
+            continue  # not determined for another reason
+        cut_off += coulomb.ci95[0] == 0.0
+        inside += coulomb.ci95[0] > 0.0 and coulomb.determined
+        assert coulomb.determined == (coulomb.ci95[0] > 0.0)
+        assert ("f_coulomb_n" in fit.undetermined) == (coulomb.ci95[0] == 0.0)
+    assert cut_off and inside
+
+
 def test_as_many_points_as_parameters_leave_no_standard_error(make_curve):
     speeds = SPEEDS[[0, 3, 7, 14]]
     fit = fit_tustin(make_curve(speeds, law(speeds, *TRUTH)))

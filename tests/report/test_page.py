@@ -242,6 +242,18 @@ def test_an_interval_that_only_linearised_is_too_wide_is_shown_with_it(small):
     ).text.replace("\n", " ")
 
 
+def test_an_interval_that_a_bound_cuts_off_has_no_linearised_one_beside_it(small):
+    """(0 to 330) of 240 N: the linearised half-width of 200 N is below the value."""
+    curve, *others = small.curves
+    ends = {"linearised": (40.0, 440.0)}
+    parameter = FitParameter(240.0, 90.0, (0.0, 330.0), None, "N", ends, wide=True)
+    fit = replace(curve.fits[0], parameters=curve.fits[0].parameters | {"f_coulomb_n": parameter})
+    curves = (replace(curve, fits=(fit, *curve.fits[1:])), *others)
+    text = Parsed(page_html(replace(small, curves=curves), ())).text.replace("\n", " ")
+    assert "240 (0 to 330)" in text and "(0 to 330) linearised" not in text
+    assert "no end of the interval is a bound of the fit" in text
+
+
 def test_a_tile_of_some_series_counts_them(small):
     first, *others = small.headline.series
     headline = replace(small.headline, series=(replace(first, friction_n=None), *others))

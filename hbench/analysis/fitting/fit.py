@@ -148,7 +148,8 @@ def fit_law(
             reach,
         )
         widths = [np.nan if ends is None else ends[1] - ends[0] for ends in intervals["profile"]]
-        unknown = undetermined(info, linearisation.factor, np.array(widths) / 2)
+        cut_off = linearisation.ends_at_bound(intervals["profile"])
+        unknown = undetermined(info, linearisation.factor, np.array(widths) / 2, cut_off)
         for name, is_unknown in zip(law.names, unknown.tolist(), strict=True):
             parameters[name] = replace(parameters[name], wide=is_unknown)
         messages += identification_messages(info, unknown)
@@ -289,6 +290,15 @@ class _Intervals:
         if self.exact:
             return self.linearised()
         return [self._profile(i, level) for i in range(len(self.se))]
+
+    def ends_at_bound(self, intervals: Sequence[Ends]) -> np.ndarray:
+        """Return which intervals (p,) a bound cuts off; not those of parameters at a bound."""
+        lower, upper = self.problem.lower, self.problem.upper
+        inside = [
+            ends is None or lower[i] < ends[0] and ends[1] < upper[i]
+            for i, ends in enumerate(intervals)
+        ]
+        return self.solution.free & ~np.array(inside)
 
     def _profile(self, i: int, level: float) -> Ends:
         if self.solution.free[i] and not np.isfinite(self.se[i]):

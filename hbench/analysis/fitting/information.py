@@ -3,10 +3,11 @@
     I = J'J / s^2,  C = I^-1                covariance of all parameters without bounds
     C_jj -> C_jj - (C g)_j^2 / (s^2 + g'Cg) with a further point, where friction's gradient is g
 
-A parameter is not determined if its 95 % interval is wider than its value and than a tenth of its
-typical size. Candidates for the further point are speeds from a tenth of the lowest to three times
-the highest, at the mean pressures, and pressures from zero to three times the highest, at the mean
-speed, as far as the bench reaches. The best candidate is reported.
+A parameter is not determined if the half-width of its 95 % interval exceeds a tenth of its typical
+size, and exceeds its value too or is cut off by a bound of the fit. Candidates for the further
+point are speeds from a tenth of the lowest to three times the highest, at the mean pressures, and
+pressures from zero to three times the highest, at the mean speed, as far as the bench reaches. The
+best candidate is reported.
 """
 
 from typing import NamedTuple
@@ -49,16 +50,19 @@ def covariance_of_all(info: Information) -> np.ndarray:
 
 
 def undetermined(
-    info: Information, factor: float, profiled: np.ndarray | None = None
+    info: Information,
+    factor: float,
+    profiled: np.ndarray | None = None,
+    ends_at_bound: np.ndarray | bool = False,
 ) -> np.ndarray:
     """Return which parameters (p,) bool have an interval too wide to be determined.
 
     ``factor`` is Student's; ``profiled`` (p,) are half-widths of the profile's intervals, which
-    include nonlinearity: the wider of the two counts.
+    include nonlinearity: the wider of the two counts. ``ends_at_bound`` (p,) as in ``too_wide``.
     """
     half = factor * np.sqrt(np.diag(covariance_of_all(info)))
     half = half if profiled is None else np.fmax(half, profiled)
-    return too_wide(half, info.x, info.scale)
+    return too_wide(half, info.x, info.scale, ends_at_bound)
 
 
 def identification_messages(info: Information, unknown: np.ndarray) -> list[str]:

@@ -74,12 +74,19 @@ def has_effect(jacobian: np.ndarray, size: np.ndarray) -> np.ndarray:
     return moved > ROUNDING * moved.max(initial=0.0)
 
 
-def too_wide(half_width: np.ndarray, values: np.ndarray, size: np.ndarray) -> np.ndarray:
+def too_wide(
+    half_width: np.ndarray,
+    values: np.ndarray,
+    size: np.ndarray,
+    ends_at_bound: np.ndarray | bool = False,
+) -> np.ndarray:
     """Return which intervals (p,) are too wide for their parameters to be determined.
 
-    They are wider than the value, and than a tenth of its typical ``size`` (p,), to either side.
+    Their half-width exceeds the value, or a bound of the fit cuts them off (``ends_at_bound``
+    (p,) bool), and it exceeds a tenth of the parameter's typical ``size`` (p,).
     """
-    return (half_width > np.abs(values)) & (half_width > _OF_SIZE * size)
+    too_far = (half_width > np.abs(values)) | ends_at_bound
+    return too_far & (half_width > _OF_SIZE * size)
 
 
 def fit_parameters(

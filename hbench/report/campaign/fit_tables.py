@@ -194,12 +194,13 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
 
 
 def _linearised(parameter: FitParameter, unit: str) -> str:
-    """Return the linearised interval where it alone is too wide; empty elsewhere."""
+    """Return the linearised interval where it alone exceeds the value; empty elsewhere."""
     low, high = parameter.ci95 or (math.nan, math.nan)
     ends = parameter.intervals.get("linearised")
     if not parameter.wide or ends is None or (high - low) / 2 > abs(parameter.value):
         return ""
-    return f"linearised ±{half_width(from_si((ends[1] - ends[0]) / 2, unit))}"
+    half = (ends[1] - ends[0]) / 2
+    return f"linearised ±{half_width(from_si(half, unit))}" if half > abs(parameter.value) else ""
 
 
 def _residual(fit: Fit) -> str:

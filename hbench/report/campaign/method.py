@@ -114,8 +114,9 @@ _NUMBERS = {
         for law in FRICTION_LAWS.values()
     },
     "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side. "
-    "A parameter is not determined if the half-width of its interval, linearised or by profile "
-    "(the wider counts), exceeds its value and a tenth of its typical size, or if it has none. "
+    "A parameter is not determined if it has no interval, or if the half-width of its interval, "
+    "linearised or by profile (the wider counts), exceeds a tenth of its typical size, and exceeds "
+    "its value too or is cut off by a bound of the fit. "
     "The two intervals differ where a law is nonlinear within them or a bound is near. Correlated "
     "parameters do not vary by themselves: covariances.csv contains their covariances.",
     "Which law predicts best": "Each speed but the lowest and the highest is held out in turn and "

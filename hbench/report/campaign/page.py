@@ -183,11 +183,12 @@ def _fits(results: Results) -> tuple[Section, ...]:
             subsections.append(part)
     if subsections:
         text = (
-            "Each value has its 95 % interval by profile likelihood. A parameter is not determined "
-            "where the half-width of its interval is larger than the value itself and than a tenth "
-            "of the parameter's typical size, or where the fit gives no interval. The linearised "
-            "interval has to pass too: where it alone is too wide, it is shown below the value. At "
-            "a bound the interval has one side, and the other parameters depend on the bound."
+            "Each value has its 95 % interval by profile likelihood. A parameter is determined "
+            "where the half-width of its interval is smaller than the value and no end of the "
+            "interval is a bound of the fit, such as 0 N for the Coulomb force; or else where the "
+            "half-width is below a tenth of the parameter's typical size. The linearised interval "
+            "has to pass too: where it alone is too wide, it is shown below the value. At a bound "
+            "the interval has one side, and the other parameters depend on the bound."
         )
         if any(determines_none(fit) for curve in steady for fit in curve.fits):
             text += (

@@ -32,8 +32,9 @@ _SUMMARY = (
     ("RMS error", "Root mean square of simulated less measured friction over the verification "
      "runs. The laws are in the order of the error in motion. At rest friction is the force that "
      "holds the piston, which laws of speed and pressure alone do not determine."),
-    ("Not determined", "The 95 % interval is wider than the value and than a tenth of its typical "
-     "size, or the value is at a bound of the fit. Other parameters may take its place."),
+    ("Not determined", "The half-width of the 95 % interval exceeds a tenth of the parameter's "
+     "typical size, and exceeds the value too or is cut off by a bound of the fit; or the value is "
+     "at a bound. Other parameters may take its place."),
 )  # fmt: skip
 _HELD_OUT = ("RMS error of friction", "Along the motion of runs left out of the fits.")
 _PARTS = (
