@@ -9,6 +9,7 @@ from hbench.records.numbers import Count, KindName
 Basis = Literal["trials", "one_trial", "extrapolated", "ramp", "breakaway"]
 Grade = Literal["good", "with care", "poor"]
 SIGNIFICANCE = 0.05  # level of the drift's test
+LARGE_DRIFT = 15.0  # change over a campaign, % of friction, that the data should exclude
 SEPARATED_VIF = 5.0  # largest variance inflation by speed of a plan that separates from it
 
 
@@ -91,6 +92,17 @@ class Drift:
     def significant(self) -> bool:
         """Whether friction drifts, at the 5 % level."""
         return self.p < SIGNIFICANCE
+
+    @property
+    def possible_percent(self) -> float:
+        """The farther end of the interval of the change, as a magnitude."""
+        return abs(self.change_percent) + self.change_percent_ci95
+
+    @property
+    def hidden(self) -> bool:
+        """Whether the plan mixes drift with speed, and the data does not exclude a large one."""
+        mixed = not self.separated and not self.significant
+        return mixed and self.possible_percent > LARGE_DRIFT
 
 
 @dataclass(frozen=True)

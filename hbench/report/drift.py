@@ -26,19 +26,32 @@ def drift_words(drift: Drift) -> str:
     text = f"{text}, not separated from speed by the order of the runs"
     if drift.significant:
         return text
-    most = number(abs(drift.change_percent) + drift.change_percent_ci95, 0)
-    return f"{text}: up to {most} % is possible"
+    return f"{text}: up to {number(drift.possible_percent, 0)} % is possible"
 
 
 def drift_finding(drift: Drift) -> str:
     """Return what the data shows of a drift, in one sentence without its full stop."""
     if not drift.significant:
-        most = number(abs(drift.change_percent) + drift.change_percent_ci95, 0)
+        most = number(drift.possible_percent, 0)
         text = f"A drift of up to {most} % over the campaign cannot be excluded"
         return text if drift.separated else f"{text}, and would appear as an effect of speed"
     change = with_interval(drift.change_percent, drift.change_percent_ci95)
     text = f"Friction changed by {change} % over the campaign"
     return text if drift.separated else f"{text}, which the order of the runs mixes with speed"
+
+
+def drift_reserve(drift: Drift | None) -> str:
+    """State a drift that U does not contain and that no check of the data grades; else empty.
+
+    That is a large one that cannot be excluded, or a significant one that is mixed with speed,
+    where only the order of the runs is known.
+    """
+    if drift is None or drift.basis != "order" or drift.separated:
+        return ""
+    if drift.hidden:
+        most = number(drift.possible_percent, 0)
+        return f"U does not contain a drift, and one of up to {most} % cannot be excluded."
+    return "U does not contain this drift." if drift.significant else ""
 
 
 def drift_with_oil(drift: Drift) -> str:
@@ -66,14 +79,17 @@ def drift_advice(drift: Drift) -> str:
             "friction, and the intervals of the points include the drift."
         )
     if drift.basis == "order":
-        return "The order of imported runs may be that of their files and not that in time."
+        return (
+            "U does not contain it. The order of imported runs may be that of their files and not "
+            "that in time. Measure the operating points of the next campaign in random order."
+        )
     repeat = "Repeat the campaign with order: random in the schedule."
     if drift.significant:
         return (
             "Differences between speeds contain the drift: fitted parameters such as the viscous "
             f"friction are biased, and their intervals do not include this. {repeat}"
         )
-    return f"A drift would appear as an effect of speed. {repeat}"
+    return f"A drift would appear as an effect of speed, and is not part of U. {repeat}"
 
 
 def drift_table(drift: Drift) -> Table:

@@ -80,6 +80,7 @@ def report(
     from hbench.report.campaign.page import report_document
     from hbench.report.campaign.reconciled import reconciled_section
     from hbench.report.conformity.decision_section import decision_section
+    from hbench.report.conformity.text import next_steps
     from hbench.report.render.document import Document, page
     from hbench.report.render.figures import figure_files
     from hbench.report.render.markdown import markdown
@@ -91,10 +92,11 @@ def report(
     reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
     name = printable(folder.resolve().name)
     decision = stored_decision(folder)
-    decided = None
+    checks, decided = stored_checks(folder), None
     if decision:
-        decided = decision_section(decision, stored_checks(folder), *stored_rule(folder))
-    document = report_document(results, drawings, reconciled, name, decided)
+        decided = decision_section(decision, checks, *stored_rule(folder))
+    steps = tuple(next_steps(checks))
+    document = report_document(results, drawings, reconciled, name, decided, steps)
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,
         "md": markdown,

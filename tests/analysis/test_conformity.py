@@ -11,7 +11,8 @@ from hbench.analysis.conformity.decision import decide, probability_of_conformit
 from hbench.config.conformity.limits import parse_limits
 from hbench.errors import ConfigError
 from hbench.records import Specimen
-from hbench.records.conformity.acceptance import Measurement, Requirement
+from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
+from hbench.report.conformity.decision_section import decision_section
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
 from tests.support import ROOT
@@ -236,3 +237,27 @@ def test_a_largest_uncertainty_belongs_to_shared_risk():
     for extra in ({"rule": "shared_risk"}, {"largest_uncertainty": "10 %"}):
         with pytest.raises(ConfigError):
             parse_limits({"limits": [limit], **extra}, "limits.yaml")
+
+
+def test_the_decision_states_how_much_larger_u_may_be_without_changing_it():
+    """The margin of 15 N is 2.5 times a U of 6 N; the other value is farther from its limit."""
+
+    def decided(u95, rule="guard_band", near=85.0):
+        measured = Measurement(near, u95), Measurement(50.0, 4.0)
+        return [
+            ConformityCheck(HIGHEST, each, 0.99, decide(HIGHEST, each, rule).decision)
+            for each in measured
+        ]
+
+    def words(decision, checks, rule="guard_band"):
+        return decision_section(decision, checks, rule).paragraphs[0]
+
+    assert "inside by 2.5 U, so a U up to 2.5 times as large would" in words("PASS", decided(6.0))
+    assert "inside by 2.5 U" in words("PASS", decided(15.0 / 2.58))  # down: 2.6 would not pass
+    assert [check.decision for check in decided(2.49 * 6.0)] == ["PASS", "PASS"]
+    assert [check.decision for check in decided(2.51 * 6.0)] == ["MARGINAL", "PASS"]
+    assert words("PASS", decided(6.0, "simple"), "simple").endswith("it is inside by 2.5 U.")
+    failed = words("FAIL", decided(6.0, near=109.0))
+    assert "farthest beyond its limit" in failed and failed.endswith("by 1.5 U.")
+    unknown = [ConformityCheck(HIGHEST, Measurement(85.0, None), None, "PASS")]
+    assert " U" not in words("PASS", unknown, "simple")

@@ -1,9 +1,18 @@
 """The drift in words: its size, its test, and what the plan means for the numbers."""
 
+from dataclasses import replace
+
 import pytest
 
 from hbench.records import Drift
-from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
+from hbench.report.campaign.page import report_document
+from hbench.report.drift import (
+    drift_advice,
+    drift_reserve,
+    drift_table,
+    drift_with_oil,
+    drift_words,
+)
 
 MEASURED = {
     "basis": "time",
@@ -59,6 +68,20 @@ def test_the_advice_is_a_random_order_where_the_plan_does_not_separate_drift_fro
     assert drift_advice(Drift(**MEASURED | {"p": 0.3})) == ""
     for p in (0.001, 0.3):
         assert "order: random" in drift_advice(Drift(**MEASURED | {"separated": False, "p": p}))
+
+
+def test_a_drift_that_u_does_not_contain_and_no_check_grades_is_a_reserve_of_the_verdict(small):
+    """Only the order of imported runs is known: −5 ± 24 % leaves 29 % possible."""
+    order = {"basis": "order", "separated": False, "p": 0.7}
+    wide = Drift(**MEASURED | order | {"change_percent": -5.0, "change_percent_ci95": 24.0})
+    words = "U does not contain a drift, and one of up to 29 % cannot be excluded."
+    assert drift_reserve(wide) == words
+    assert report_document(replace(small, drift=wide), ()).verdict.endswith(words)
+    assert drift_advice(wide).startswith("U does not contain it.")
+    assert drift_reserve(replace(wide, p=0.01)) == "U does not contain this drift."
+    for excluded in ({"change_percent_ci95": 9.0}, {"separated": True}, {"basis": "time"}):
+        assert drift_reserve(replace(wide, **excluded)) == ""
+    assert drift_reserve(None) == ""
 
 
 def test_the_table_has_the_estimate_in_its_own_unit():

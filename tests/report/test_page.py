@@ -27,7 +27,7 @@ from hbench.report.campaign.page import report_document
 from hbench.report.campaign.page_tables import budget_table, cause_table
 from hbench.report.campaign.quality import next_step, quality_table, quality_verdict
 from hbench.report.campaign.reasons import CAUSES
-from hbench.report.render.document import anchor
+from hbench.report.render.document import Section, anchor
 from hbench.report.render.document import page as page_of
 from hbench.report.render.numbers import (
     force,
@@ -297,6 +297,33 @@ def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small)
         summary = report_document(results, ()).sections[0]
         steps.append(dict(summary.facts).get("Next step", ""))
     assert steps[0] == "" and steps[1].startswith("Make more trials of each point")
+
+
+def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_into_account(small):
+    """U contains the tolerances and the scatter of the trials, but no hidden drift."""
+    section = Section("Decision", ("Decision: PASS.",))
+
+    def made(*names, steps=()):
+        checks = tuple(
+            replace(check, grade="with care" if check.name in names else "good", value=19.0)
+            for check in small.quality.checks
+        )
+        quality = replace(small.quality, grade="with care", checks=checks)
+        document = report_document(
+            replace(small, quality=quality), (), decision=section, steps=steps
+        )
+        return document.verdict, dict(document.sections[0].facts)["Next step"]
+
+    verdict, step = made("instruments")
+    assert verdict.startswith("Decision: PASS.")
+    assert verdict.endswith("U contains this, so the decision takes it into account.")
+    assert step.startswith("None for the decision; for a smaller U, calibrate the sensors")
+    verdict, step = made("instruments", "trials_per_point")
+    assert "takes only the part of this into account that U contains" in verdict
+    assert step.startswith("Make at least three trials")
+    assert made("trials_per_point")[0].endswith("The decision does not take this into account.")
+    assert made("instruments", steps=("FAIL: repeat it",))[1].startswith("FAIL: repeat it. Calib")
+    assert "the decision takes" not in report_document(small, ()).verdict
 
 
 def test_tolerances_are_stated_in_the_bench_file_or_else_in_the_map_of_an_import(small):

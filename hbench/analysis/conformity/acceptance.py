@@ -102,13 +102,9 @@ def _goodness(check: ConformityCheck) -> tuple[bool, float, float]:
     """Return what is smaller for the worse of two checks of one requirement."""
     measured, requirement = check.measurement, check.requirement
     assert measured is not None
-    margins = [
-        sign * (limit - measured.value)
-        for sign, limit in ((-1.0, requirement.low), (1.0, requirement.high))
-        if limit is not None
-    ]
     known = 1.0 if check.probability is None else check.probability
-    return check.decision not in ("FAIL", "NOT TESTED"), known, min(margins)
+    inside = requirement.margin(measured.value)
+    return check.decision not in ("FAIL", "NOT TESTED"), known, inside
 
 
 def _series(measured: Measurement) -> tuple:

@@ -36,7 +36,7 @@ def decide(
 ) -> Decision:
     """Return the decision on a measured value; ``largest_uncertainty`` is a share of the limit."""
     probability = probability_of_conformity(requirement, measured)
-    inside = _margin(requirement, measured.value)
+    inside = requirement.margin(measured.value)
     if rule == "simple":
         return Decision("PASS" if inside >= 0 else "FAIL", probability)
     if measured.u95 is None:
@@ -67,13 +67,3 @@ def probability_of_conformity(requirement: Requirement, measured: Measurement) -
     u = measured.u95 / student_factor(dof)
     below, above = (stdtr(dof, (limit - measured.value) / u) for limit in (low, high))
     return float(above - below)
-
-
-def _margin(requirement: Requirement, value: float) -> float:
-    """Return the distance from the nearest limit, positive inside."""
-    margins = []
-    if requirement.low is not None:
-        margins.append(value - requirement.low)
-    if requirement.high is not None:
-        margins.append(requirement.high - value)
-    return min(margins)

@@ -70,13 +70,13 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         if abs(n - 1.0) > half:
             found = _solved(_matrix(holds, n, p_0), moved, number, runs, bench)
             exponent, exponent_ci95 = n, half
-    coefficients, messages, rounded = [], [], []
+    coefficients, messages, rounded, none = [], [], [], []
     for i, name in enumerate(LEAK_NAMES):
         value, se, half = float(found.value[i]), float(found.se[i]), float(found.half[i])
         known = not found.unknown[i] and np.isfinite(half)
         interval = (value - half, value + half) if known else None
-        if known and value < 0:
-            messages.append(f"{name} is negative: no leak detected")
+        if known and value <= half:
+            none.append(name)
         if known and found.by_rounding[i]:
             rounded.append(name)
         coefficients.append(
@@ -84,9 +84,10 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
                 name, None if found.unknown[i] else value, se if known else None, interval
             )
         )
+    if none:
+        messages.append(f"not significant at the 95 % level: {_listed(none)}")
     if rounded:
-        which = ", ".join(rounded)
-        messages.append(f"the interval is that of a drift by one converter code: {which}")
+        messages.append(f"interval of a drift by one converter code: {_listed(rounded)}")
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(
@@ -115,6 +116,10 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         exponent_ci95=exponent_ci95,
         reference_pa=p_0,
     )
+
+
+def _listed(names: Sequence[str]) -> str:
+    return "all leaks" if len(names) == len(LEAK_NAMES) else ", ".join(names)
 
 
 class _Solution(NamedTuple):

@@ -54,10 +54,10 @@ from hbench.records import (
     ScreenedRun,
 )
 from hbench.records.numbers import NORMAL_95
-from hbench.records.summary import SEPARATED_VIF
+from hbench.records.summary import LARGE_DRIFT, SEPARATED_VIF
 
 LARGEST_SHARE = 0.25  # of a plan that separates drift from speed
-_GOOD, _POOR = 5.0, 15.0  # change over the campaign, % of friction; as for repeatability
+_GOOD = 5.0  # change over the campaign, % of friction; as for repeatability, as is LARGE_DRIFT
 _LEAST_DOF = 2
 _HOUR_S = 3600.0
 
@@ -254,13 +254,12 @@ def drift_checks(drift: Drift | None) -> tuple[QualityCheck, ...]:
     if drift is None:
         return ()
     size = abs(drift.change_percent)
-    hidden = not drift.separated and size + drift.change_percent_ci95 > _POOR
-    if not drift.significant and hidden and drift.basis == "order":
+    if drift.hidden and drift.basis == "order":
         return ()
-    poor = drift.significant and not drift.separated and size > _POOR
-    care = size > _GOOD if drift.significant else hidden
+    poor = drift.significant and not drift.separated and size > LARGE_DRIFT
+    care = size > _GOOD if drift.significant else drift.hidden
     grade: Grade = "poor" if poor else "with care" if care else "good"
-    return (QualityCheck("drift", grade, size, "%", _GOOD, _POOR, drift=drift),)
+    return (QualityCheck("drift", grade, size, "%", _GOOD, LARGE_DRIFT, drift=drift),)
 
 
 def _trials(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunClock) -> _Trials:

@@ -1,5 +1,6 @@
 """Conformity of a cylinder with limits. All quantities are SI."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -38,6 +39,12 @@ class Requirement:
             return (self.high - self.low) / 2
         return abs(self.low or self.high or 0.0)
 
+    def margin(self, value: float) -> float:
+        """Return the distance of a value from the nearest limit, positive inside."""
+        low = math.inf if self.low is None else value - self.low
+        high = math.inf if self.high is None else self.high - value
+        return min(low, high)
+
     @property
     def is_pressure(self) -> bool:
         """Whether a force is limited as the pressure on the driving area."""
@@ -69,6 +76,14 @@ class ConformityCheck:
     probability: float | None  # of conformity; None where the uncertainty is not known
     decision: Conformity
     reason: str = ""  # why not tested
+
+    @property
+    def margin_in_u(self) -> float | None:
+        """Distance of the value from the nearest limit in multiples of U, positive inside."""
+        measured = self.measurement
+        if measured is None or not measured.u95:
+            return None
+        return self.requirement.margin(measured.value) / measured.u95
 
     @property
     def at_worst_speed(self) -> bool:

@@ -16,10 +16,11 @@ from hbench.report.campaign.fit_tables import (
 )
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
-from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.quality import decision_reserve, quality_verdict
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
 from hbench.report.campaign.summary import headline_words, summary_section
+from hbench.report.drift import drift_reserve
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
@@ -78,11 +79,13 @@ def report_document(
     more: tuple[Section, ...] = (),
     folder: str = "",
     decision: Section | None = None,
+    steps: tuple[str, ...] = (),
 ) -> Document:
     """Return the report, with the sections ``more`` before the rejected runs.
 
     ``folder`` is the name of the campaign's folder, which distinguishes campaigns of one schedule.
-    ``decision`` is the section of an acceptance; its first paragraph begins the verdict.
+    ``decision`` is the section of an acceptance; its first paragraph begins the verdict. ``steps``
+    are the next steps after it.
     """
     label, results = common_label(results), without_common_label(results)
     figures: dict[str, tuple[Drawing, ...]] = {}
@@ -95,7 +98,7 @@ def report_document(
     day = imported + provenance.started[:10]
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
     sections = (
-        summary_section(results),
+        summary_section(results, steps if decision else None),
         *((decision,) if decision else ()),
         _friction(results, figures.get("friction", ())),
         *_fits(results),
@@ -121,6 +124,8 @@ def report_document(
                     *(decision.paragraphs if decision else ()),
                     headline_words(results),
                     quality_verdict(results.quality, not alarm),
+                    decision_reserve(results.quality) if decision else "",
+                    drift_reserve(results.drift),
                 ),
             )
         ),

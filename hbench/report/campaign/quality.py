@@ -66,13 +66,20 @@ def quality_count(quality: Quality) -> str:
     return f"{good} of {len(quality.checks)} checks {'is' if good == 1 else 'are'} good"
 
 
-def next_step(quality: Quality, parts: str, aborted: bool = False, imported: bool = False) -> str:
+def next_step(
+    quality: Quality,
+    parts: str,
+    aborted: bool = False,
+    imported: bool = False,
+    decided: Sequence[str] | None = None,
+) -> str:
     """Return what improves the worst checks; empty if all are good.
 
     ``parts`` names the largest parts of the uncertainty and their table, as far as known. An
     ``aborted`` campaign is continued first, which makes its missing runs and trials; --resume
     refuses another bench file or schedule, so what changes them comes afterwards. The tolerances
-    of an ``imported`` campaign are stated in its map.
+    of an ``imported`` campaign are stated in its map. The steps after an acceptance, ``decided``,
+    come first: none after PASS.
     """
     missing = ("complete", "trials_per_point") if aborted else ()
     file = "map, then import again" if imported else "bench file"
@@ -80,13 +87,41 @@ def next_step(quality: Quality, parts: str, aborted: bool = False, imported: boo
         missing = (*missing, "complete")  # no run is missing, but trials are
     steps = [
         _STEPS[check.name].format(parts=f" ({parts})" if parts else "", file=file)
-        for check in quality.checks
-        if check.grade == quality.grade != "good" and check.name not in missing
+        for check in _worst(quality)
+        if check.grade != "good" and check.name not in missing
     ]
     if aborted:
         first = [f"before the next campaign, {step}" for step in steps[:1]]
         steps = [_CONTINUE, *first, *steps[1:]]
-    return " ".join(f"{capital(step)}." for step in steps)
+    elif decided == () and all(map(_is_in_u, _worst(quality))):
+        steps = [f"none for the decision; for a smaller U, {step}" for step in steps]
+    return " ".join(f"{capital(step)}." for step in (*(decided or ()), *steps))
+
+
+def decision_reserve(quality: Quality) -> str:
+    """State whether a decision takes a reservation on the data into account; empty without."""
+    worst = _worst(quality)
+    if quality.grade == "good" or not worst:
+        return ""
+    count = sum(map(_is_in_u, worst))
+    if count == len(worst):
+        return "U contains this, so the decision takes it into account."
+    if count:
+        return "The decision takes only the part of this into account that U contains."
+    return "The decision does not take this into account."
+
+
+def _worst(quality: Quality) -> list[QualityCheck]:
+    return [check for check in quality.checks if check.grade == quality.grade]
+
+
+def _is_in_u(check: QualityCheck) -> bool:
+    """Return whether U contains what a check grades."""
+    if check.name == "instruments":
+        return check.value is not None
+    if check.drift is not None:
+        return check.drift.separated
+    return check.name == "repeatability"
 
 
 def quality_table(quality: Quality) -> Table:
@@ -132,7 +167,7 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     Without ``count_runs`` it is not, where a page's alarm counts the completed runs and states
     that the numbers are theirs.
     """
-    worst = [check for check in quality.checks if check.grade == quality.grade]
+    worst = _worst(quality)
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
     other = "completed runs" if quality.completeness.not_completed else "other points"
     named = [c for c in worst if not (incomplete and _is_without_trial(c))]  # not twice
@@ -196,7 +231,7 @@ def _contradictions(points: Sequence[ImplausiblePoint]) -> str:
 
 def grade_words(quality: Quality) -> str:
     """Write the grade of the data, and what the worst checks found."""
-    worst = [_reason(check) for check in quality.checks if check.grade == quality.grade]
+    worst = map(_reason, _worst(quality))
     return f"data rated '{quality.grade}'; {'; '.join(worst)}"
 
 

@@ -36,13 +36,15 @@ def identity_facts(results: Results, label: str = "") -> tuple[tuple[str, str], 
     specimens = {run.run.plan.specimen for run in results.runs if run.accepted}
     if not sizes and len(specimens) == 1:
         sizes = _dimensions(next(iter(specimens)))
+    where = "hbench run --specimen"
     bench, when = provenance.bench, {"Measured": _period(provenance.started, provenance.stopped)}
     if provenance.source == "imported":
         bench = f"{bench} (name in the map of the import)"
+        where = "specimen.serial in the map"
         measured = test.get("date", "") or "date not recorded (test.date in the map)"
         when = {"Measured": measured, "Imported": _time(provenance.started)}
     facts = {
-        "Cylinder": specimen.get("serial", "") or "no serial number recorded",
+        "Cylinder": specimen.get("serial", "") or f"no serial number recorded ({where})",
         "Dimensions": sizes,
         **{_name(name): specimen.get(name, "") for name in ("maker", "order", "seals", "wear")},
         "Label of the runs": label,

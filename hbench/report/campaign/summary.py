@@ -45,7 +45,11 @@ _EFFICIENCY = (
     "F_T = F_applied + friction is the pressure force of the test cylinder; friction counts "
     "as negative when it retracts."
 )
-_LOAD = "F_applied differs from the set load F_L by the friction of the load cylinder."
+_LOAD = (
+    "The set load F_L is the pressure force of the load cylinder. The load cell measures "
+    "F_applied, which differs from F_L by the friction of the load cylinder, also at a set load "
+    "of 0 N."
+)
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -56,8 +60,11 @@ _FLAGS = {
 }
 
 
-def summary_section(results: Results) -> Section:
-    """Return tiles, a row for each direction and load, and the checks of the data."""
+def summary_section(results: Results, decided: Sequence[str] | None = None) -> Section:
+    """Return tiles, a row for each direction and load, and the checks of the data.
+
+    ``decided`` are the next steps after an acceptance, if there was one.
+    """
     series = results.headline.series
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
@@ -78,6 +85,7 @@ def summary_section(results: Results) -> Section:
                 _largest(results, parts),
                 bool(aborted_words(results)),
                 results.provenance.source == "imported",
+                decided,
             ),
         ),
         ("Uncertainty", _uncertainty(series, parts)),
