@@ -67,8 +67,10 @@ _MODULES = {
         "CampaignDifferences",
         "CurveDifference",
         "Difference",
+        "DriftEffect",
         "FitDifference",
         "FrictionDifference",
+        "MeanOfCurves",
     ),
     "fleet": (
         "CYLINDER",

@@ -54,6 +54,28 @@ class FitDifference:
 
 
 @dataclass(frozen=True)
+class DriftEffect:
+    """Part of a difference of mean friction that the campaigns' own drifts account for."""
+
+    value_n: float
+    ci95_n: float  # half-width of its 95 % interval
+
+    @property
+    def largest_n(self) -> float:
+        """The farther end of the interval, as a magnitude."""
+        return abs(self.value_n) + self.ci95_n
+
+
+@dataclass(frozen=True)
+class MeanOfCurves:
+    """Mean of the differences of mean friction of all steady curves; equal weights."""
+
+    value_n: float
+    half_n: float  # largest half-width: the mean of those of the curves
+    drift_n: DriftEffect
+
+
+@dataclass(frozen=True)
 class CurveDifference:
     """Two curves of the same kind, direction and load."""
 
@@ -63,6 +85,7 @@ class CurveDifference:
     mean_n: Difference | None  # of |F| over these speeds
     efficiency: Difference | None  # of the mean over the speeds where both have one
     parameters: tuple[FitDifference, ...]
+    drift_n: DriftEffect | None = None  # of mean_n; None where a campaign's drift is not known
 
     @property
     def direction(self) -> Direction:
@@ -105,3 +128,4 @@ class CampaignDifferences:
     bands: tuple[BandDifference, ...] = ()
     band_trends: tuple[BandTrendDifference, ...] = ()
     oil_temperatures: tuple[OilTemperature | None, OilTemperature | None] = (None, None)  # A, B
+    mean_of_curves: MeanOfCurves | None = None  # None with one steady curve, or an unknown drift

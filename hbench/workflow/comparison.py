@@ -5,6 +5,8 @@ from pathlib import Path
 from hbench.analysis.comparison import matching
 from hbench.analysis.comparison.band_differences import band_differences, trend_differences
 from hbench.analysis.comparison.differences import campaign_differences
+from hbench.analysis.comparison.drift_effects import with_drift_effects
+from hbench.analysis.summary.drift import RunClock
 from hbench.errors import DataError
 from hbench.records import CampaignDifferences
 from hbench.report.comparison.figures import draw_differences
@@ -48,6 +50,11 @@ def compare(
     both = results_a, results_b
     tolerance = matching.speed_tolerance(*both) if speed_tolerance is None else speed_tolerance
     curves, notes = campaign_differences(*both, instruments, same_instruments, tolerance)
+    clocks = (
+        RunClock.of(results_a.runs, campaign_a.start_times_s()),
+        RunClock.of(results_b.runs, campaign_b.start_times_s()),
+    )
+    curves, mean_of_curves = with_drift_effects(curves, both, clocks, tolerance)
     bands = band_differences(*both, instruments, same_instruments, tolerance)
     if not curves:
         raise DataError(
@@ -65,6 +72,7 @@ def compare(
         bands,
         trend_differences(*both, bands, instruments, same_instruments),
         (results_a.oil_temperature, results_b.oil_temperature),
+        mean_of_curves,
     )
 
 

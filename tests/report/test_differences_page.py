@@ -12,7 +12,9 @@ from hbench.records import (
     CurveDifference,
     Difference,
     Drift,
+    DriftEffect,
     FrictionDifference,
+    MeanOfCurves,
     OilTemperature,
     QualityCheck,
 )
@@ -159,16 +161,57 @@ def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
 
     hidden = (
         "These runs do not show whether this comes from the cylinders or from a drift: a drift of "
-        "up to 52 % within a campaign is possible and is not part of U. Measure A again after B"
+        "up to 52 % within a campaign is possible and is not part of U. To compare single curves, "
+        "measure both again with order: random in the schedule."
     )
     assert hidden in text(drift)
     found_drift = "from a drift: friction drifted, and the order of the runs mixes this with speed."
     assert found_drift in text(replace(drift, p=0.001))
-    assert "Measure A again" not in text(replace(drift, separated=True))
+    assert "order: random" not in text(replace(drift, separated=True))
     (one,) = found.curves
     none = replace(one, mean_n=replace(one.mean_n, p_holm=0.3))
     found = replace(found, curves=(none,))
     assert "A drift may hide a difference: a drift of up to 52 %" in text(drift)
+
+
+def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_stated(found):
+    """40 ± 8 N: significant with a drift of 20 ± 11 N or less, and not with one of 20 ± 13 N."""
+    drift = Drift(
+        "time", "relative", 0.001, 0.5, -2.0, 50.0, None, None, None, 0.9, 6, 18, 72.0, 1.0, False
+    )
+    check = QualityCheck("drift", "with care", 2.0, "%", 5.0, 15.0, drift=drift)
+    quality = replace(found.qualities[0], checks=(check,))
+
+    def text(half_n, mean=None, p_holm=1e-6):
+        (one,) = found.curves
+        one = replace(
+            one,
+            drift_n=DriftEffect(-20.0, half_n),
+            mean_n=replace(one.mean_n, p_holm=p_holm),
+        )
+        return differences_text(
+            replace(found, qualities=(quality, quality), curves=(one, one), mean_of_curves=mean)
+        )
+
+    small = text(11.0)
+    assert "up to 31 N of the difference of a curve and is not part of U; the differences are" in (
+        small
+    )
+    assert "52 % within" not in small and "order: random" not in small
+    large = text(13.0)
+    assert "The order of the runs mixes the cylinders with a drift, which may account for up" in (
+        large
+    )
+    assert "To compare single curves, measure both again with order: random" in large
+    assert "A drift may hide a difference: it may account for up to 33 N" in text(13.0, p_holm=0.4)
+    over = text(13.0, MeanOfCurves(40.0, 8.0, DriftEffect(0.0, 1e-9)))
+    assert (
+        "In the mean over all 2 curves a linear drift cancels; there, friction of B is 40 N higher "
+        "(U at most 8.0 N). To compare" in over
+    )
+    hidden = text(13.0, MeanOfCurves(-10.0, 8.0, DriftEffect(1.0, 2.0)))
+    assert "a linear drift is at most 3.0 N; there, friction of B is 10 N lower" in hidden
+    assert "(U at most 8.0 N), which is not significant." in hidden
 
 
 def test_the_page_states_the_oil_temperature_of_both_or_that_it_was_not_measured(found):

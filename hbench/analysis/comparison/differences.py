@@ -136,9 +136,7 @@ def _curves(
     same: bool,
     tolerance: float,
 ) -> CurveDifference:
-    speeds = [abs(point.v_m_s) for point in a.points]
-    weights = [({i: 1.0}, _weights(speed, b, tolerance)) for i, speed in enumerate(speeds)]
-    weights = [(weights_a, weights_b) for weights_a, weights_b in weights if weights_b]
+    weights = _paired(a, b, tolerance)
     points = tuple(
         FrictionDifference(
             v_m_s=a.points[next(iter(weights_a))].v_m_s,
@@ -147,7 +145,7 @@ def _curves(
         )
         for weights_a, weights_b in weights
     )
-    means = tuple(_mean_weights([pair[side] for pair in weights]) for side in (0, 1))
+    means = mean_weights(a, b, tolerance)
     return CurveDifference(
         a=a,
         b=b,
@@ -156,6 +154,20 @@ def _curves(
         efficiency=None,
         parameters=tuple(_parameters(a, b)),
     )
+
+
+def _paired(a: Curve, b: Curve, tolerance: float) -> list[tuple[Weights, Weights]]:
+    """Return the weights of A's and B's points at each speed of A that B has too."""
+    speeds = [abs(point.v_m_s) for point in a.points]
+    weights = [({i: 1.0}, _weights(speed, b, tolerance)) for i, speed in enumerate(speeds)]
+    return [(weights_a, weights_b) for weights_a, weights_b in weights if weights_b]
+
+
+def mean_weights(a: Curve, b: Curve, tolerance: float) -> tuple[Weights, Weights]:
+    """Return the weights of A's and of B's points in the means over the speeds of both."""
+    pairs = _paired(a, b, tolerance)
+    of_a, of_b = (_mean_weights([pair[side] for pair in pairs]) for side in (0, 1))
+    return of_a, of_b
 
 
 def _weights(speed: float, curve: Curve, tolerance: float) -> Weights:

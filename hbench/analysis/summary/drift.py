@@ -32,7 +32,7 @@ described by its mean rate, and friction that wanders slowly appears as drift to
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from statistics import fmean
 
@@ -168,18 +168,17 @@ def with_drift(
     Where only the order of the runs is known, which may be that of file names, a drift that is not
     separated from speed adds nothing: it would be extrapolated from neighbours to a whole campaign.
     """
-    times = [clock.of_point(point) for curve in curves for point in curve.points]
-    if drift is None or not drift.significant or not times:
+    if drift is None or not drift.significant or not any(curve.points for curve in curves):
         return tuple(curves)
     if drift.basis == "order" and not drift.separated:
         return tuple(curves)
-    middle, span = fmean(times), _span(curves, clock)
+    place = campaign_place(curves, clock)
     se = drift.change_ci95 / student_factor(drift.trials - drift.points - 1)
     per_span = float(np.hypot(drift.change, se))
 
     def deviation(point: CurvePoint) -> float:
         scale_n = abs(point.friction_n) if drift.scale == "relative" else 1.0
-        return (clock.of_point(point) - middle) / span * per_span * scale_n
+        return place(point) * per_span * scale_n
 
     def widened(curve: Curve) -> Curve:
         deviations = [deviation(point) for point in curve.points]
@@ -188,6 +187,14 @@ def with_drift(
         return replace(curve, points=tuple(points), fits=tuple(fits))
 
     return tuple(map(widened, curves))
+
+
+def campaign_place(curves: Iterable[Curve], clock: RunClock) -> Callable[[CurvePoint], float]:
+    """Return the function (t_i - t) / span of a point: its place about the campaign's mean time."""
+    curves = tuple(curves)
+    middle = fmean(clock.of_point(point) for curve in curves for point in curve.points)
+    span = _span(curves, clock)
+    return lambda point: (clock.of_point(point) - middle) / span
 
 
 def efficiency_with_drift(

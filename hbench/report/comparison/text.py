@@ -115,6 +115,7 @@ def differences_json(differences: CampaignDifferences) -> str:
                 "label_b": curve.b.label,
                 "friction_n": numbers(curve.mean_n),
                 "efficiency": numbers(curve.efficiency),
+                "drift_n": curve.drift_n and asdict(curve.drift_n),
                 "points": [
                     {
                         "v_m_s": point.v_m_s,
@@ -130,6 +131,7 @@ def differences_json(differences: CampaignDifferences) -> str:
             }
             for curve in differences.curves
         ],
+        "mean_of_curves": differences.mean_of_curves and asdict(differences.mean_of_curves),
         **bands_document(differences),
         "notes": differences.notes,
     }
@@ -290,6 +292,11 @@ _METHOD = (
      "speeds of B. Steady runs count as independent, although drift may link those of a pass. The "
      "points of a ramp or of steps come from the same strokes, so each trial counts once, with its "
      "mean."),
+    ("Drift", "A drift is a straight line over the time of a campaign, estimated from trials of "
+     "the same point at different times. It changes the mean of a curve by its rate times the time "
+     "between the curve and the middle of the campaign. Where both campaigns have the same order "
+     "of runs, only the difference of their drifts counts; in the mean over all curves a drift "
+     "cancels within each campaign. comparison.json contains the part of each difference."),
 )  # fmt: skip
 _BANDS = (
     "Compared at equal loads, or at pressures within 5 %. Half bands, middles and energies are "

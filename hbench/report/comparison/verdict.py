@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from hbench.records import CampaignDifferences, Difference
+from hbench.records import CampaignDifferences, Difference, Drift
 from hbench.report.campaign.quality import missing_words
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
@@ -16,8 +16,9 @@ from hbench.report.render.numbers import (
     with_interval,
 )
 
+_NOTHING = 0.01  # of U: a smaller drift is not quoted
 _FEW = 2  # curves that the verdict lists
-_CONFIRM = "Measure A again after B to see whether A repeats its friction."
+_REMEDY = "To compare single curves, measure both again with order: random in the schedule."
 
 
 def alarm(differences: CampaignDifferences) -> str:
@@ -57,17 +58,58 @@ def _drift(differences: CampaignDifferences) -> str:
     ]
     if not mixed:
         return ""
+    in_u = any(drift.significant for drift in mixed)
+    effects = [each.drift_n for each in differences.curves if each.drift_n is not None]
+    if not effects:
+        return f"{_unknown_part(differences, mixed)} {_REMEDY}"
+    largest = f"{significant(max(each.largest_n for each in effects), 2)} N"
+    part = f"may account for up to {largest} of the difference of a curve"
+    part += "" if in_u else " and is not part of U"
+    if not any_significant(differences):
+        return f"A drift may hide a difference: it {part}. {_REMEDY}"
+    if _all_beyond_drift(differences):
+        return f"A drift {part}; the differences are larger."
+    words = f"The order of the runs mixes the cylinders with a drift, which {part}."
+    return f"{words} {_over_curves(differences)} {_REMEDY}"
+
+
+def _unknown_part(differences: CampaignDifferences, mixed: Sequence[Drift]) -> str:
+    """State a drift whose part of the differences is not known."""
     if any_significant(differences):
         what = "These runs do not show whether this comes from the cylinders or from a drift"
     else:
         what = "A drift may hide a difference"
     if any(drift.significant for drift in mixed):
-        why = "friction drifted, and the order of the runs mixes this with speed"
-    else:
-        most = max(abs(drift.change_percent) + drift.change_percent_ci95 for drift in mixed)
-        why = f"a drift of up to {number(most, 0)} % within a campaign is possible and is not part"
-        why += " of U"
-    return f"{what}: {why}. {_CONFIRM}"
+        return f"{what}: friction drifted, and the order of the runs mixes this with speed."
+    most = number(max(drift.possible_percent for drift in mixed), 0)
+    return f"{what}: a drift of up to {most} % within a campaign is possible and is not part of U."
+
+
+def _all_beyond_drift(differences: CampaignDifferences) -> bool:
+    """Return whether each significant difference exceeds its uncertainty and its drift together."""
+    return all(
+        curve.drift_n is not None
+        and abs(curve.mean_n.value) > (curve.mean_n.u95 or 0.0) + curve.drift_n.largest_n
+        for curve in differences.curves
+        if curve.mean_n is not None and curve.mean_n.real
+    )
+
+
+def _over_curves(differences: CampaignDifferences) -> str:
+    """State the difference over all curves, in which a drift cancels; or that it shows none."""
+    mean = differences.mean_of_curves
+    if mean is None:
+        return ""
+    way = "higher" if mean.value_n > 0 else "lower"
+    count = sum(each.drift_n is not None for each in differences.curves)
+    most = mean.drift_n.largest_n
+    drift = "cancels" if most < _NOTHING * mean.half_n else f"is at most {half_width(most)} N"
+    words = (
+        f"In the mean over all {count} curves a linear drift {drift}; there, friction of B is "
+        f"{significant(abs(mean.value_n), 2)} N {way} (U at most {half_width(mean.half_n)} N)"
+    )
+    beyond = abs(mean.value_n) > mean.half_n + most
+    return f"{words}." if beyond else f"{words}, which is not significant."
 
 
 def any_significant(differences: CampaignDifferences) -> bool:

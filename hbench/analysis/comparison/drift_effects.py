@@ -1,0 +1,85 @@
+"""Part of a difference of mean friction that the campaigns' own drifts account for.
+
+A drift is a straight line over a campaign's time, with the change D from its first run to its last.
+The point i of a campaign, measured at the time t_i, deviates from its friction at the campaign's
+mean time t by s_i D F_i, with s_i = (t_i - t) / span, and F_i = 1 for a drift in N. In a difference
+of means with the weights w_i, summed over the curves,
+
+    c = sum_i w_i s_i F_i,   e = c_B D_B - c_A D_A,   h^2 = (c_B h_B)^2 + (c_A h_A)^2
+
+h being half-widths of 95 % intervals; the two estimates are independent. If both campaigns have the
+same order of runs, c_A = c_B nearly, and a drift common to both cancels. Over all curves the sum of
+s_i is zero, so that a drift cancels within each campaign.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import hypot
+from statistics import fmean
+
+from hbench.analysis.comparison.differences import Weights, mean_weights
+from hbench.analysis.summary.drift import RunClock, campaign_place
+from hbench.records import (
+    KINDS,
+    Curve,
+    CurveDifference,
+    Drift,
+    DriftEffect,
+    MeanOfCurves,
+    Results,
+)
+
+Sides = Sequence[tuple[Curve, Weights]]  # a curve of one campaign, and its points' weights
+
+
+def with_drift_effects(
+    curves: Sequence[CurveDifference],
+    results: tuple[Results, Results],
+    clocks: tuple[RunClock, RunClock],
+    tolerance: float,
+) -> tuple[tuple[CurveDifference, ...], MeanOfCurves | None]:
+    """Return the steady curves' differences with their ``drift_n``, and the mean of these curves.
+
+    ``results`` and ``clocks`` are those of A and B, ``tolerance`` as in ``campaign_differences``.
+    Unchanged where the drift of a campaign is not known.
+    """
+    steady = [curve for curve in curves if _is_steady(curve.a) and curve.mean_n is not None]
+    drift_a, drift_b = (each.drift for each in results)
+    if drift_a is None or drift_b is None or not steady:
+        return tuple(curves), None
+    places = [
+        campaign_place(filter(_is_steady, each.curves), clock)
+        for each, clock in zip(results, clocks, strict=True)
+    ]
+
+    def coefficient(side: int, drift: Drift, members: Sequence[CurveDifference]) -> float:
+        total = 0.0
+        for member in members:
+            curve = (member.a, member.b)[side]
+            for i, weight in mean_weights(member.a, member.b, tolerance)[side].items():
+                point = curve.points[i]
+                force = abs(point.friction_n) if drift.scale == "relative" else 1.0
+                total += weight * places[side](point) * force / len(members)
+        return total
+
+    def effect(members: Sequence[CurveDifference]) -> DriftEffect:
+        c_a, c_b = coefficient(0, drift_a, members), coefficient(1, drift_b, members)
+        value = c_b * drift_b.change - c_a * drift_a.change
+        return DriftEffect(value, hypot(c_b * drift_b.change_ci95, c_a * drift_a.change_ci95))
+
+    changed = tuple(
+        replace(curve, drift_n=effect([curve])) if curve in steady else curve for curve in curves
+    )
+    if len(steady) < 2:
+        return changed, None
+    means = [curve.mean_n for curve in steady if curve.mean_n is not None]
+    halves = [mean.ci95 if mean.u95 is None else mean.u95 for mean in means]
+    known = [half for half in halves if half is not None]
+    if len(known) < len(means):
+        return changed, None
+    value = fmean(mean.value for mean in means)
+    return changed, MeanOfCurves(value, fmean(known), effect(steady))
+
+
+def _is_steady(curve: Curve) -> bool:
+    return KINDS[curve.kind].has_constant_speed
