@@ -9,11 +9,13 @@ import pytest
 from hbench.records import (
     Fit,
     FitParameter,
+    Followed,
     Identification,
     IdentifiedLaw,
     LawsAlongCurve,
     ModelErrors,
     Provenance,
+    Trace,
 )
 from hbench.records.identification import PARTS
 from hbench.report.identification.page import identification_page
@@ -49,7 +51,9 @@ def verdict(found):
 def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, names):
     found = identified(law("tustin", 150.0), law("lugre", 10.0), law("leuven", other_n))
     assert verdict(found).startswith(f"{names} friction in motion best, by RMS error.")
-    assert verdict(found).endswith("Next step: simulate with hbench run --plant lugre.yaml.")
+    assert "Next step: simulate with hbench run --plant lugre.yaml." in verdict(found)
+    same = "Its error and its number of undetermined parameters are those of leuven.yaml too."
+    assert verdict(found).endswith(same) is ("Leuven" in names)
 
 
 def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_beside_it():
@@ -72,10 +76,17 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     unknown = FitParameter(37.0, None, None, None, "N")
     lugre = law("lugre", 10.0, {"sigma1_n_s_m": bound})
     leuven = law("leuven", 9.9, {"theta_1_n": unknown, "theta_2_n": unknown})
-    assert verdict(identified(leuven, lugre)).endswith(
-        "hbench run --plant lugre.yaml. These runs do not determine its bristle damping "
-        "σ1 (at its lower bound): use it only for motions like these."
+    found = identified(leuven, lugre)
+    assert verdict(found).endswith(
+        "hbench run --plant lugre.yaml. It has 1 undetermined parameter, leuven.yaml 2. These runs "
+        "do not determine its bristle damping σ1 (at its lower bound), so the law is verified for "
+        "motions like the verification runs only: verify it again before you use it for other "
+        "motions."
     )
+    trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
+    runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]
+    words = verdict(replace(found, followed=tuple(runs)))
+    assert "the law is verified for speeds up to 123 mm/s and loads of −5000 to 500 N only" in words
 
 
 def test_the_error_of_the_best_law_is_beside_the_measured_friction(small):

@@ -1,10 +1,14 @@
 """Verdict on identified laws: the best ones, and which to use with which reserve."""
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
 from hbench.report.identification.text import undetermined_words
-from hbench.report.render.numbers import significant
+from hbench.report.render.numbers import significant, span
 from hbench.report.render.symbols import listed
 
 
@@ -47,11 +51,46 @@ def _next_step(identification: Identification) -> str:
     best = best_law(identification)
     if not best:
         return ""
-    (fit,) = (law.fit for law in identification.laws if law.law == best)
-    unknown = undetermined_words(fit) if fit else []
-    reserve = (
-        f" These runs do not determine its {listed(unknown)}: use it only for motions like these."
-        if unknown
-        else ""
+    fits = {law.law: law.fit for law in identification.laws if law.fit is not None}
+    unknown = undetermined_words(fits[best]) if best in fits else []
+    return (
+        f" Next step: simulate with hbench run --plant {best}.yaml.{_choice(identification, best)}"
+        f"{_reserve(identification, unknown)}"
     )
-    return f" Next step: simulate with hbench run --plant {best}.yaml.{reserve}"
+
+
+def _choice(identification: Identification, best: str) -> str:
+    """State why one of several equally good laws is used; empty for a single one."""
+    fits = {law.law: law.fit for law in identification.laws if law.fit is not None}
+    others = [law for law in equally_good(errors_in_motion(identification)) if law != best]
+    if not others:
+        return ""
+    counts = [len(fits[law].undetermined) if law in fits else 0 for law in (best, *others)]
+    names = listed([f"{other}.yaml" for other in others])
+    if counts[0] == min(counts[1:]):
+        return f" Its error and its number of undetermined parameters are those of {names} too."
+    against = listed([str(count) for count in counts[1:]])
+    return f" It has {counts[0] or 'no'} undetermined parameter{'s' * (counts[0] != 1)}, " + (
+        f"{names} {against}."
+    )
+
+
+def _reserve(identification: Identification, unknown: Sequence[str]) -> str:
+    """State what is not determined of the law, and for which motions it was verified."""
+    if not unknown:
+        return ""
+    verified = _verified_range(identification) or "motions like the verification runs"
+    return (
+        f" These runs do not determine its {listed(unknown)}, so the law is verified for "
+        f"{verified} only: verify it again before you use it for other motions."
+    )
+
+
+def _verified_range(identification: Identification) -> str:
+    """Return the speeds and the loads of the verification runs; empty if they are not known."""
+    speeds = [np.abs(run.measured.v_m_s).max() for run in identification.followed]
+    loads = [run.f_load_n for run in identification.followed if run.f_load_n is not None]
+    if not speeds:
+        return ""
+    fastest = f"speeds up to {significant(1e3 * float(max(speeds)), 2)} mm/s"
+    return f"{fastest} and loads of {span(loads)} N" if loads else fastest
