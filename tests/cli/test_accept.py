@@ -73,7 +73,10 @@ def test_the_report_begins_with_the_decision_and_lists_the_checks(accept, tmp_pa
     assert "Decision" not in reported()
     accept(MET, MISSED, NOT_MEASURED)
     before, _, after = reported().partition("## Summary")
-    assert "Decision: FAIL (by the last hbench accept)." in before
+    document = json.loads((tmp_path / "campaign" / "results" / "acceptance.json").read_text())
+    failed = [check["decision"] for check in document["checks"]].count("FAIL")
+    count = f"{failed} of {len(document['checks'])} checks: "
+    assert f"Decision: FAIL (by the last hbench accept). {count}" in before
     table = after[after.index("## Decision") : after.index("## Friction")]
     assert "at most 1 N" in table and "at most 10 kN" in table.replace("10000 N", "10 kN")
     assert table.count("FAIL") > 1 and "NOT TESTED" in table

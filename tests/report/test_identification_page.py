@@ -78,10 +78,10 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     leuven = law("leuven", 9.9, {"theta_1_n": unknown, "theta_2_n": unknown})
     found = identified(leuven, lugre)
     assert verdict(found).endswith(
-        "hbench run --plant lugre.yaml. It has 1 undetermined parameter, leuven.yaml 2. These runs "
-        "do not determine its bristle damping σ1 (at its lower bound), so the law is verified for "
-        "motions like the verification runs only: verify it again before you use it for other "
-        "motions."
+        "hbench run --plant lugre.yaml. It has fewer undetermined parameters (1) than leuven.yaml "
+        "(2). These runs do not determine its bristle damping σ1 (at its lower bound), so the law "
+        "is verified for motions like the verification runs only: verify it again before you use "
+        "it for other motions."
     )
     trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
     runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]

@@ -87,7 +87,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     if none:
         messages.append(f"not significant at the 95 % level: {_listed(none)}")
     if rounded:
-        messages.append(f"interval of a drift by one converter code: {_listed(rounded)}")
+        messages.append(f"one code of the converter sets the interval: {_listed(rounded)}")
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(

@@ -62,7 +62,7 @@ def _drift(differences: CampaignDifferences) -> str:
     effects = [each.drift_n for each in differences.curves if each.drift_n is not None]
     if not effects:
         return f"{_unknown_part(differences, mixed)} {_REMEDY}"
-    largest = f"{significant(max(each.largest_n for each in effects), 2)} N"
+    largest = f"{half_width(max(each.largest_n for each in effects))} N"
     part = f"may account for up to {largest} of the difference of a curve"
     part += "" if in_u else " and is not part of U"
     if not any_significant(differences):

@@ -50,7 +50,7 @@ def decision_section(
         for check in checks
     )
     table = Table(_HEAD, rows, frozenset(_HEAD) - _NUMBERS, title="Decisions")
-    words = f"Decision: {decision} (by the last hbench accept)."
+    words = f"Decision: {decision} (by the last hbench accept).{_which(decision, checks)}"
     known = [check.probability for check in checks if check.probability is not None]
     if known:
         each = "" if len(known) == len(checks) else " that is known"
@@ -62,6 +62,16 @@ def decision_section(
     items += [CONFORMS] if known else []
     items = [capital(item) for item in (*items, *legend(checks))] if rows else []
     return Section("Decision", (words,), tables=(table,) if rows else (), items=tuple(items))
+
+
+def _which(decision: str, checks: Sequence[ConformityCheck]) -> str:
+    """Name the quantities that make the decision; empty for PASS."""
+    if decision == "PASS":
+        return ""
+    decisive = [check for check in checks if check.decision == decision]
+    names = dict.fromkeys(requirement_words(check.requirement, None) for check in decisive)
+    count = f"{len(decisive)} of {len(checks)} checks"
+    return f" {count}: {'; '.join(names)}." if names else ""
 
 
 def _margin_words(decision: str, checks: Sequence[ConformityCheck], rule: Rule | None) -> str:

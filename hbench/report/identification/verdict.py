@@ -70,9 +70,7 @@ def _choice(identification: Identification, best: str) -> str:
     if counts[0] == min(counts[1:]):
         return f" Its error and its number of undetermined parameters are those of {names} too."
     against = listed([str(count) for count in counts[1:]])
-    return f" It has {counts[0] or 'no'} undetermined parameter{'s' * (counts[0] != 1)}, " + (
-        f"{names} {against}."
-    )
+    return f" It has fewer undetermined parameters ({counts[0]}) than {names} ({against})."
 
 
 def _reserve(identification: Identification, unknown: Sequence[str]) -> str:

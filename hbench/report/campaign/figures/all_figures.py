@@ -169,7 +169,7 @@ FIGURES = (
     FigureKind(
         name="hysteresis",
         section="hysteresis",
-        caption="Friction over velocity and over position, the mean of all cycles but the first. "
+        caption="Friction over velocity and over position. "
         "The velocity is the derivative of the position, without a filter's lag.",
         applies=has_loops,
         draw=loops,
@@ -186,8 +186,7 @@ FIGURES = (
         name="leakage",
         section="leakage",
         caption="Oil that left either chamber of the test cylinder, from the decay of its pressure "
-        "and the bench file's bulk modulus and volumes. One point and one line over time for each "
-        "hold; negative: oil flowed in.",
+        "and the bench file's bulk modulus and volumes.",
         applies=has_leakage,
         draw=leakage,
     ),
@@ -202,8 +201,7 @@ FIGURES = (
         name="over-distance",
         section="over-distance",
         caption="Friction of each steady run or of each cycle, breakaway and leakage over the "
-        "distance that the piston has travelled in the campaign, returns to the start included. "
-        "Lines: straight, by least squares.",
+        "distance that the piston has travelled in the campaign, returns to the start included.",
         applies=has_over_distance,
         draw=over_distance,
     ),
