@@ -93,6 +93,7 @@ class FleetRow:
     area_rod_m2: float | None = None
     stroke_m: float | None = None
     quality: str = ""  # good, with care, poor
+    weak: str = ""  # checks of the data with that grade, with commas between; empty: all are good
     missing: str = ""  # runs and trials of the plan that the campaign does not have
     runs: int = 0
     accepted: int = 0
@@ -376,6 +377,8 @@ class Fleet:
     # Repeatability and reproducibility, where the campaigns form a plan; and why not, or not all.
     precision: tuple[Precision, ...] = ()
     plan_notes: tuple[str, ...] = ()
+    # Checks of the data that give campaigns their grade, unless that is good: how many campaigns.
+    weak_checks: tuple[tuple[str, int], ...] = ()
     charts: tuple[ControlChart, ...] = ()
     wear: tuple[WearTrend, ...] = ()
     capabilities: tuple[Capability, ...] = ()

@@ -138,6 +138,16 @@ def test_incomplete_campaigns_and_poor_data_are_named_before_the_comparison(tmp_
     assert text.count("incomplete:") == 1 and "9 of 96" in fleet_page(found, ())
 
 
+def test_the_tile_names_the_checks_by_which_the_data_is_not_good(tmp_path):
+    rng = np.random.default_rng(4)
+    rows = [made_row(i, rng, f"/line/{i}", i) for i in range(4)]
+    rows[1] = replace(rows[1], quality="with care", weak="instruments, drift")
+    rows[2] = replace(rows[2], quality="with care", weak="instruments")
+    write_table(tmp_path / TABLE, map(cells_of, rows))
+    page = fleet_page(summary_of(tmp_path), ())
+    assert "data: 2 good, 2 with care (checks: instruments 2, drift 1)" in page
+
+
 def test_where_all_have_failed_the_page_says_why(tmp_path):
     none = summary_of(made_table(tmp_path, 3, failed=(0, 1, 2)))
     assert none.spreads == () and draw_fleet(none) == ()

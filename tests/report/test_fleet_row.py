@@ -58,6 +58,8 @@ def test_a_row_has_the_reports_friction_and_its_fits_parameters(one_load):
         found = row.numbers["b_viscous_n_s_m", one.direction]
         assert (found.value, found.low, found.high) == (fitted.value, *fitted.ci95)
         assert found.se == fitted.se
+    worst = [c.name for c in results.quality.checks if c.grade == results.quality.grade]
+    assert row.quality != "good" and row.weak == ", ".join(worst).replace("_", " ")
     assert row.quality == results.quality.grade and row.runs == len(one_load.runs)
     assert row.accepted == sum(run.accepted for run in one_load.runs)
     assert row.missing == ""

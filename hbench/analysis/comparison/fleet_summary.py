@@ -137,6 +137,7 @@ def summarize(
             zip(table.values("path", failures), table.values("failed", failures), strict=True)
         ),
         qualities=tuple(pair for pair in table.counts("quality") if pair[0]),
+        weak_checks=_weak_checks(table),
         incomplete=int((good & ~table.equals("missing", "")).sum()),
         sources=tuple(pair for pair in table.counts("source") if pair[0]),
         protocols=tuple(protocols[:_MOST_KINDS]),
@@ -282,6 +283,14 @@ def _blocks(sample: _Sample) -> Iterator[Block]:
     for group in np.array_split(order, _BLOCKS):
         low, median, high = map(float, np.percentile(sample.x[group], [5, 50, 95]))
         yield Block(float(sample.at[group].mean()), len(group), median, low, high)
+
+
+def _weak_checks(table: FleetTable) -> tuple[tuple[str, int], ...]:
+    """Return how many campaigns have their grade by each check of their data, most first."""
+    counts: Counter[str] = Counter()
+    for names, count in table.counts("weak"):
+        counts.update(dict.fromkeys(filter(None, names.split(", ")), count))
+    return tuple(counts.most_common())
 
 
 def _suspects(

@@ -111,6 +111,12 @@ def decision_reserve(quality: Quality) -> str:
     return "The decision does not take this into account."
 
 
+def weak_checks(quality: Quality) -> str:
+    """Name the checks that give the data its grade, with commas between; empty if it is good."""
+    worst = _worst(quality) if quality.grade != "good" else []
+    return ", ".join(_NAMES[check.name].lower() for check in worst)
+
+
 def _worst(quality: Quality) -> list[QualityCheck]:
     return [check for check in quality.checks if check.grade == quality.grade]
 

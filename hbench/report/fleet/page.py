@@ -174,7 +174,8 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
         about.append(f"decisions: {decision_words(fleet)}")
     if fleet.qualities:
         grades = ", ".join(f"{count} {grade}" for grade, count in fleet.qualities)
-        about.append(f"data: {grades}")
+        why = ", ".join(f"{name} {count}" for name, count in fleet.weak_checks)
+        about.append(f"data: {grades}{f' (checks: {why})' if why else ''}")
     yield Tile(f"{good} of {fleet.campaigns}", "campaigns", "; ".join(about))
     if fleet.outliers:
         caption = f"{'outlier' if fleet.outliers == 1 else 'outliers'} among the campaigns"

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 
 from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, ScreenedRun, Side
-from hbench.report.campaign.quality import missing_words
+from hbench.report.campaign.quality import missing_words, weak_checks
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable
@@ -49,6 +49,7 @@ def fleet_row(
         area_rod_m2=specimen.area_rod_m2,
         stroke_m=specimen.stroke_m,
         quality=results.quality.grade,
+        weak=_line(weak_checks(results.quality)),
         missing=_line(missing_words(results.quality.completeness)),
         runs=len(results.runs),
         accepted=sum(run.accepted for run in results.runs),
