@@ -251,6 +251,29 @@ def test_a_drift_widens_the_intervals_of_a_fit_by_what_it_shifts_its_parameters(
         assert "contain the drift" in new.message
 
 
+def test_a_parameter_whose_interval_a_drift_widens_beyond_its_value_is_not_determined():
+    rng = np.random.default_rng(4)
+
+    def friction(v, t):
+        tustin = 250.0 + 250.0 * np.exp(-v / 0.05) + 1500.0 * v
+        return tustin + 0.05 * t + 0.5 * rng.standard_normal()
+
+    runs = campaign(passes(), friction)
+    clock, drift = RunClock.of(runs, times(runs)), drift_of(runs)
+    (before,) = (fitted(curve, Fitting(weights="equal")) for curve in curves(runs))
+    undetermined = []
+    for factor in (1.0, 300.0):
+        larger = replace(drift, change=factor * drift.change)
+        (after,) = with_drift((before,), larger, clock, "equal")
+        fit = next(fit for fit in after.fits if fit.law == "tustin")
+        for name, parameter in fit.parameters.items():
+            half = (parameter.ci95[1] - parameter.ci95[0]) / 2
+            if half > abs(parameter.value):
+                assert name in fit.undetermined
+        undetermined.append(fit.undetermined)
+    assert not undetermined[0] and undetermined[1]
+
+
 def test_a_drift_over_a_mere_order_that_is_not_separated_from_speed_widens_nothing():
     """Files sorted by speed: neighbours differ by noise, which is no drift of a campaign."""
     rng = np.random.default_rng(2)

@@ -193,6 +193,12 @@ class ParameterEstimate(NamedTuple):
     weights: np.ndarray
 
 
+def typical_sizes(law: FittableLaw, data: FitPoints) -> tuple[float, np.ndarray]:
+    """Return the largest friction [N] and the typical sizes (p,) of a law's parameters."""
+    force = max(float(np.abs(data.friction_n).max()), _LEAST_FORCE_N)
+    return force, law.scale(data.inputs, force)
+
+
 def estimate_parameters(
     law: FittableLaw,
     data: FitPoints,
@@ -207,13 +213,13 @@ def estimate_parameters(
     """
     inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
     chosen = {name: value for name, value in how.bounds if name in law.names and value is not None}
-    force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
+    force, scale = typical_sizes(law, data)
     lower, upper = law.limits(inputs, force, {**chosen, **bounds})
     problem = Problem(
         residual=lambda p: (law.model(inputs, p) - friction) / sigma,
         lower=lower,
         upper=upper,
-        scale=law.scale(inputs, force),
+        scale=scale,
         jacobian=lambda p: law.jacobian(inputs, p) / sigma[:, None],
         kinked=law.candidates is not None,
     )

@@ -39,8 +39,9 @@ from statistics import fmean
 import numpy as np
 from scipy.special import stdtr
 
-from hbench.analysis.fitting.fit import CURVE_LAWS
+from hbench.analysis.fitting.fit import CURVE_LAWS, typical_sizes
 from hbench.analysis.fitting.fit_data import fit_points
+from hbench.analysis.statistics.intervals import too_wide
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import (
     Curve,
@@ -163,7 +164,8 @@ def with_drift(
     d and se are those of ``friction_drift``, for a relative drift times the point's friction. The
     drift within a point is part of the scatter of its trials. u_i has the same cause in all points:
     it shifts the parameters of a fit with the Jacobian J by J^+ (t_i - t) sqrt(d^2 + se^2), which
-    widens their intervals in the same way. ``weights`` are those of the fits.
+    widens their intervals in the same way, and so can make them not determined. ``weights`` are
+    those of the fits.
 
     Where only the order of the runs is known, which may be that of file names, a drift that is not
     separated from speed adds nothing: it would be extrapolated from neighbours to a whole campaign.
@@ -234,19 +236,24 @@ def _wider_fit(fit: Fit, curve: Curve, deviations_n: np.ndarray, weights: str) -
     """Return the fit with the shifts of its parameters by ``deviations_n`` (n,) in ``ci95``."""
     if fit.law not in CURVE_LAWS or not fit.parameters or not fit.converged:
         return fit
-    data = fit_points([curve], weights)
+    data, law = fit_points([curve], weights), CURVE_LAWS[fit.law]
+    force_n, sizes = typical_sizes(law, data)
+    lower, upper = law.limits(data.inputs, force_n, {})
     values = np.array([parameter.value for parameter in fit.parameters.values()])
     free = np.array([parameter.at_bound is None for parameter in fit.parameters.values()])
-    jacobian = CURVE_LAWS[fit.law].jacobian(data.inputs, values) / data.sigma[:, None]
+    jacobian = law.jacobian(data.inputs, values) / data.sigma[:, None]
     shifts = np.zeros(len(values))
     shifts[free] = np.linalg.lstsq(jacobian[:, free], deviations_n / data.sigma, rcond=None)[0]
     parameters = {}
-    for (name, parameter), shift in zip(fit.parameters.items(), shifts.tolist(), strict=True):
-        ends = parameter.ci95
+    for i, (name, parameter) in enumerate(fit.parameters.items()):
+        ends, wide, shift = parameter.ci95, parameter.wide, float(shifts[i])
         if ends is not None and parameter.at_bound is None:
             low, high = (np.hypot(parameter.value - end, NORMAL_95 * shift) for end in ends)
             ends = (parameter.value - float(low), parameter.value + float(high))
-        parameters[name] = replace(parameter, ci95=ends)
+            cut_off = not (lower[i] < ends[0] and ends[1] < upper[i])
+            half = np.array((ends[1] - ends[0]) / 2)
+            wide |= bool(too_wide(half, np.array(parameter.value), sizes[i], cut_off))
+        parameters[name] = replace(parameter, ci95=ends, wide=wide)
     message = "; ".join(filter(None, (fit.message, "the intervals contain the drift")))
     return replace(fit, parameters=parameters, message=message)
 
