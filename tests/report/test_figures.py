@@ -318,6 +318,20 @@ def _determined(fit):
     return replace(fit, converged=True, parameters=known)
 
 
+def test_points_of_one_trial_have_no_bars_and_neither_has_their_legend(small):
+    def legend_bars(results):
+        axes = friction.friction_magnitude(results)["extend"].axes[0]
+        return [
+            getattr(handle, "has_yerr", False) for handle in axes.get_legend_handles_labels()[0]
+        ]
+
+    single = tuple(
+        replace(curve, points=tuple(replace(point, ci95_n=None) for point in curve.points))
+        for curve in small.curves
+    )
+    assert any(legend_bars(small)) and not any(legend_bars(replace(small, curves=single)))
+
+
 def test_a_fit_that_is_not_determined_is_not_drawn_as_a_result(small):
     """It is dashed and grey without extrapolation; with no interval at all it is not drawn."""
     curve = small.curves[0]

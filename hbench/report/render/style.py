@@ -195,6 +195,11 @@ def columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     )
 
 
+def bars(half_widths: np.ndarray) -> np.ndarray | None:
+    """Return half-widths of error bars; None where no point has one, for a legend without bars."""
+    return half_widths if np.isfinite(half_widths).any() else None
+
+
 def safe(text: str, most: int = 42) -> str:
     """Make a campaign's text safe for a figure: one line, no formula, limited length."""
     line = " ".join(text.split())

@@ -42,7 +42,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
                 speed, value - band, value + band, color=look["color"], alpha=0.22, linewidth=0
             )
             label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_efficiency"
-            bars = axes.errorbar(speed, value, bar, label=label, **look, **style.POINTS)
+            bars = axes.errorbar(speed, value, style.bars(bar), label=label, **look, **style.POINTS)
             behind(bars, {"U with instruments (%)": band})
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Efficiency (%)")
         style.start_at_zero(axes)

@@ -73,7 +73,8 @@ def signed_friction(results: Results) -> dict[str, Figure]:
         _fitted(axes, curve, look["color"], sign=1, absolute=False)
         v, friction, interval = style.columns(curve)
         _expanded(axes, curve, 1e3 * v, friction, look["color"])
-        bars = axes.errorbar(1e3 * v, friction, interval, label=label, **look, **style.SMALL_POINTS)
+        half = style.bars(interval)
+        bars = axes.errorbar(1e3 * v, friction, half, label=label, **look, **style.SMALL_POINTS)
         behind(bars, of_trials(curve.points))
     for line in (axes.axhline, axes.axvline):
         line(0, color="#374151", linewidth=0.9, zorder=1)
@@ -166,7 +167,8 @@ def _one_direction(
         _fitted(axes, curve, look["color"], sign, absolute=True)
         label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_friction"
         _expanded(axes, curve, speed, sign * friction, look["color"])
-        bars = axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
+        half = style.bars(interval)
+        bars = axes.errorbar(speed, sign * friction, half, label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
         if below is not None and curve.fits and is_drawn(curve.fits[0]):
             residual = sign * (friction - _at(curve.fits[0], v))
@@ -174,7 +176,7 @@ def _one_direction(
             bars = below.errorbar(
                 speed + aside,
                 residual,
-                interval,
+                half,
                 label=f"_{label.removeprefix('_')}",
                 **look,
                 **style.SMALL_POINTS,
