@@ -157,7 +157,8 @@ class CampaignSearch(CandidateEvaluator):
 
         Deviations that do not matter may determine an effect, but where the law of another one is
         wrong they can also cost more of those that do. So the nuisances are refitted to these once
-        more, and that model is kept if the gap of the training points is smaller.
+        more. Of the models before, between and after, that with the smallest gap of the training
+        points is returned.
         """
         taking_part = [model.data.names[i] for i in model.index(names)]
         residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
@@ -179,7 +180,7 @@ class CampaignSearch(CandidateEvaluator):
         fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
         settled = self.refit(fine, self._tolerated(names), renewed=())
         return min(
-            (fine, settled),
+            (fine, settled, model),
             key=lambda each: gap_of_balances(each.gap_map, each.gap_map.names, self.train),
         )
 
