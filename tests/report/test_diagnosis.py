@@ -28,13 +28,9 @@ from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
 from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
-from hbench.report.diagnosis.run_gaps import run_gaps_csv
-from hbench.report.diagnosis.text import (
-    diagnosis_tables,
-    diagnosis_text,
-    edges_table,
-    gap_line,
-)
+from hbench.report.diagnosis.tables.gap_tables import edges_table
+from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv
+from hbench.report.diagnosis.text import diagnosis_tables, diagnosis_text, gap_line
 from hbench.report.render import style
 from hbench.report.render.document import BANNERS
 from hbench.report.render.figures import as_svg

@@ -25,14 +25,14 @@ from hbench.records import (
     WorkingPoint,
 )
 from hbench.records.diagnosis import FITTED
-from hbench.report.diagnosis.change_words import changes_tables
+from hbench.report.diagnosis.coefficient_words import coefficients_words
 from hbench.report.diagnosis.figures.law_figures import law_figure
 from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml
-from hbench.report.diagnosis.sentences import coefficients_words
-from hbench.report.diagnosis.separability_tables import lookalikes_tables
 from hbench.report.diagnosis.summary import answers, short_summary
+from hbench.report.diagnosis.tables.change_tables import changes_tables
+from hbench.report.diagnosis.tables.separability_tables import lookalikes_tables
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
 from tests.support.report.spaces import ordinary_spaces

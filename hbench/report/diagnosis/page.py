@@ -5,11 +5,6 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
-from hbench.report.diagnosis import text as text
-from hbench.report.diagnosis.change_words import (
-    candidates_table,
-    changes_tables,
-)
 from hbench.report.diagnosis.names import (
     added_words,
     in_words,
@@ -17,14 +12,17 @@ from hbench.report.diagnosis.names import (
     of_the_mass,
     value_words,
 )
-from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.separability_tables import (
+from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.tables import effect_tables, gap_tables
+from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
+from hbench.report.diagnosis.tables.run_gaps import run_table
+from hbench.report.diagnosis.tables.separability_tables import (
     MATRIX_TEXT,
     by_reason,
     lookalikes_tables,
     matrix_table,
 )
-from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.text import gap_line, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
@@ -42,14 +40,14 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
 
     unnamed = Section(
         "Unnamed laws in the revised model",
-        items=text.law_lines(diagnosis),
+        items=law_lines(diagnosis),
         drawings=drawn("unnamed"),
     )
     gap = Section(
         "The gap before and after" if added_words(diagnosis) else "The gap",
-        (text.gap_line(diagnosis),),
+        (gap_line(diagnosis),),
         drawings=drawn("gap"),
-        tables=_with_rows(text.errors_table(diagnosis)),
+        tables=_with_rows(gap_tables.errors_table(diagnosis)),
         facts=definitions.of_gaps(diagnosis),
         parts=(
             *_numbers("Gaps of held-out runs in numbers", *_held_out_tables(diagnosis)),
@@ -61,7 +59,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
         drawings=drawn("where"),
         tables=_with_rows(
-            text.where_table(diagnosis), text.rest_table(diagnosis), text.edges_table(diagnosis)
+            gap_tables.where_table(diagnosis),
+            gap_tables.rest_table(diagnosis),
+            gap_tables.edges_table(diagnosis),
         ),
         facts=definitions.of_deviations(diagnosis),
     )
@@ -72,7 +72,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         drawings=drawn("ranking"),
         facts=definitions.WHICH,
         parts=(
-            *_numbers("All candidates in numbers", _untitled(text.ranking_table(diagnosis))),
+            *_numbers(
+                "All candidates in numbers", _untitled(effect_tables.ranking_table(diagnosis))
+            ),
             *_matrix_part(diagnosis),
         ),
     )
@@ -88,7 +90,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         (definitions.SENSOR,) if any(effect.of_sensor for effect in diagnosis.effects) else (),
         tables=_with_rows(
             _effects_table(diagnosis),
-            text.alternatives_table(diagnosis),
+            effect_tables.alternatives_table(diagnosis),
             candidates_table(diagnosis),
             *([] if diagnosis.alternatives else details),
         ),
@@ -165,21 +167,21 @@ def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
 
 
 def _held_out_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    return text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+    return gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
 
 
 def _train_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    return text.gap_tables(diagnosis, diagnosis.gap_train, "training runs")
+    return gap_tables.gap_tables(diagnosis, diagnosis.gap_train, "training runs")
 
 
 def _effects_table(diagnosis: Diagnosis) -> WordTable:
-    table = text.effects_table(diagnosis)
+    table = effect_tables.effects_table(diagnosis)
     rows = (tuple(of_the_mass(diagnosis, cell) for cell in row) for row in table.rows)
     return replace(table, rows=tuple(rows))
 
 
 def _refitted_table(diagnosis: Diagnosis) -> WordTable:
-    table = _untitled(text.refitted_table(diagnosis))
+    table = _untitled(effect_tables.refitted_table(diagnosis))
     rows = ((of_the_mass(diagnosis, value_words(path)), words) for path, words in table.rows)
     return replace(table, rows=tuple(rows))
 
@@ -226,6 +228,11 @@ def _run_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
     table = run_table(diagnosis, _MOST_RUNS)
     parts = _numbers(table.title, _untitled(table))
     return tuple(replace(part, paragraphs=(definitions.RUNS,)) for part in parts)
+
+
+def _ranking_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
+    table = effect_tables.ranking_table(diagnosis)
+    return _numbers("All candidates in numbers", _untitled(table))
 
 
 def _matrix_part(diagnosis: Diagnosis) -> tuple[Section, ...]:

@@ -22,6 +22,15 @@ from hbench.report.diagnosis.change_words import (
     friction_words,
     main_changes,
 )
+from hbench.report.diagnosis.coefficient_words import coefficients_words
+from hbench.report.diagnosis.deviation_words import (
+    deviations,
+    increased,
+    largest_deviation,
+    poorly_simulated,
+    significance,
+    significant_gaps,
+)
 from hbench.report.diagnosis.error_words import drift_words, one_sided_words
 from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.names import in_sentence, in_words
@@ -37,21 +46,14 @@ from hbench.report.diagnosis.sentences import (
     agreement,
     best_candidate,
     closeness,
-    coefficients_words,
-    deviations,
     gap_change,
-    increased,
-    largest_deviation,
     odds_words,
-    poorly_simulated,
     refit_words,
     ruled_out_words,
-    significance,
-    significant_gaps,
     title,
     worse_words,
 )
-from hbench.report.diagnosis.separability_tables import detectable
+from hbench.report.diagnosis.tables.separability_tables import detectable
 from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences

@@ -16,6 +16,14 @@ from hbench.report.diagnosis.change_words import (
     sizes_words,
     wrong_readings,
 )
+from hbench.report.diagnosis.coefficient_words import coefficients_words
+from hbench.report.diagnosis.deviation_words import (
+    deviations,
+    exceeding,
+    increased,
+    largest_deviation,
+    too_small_words,
+)
 from hbench.report.diagnosis.error_words import errors_in_words
 from hbench.report.diagnosis.names import (
     deviation_and_limit,
@@ -26,17 +34,8 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     p_equation,
 )
-from hbench.report.diagnosis.sentences import (
-    coefficients_words,
-    deviations,
-    exceeding,
-    gap_change,
-    increased,
-    largest_deviation,
-    odds_words,
-    too_small_words,
-)
-from hbench.report.diagnosis.separability_tables import undetectable
+from hbench.report.diagnosis.sentences import gap_change, odds_words
+from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import undecided_words, verdict_sentence
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed

@@ -13,6 +13,7 @@ from scipy.stats import binned_statistic_2d
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
 from hbench.records.summary import SIGNIFICANCE
+from hbench.report.diagnosis.deviation_words import largest_deviation
 from hbench.report.diagnosis.figures.colour_scales import RESIDUALS
 from hbench.report.diagnosis.names import (
     AXES,
@@ -22,7 +23,6 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     shown,
 )
-from hbench.report.diagnosis.sentences import largest_deviation
 from hbench.report.render import style
 from hbench.report.render.series import behind
 
