@@ -58,7 +58,7 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     """Return what each effect of the ambiguous set would mean for friction of the test cylinder.
 
     An error of a sensor changes the friction that is computed, an effect of the bench the friction
-    itself: its measured value is right then. In short, it is the effect of each alone.
+    itself: its measured value is right then. In brief, by how much the values differ.
     """
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
@@ -81,13 +81,12 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
         errors.append(change.at_point if change and wrong_readings(effect) else 0.0)
         parts.append(f"with {in_words(effect.name)} it {words}")
     differ = max(errors) - min(errors)
-    end = (
-        f"The friction of these runs differs by {significant(differ, 2)} N from case to case."
-        if differ
-        else "The measured friction holds in each case."
-    )
-    words = f"Friction of the test cylinder at the working point: {'; '.join(parts)}."
-    return words if brief else f"{words} {end}"
+    if brief and differ:
+        size = significant(differ, 2)
+        return f"The friction of the test cylinder differs by {size} N from case to case."
+    if brief:
+        return "The measured friction of the test cylinder is right in each case."
+    return f"Friction of the test cylinder at the working point: {'; '.join(parts)}."
 
 
 def sizes_words(diagnosis: Diagnosis) -> str:
@@ -195,7 +194,9 @@ def phrase(change: Change, direction: str, readings: int = 0) -> str:
 
 
 def interval(change: Change) -> str:
-    """Return a change at the working point with its interval."""
+    """Return a change at the working point with its interval; 0 has none."""
+    if change.at_point == 0 and change.ci95 in (None, (0, 0)):
+        return f"0 {change.unit}"
     text = parameter_text(FitParameter(change.at_point, None, change.ci95, None, change.unit))
     return text.removesuffix(" (not determined)")
 

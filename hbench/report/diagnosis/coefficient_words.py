@@ -6,7 +6,13 @@ from hbench.records import AddedEffect, FitParameter
 from hbench.report.diagnosis.names import CHAMBERS, PRESSURE_SYMBOLS, in_words
 from hbench.report.render.numbers import significant, with_ends
 
-_OF_POWER = re.compile(r"_0 = (\d+ [^,]+)")  # where a law of any exponent has the same value
+_OF_POWER = re.compile(r"_0 = (\d+) ([^,]+)")  # where a law of any exponent has the same value
+# Size there of a coefficient in another unit: its unit, and the power of the reference value in it.
+_AT_REFERENCE = {
+    "l/min/bar": ("l/min", 1),
+    "bar min/l": ("bar", 1),
+    "bar min^2/l^2": ("bar", 2),
+}
 _NOT_OF_POWER = ("exponent", "lag")
 _COEFFICIENTS = {
     "test": "test cylinder",
@@ -15,6 +21,7 @@ _COEFFICIENTS = {
        for part in ("test", "load") for side in ("piston", "rod")},
     **{chamber: f"chamber {chamber.capitalize()}" for chamber in CHAMBERS},
 }  # fmt: skip
+_ZERO = "not distinguishable from 0"
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 
@@ -35,16 +42,35 @@ def coefficients_words(effect: AddedEffect) -> str:
     """Return an effect's coefficients with their intervals; see ``effect_words``."""
     free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
     chosen = free or effect.parameters
-    return ", ".join(
-        f"{coefficient_words(name)} {coefficient_text(effect, name)}" for name in chosen
-    )
+    zero = [name for name, p in chosen.items() if _contains_zero(p)]
+    texts = {name: f"{coefficient_words(name)} {_size_text(effect, name)}" for name in chosen}
+    known = [text for name, text in texts.items() if name not in zero]
+    words = ("; " if any(", " in text for text in known) else ", ").join(known)
+    unknown = f"{_ZERO}: {', '.join(texts[name] for name in zero)}" if zero else ""
+    return "; ".join(filter(None, (words, unknown)))
 
 
-def parameter_text(parameter: FitParameter) -> str:
-    """Write a value with its 95 % interval and its unit, or why there is no interval."""
+def parts_present(effect: AddedEffect) -> list[str]:
+    """Return the coefficients of parts of the bench that are not 0 within their intervals.
+
+    These parts are a cylinder or a chamber, by the coefficient's name.
+    """
+    return [
+        name
+        for name, p in effect.parameters.items()
+        if name in _COEFFICIENTS and not p.at_bound and p.value and not _contains_zero(p)
+    ]
+
+
+def parameter_text(parameter: FitParameter, at: str = "") -> str:
+    """Write a value with its 95 % interval and its unit, or why there is no interval.
+
+    ``at`` is the condition that it applies to, such as ``at 50 bar``.
+    """
     texts = [_with_interval(parameter)]
     if parameter.unit != "1":
-        texts.append(parameter.unit)
+        texts.append(unit_text(parameter.unit))
+    texts += [at] if at else []
     if parameter.at_bound:
         texts.append(f"(at its {parameter.at_bound} bound)")
     elif parameter.ci95 is None:
@@ -53,14 +79,51 @@ def parameter_text(parameter: FitParameter) -> str:
 
 
 def coefficient_text(effect: AddedEffect, name: str) -> str:
-    """Write a coefficient, and where it holds if the law has another exponent than the textbook's.
+    """Write a coefficient with its interval, and whether that contains 0."""
+    note = f" ({_ZERO})" if _contains_zero(effect.parameters[name]) else ""
+    return f"{_size_text(effect, name)}{note}"
 
-    With the exponent its unit no longer fits the law: the law has a reference value for that.
+
+def _size_text(effect: AddedEffect, name: str) -> str:
+    """Write a coefficient with its interval, and the reference value of its law.
+
+    A leak or the resistance of a line is written as the flow or the pressure at the reference value
+    of its law, with the coefficient after it. Other coefficients have the reference value where the
+    exponent is fitted too: with another exponent than the textbook's their unit applies only there.
     """
-    text, reference = parameter_text(effect.parameters[name]), _OF_POWER.search(effect.law)
-    if reference is None or name in _NOT_OF_POWER or "exponent" not in effect.parameters:
-        return text
-    return f"{text} at {reference[1]}"
+    parameter, reference = effect.parameters[name], _OF_POWER.search(effect.law)
+    if reference is None or name in _NOT_OF_POWER:
+        return parameter_text(parameter)
+    at = f"at {reference[1]} {reference[2]}"
+    if parameter.unit not in _AT_REFERENCE:
+        return parameter_text(parameter, at if "exponent" in effect.parameters else "")
+    unit, power = _AT_REFERENCE[parameter.unit]
+    text = parameter_text(_scaled(parameter, float(reference[1]) ** power, unit), at)
+    if parameter.value:
+        text += f", i.e. {significant(parameter.value, 3)} {unit_text(parameter.unit)}"
+    return text
+
+
+def unit_text(unit: str) -> str:
+    """Write a unit with raised exponents."""
+    return unit.replace("^2", "²")
+
+
+def _contains_zero(parameter: FitParameter) -> bool:
+    """Return whether a value within bounds may be 0 by its interval."""
+    ends = parameter.ci95
+    return ends is not None and not parameter.at_bound and ends[0] < 0 < ends[1]
+
+
+def _scaled(parameter: FitParameter, factor: float, unit: str) -> FitParameter:
+    se, ends = parameter.se, parameter.ci95
+    return FitParameter(
+        factor * parameter.value,
+        None if se is None else factor * se,
+        None if ends is None else (factor * ends[0], factor * ends[1]),
+        parameter.at_bound,
+        unit,
+    )
 
 
 def _with_interval(parameter: FitParameter) -> str:

@@ -9,6 +9,7 @@ from hbench.report.diagnosis.names import (
     added_words,
     in_words,
     keys_in_words,
+    of_strokes,
     of_the_mass,
     value_words,
 )
@@ -47,7 +48,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "The gap before and after" if added_words(diagnosis) else "The gap",
         (gap_line(diagnosis),),
         drawings=drawn("gap"),
-        tables=_with_rows(gap_tables.errors_table(diagnosis)),
+        tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
         facts=definitions.of_gaps(diagnosis),
         parts=(
             *_numbers("Gaps of held-out runs in numbers", *_held_out_tables(diagnosis)),
@@ -85,6 +86,8 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         parts=_numbers("Refitted values in numbers", _refitted_table(diagnosis)),
     )
     details = (*changes_tables(diagnosis), *lookalikes_tables(diagnosis))
+    folded = _numbers("Each effect in detail", *details) if diagnosis.alternatives else ()
+    changes = definitions.of_changes(diagnosis)
     effects = Section(
         "The effects" if diagnosis.effects else "The candidates that remain",
         (definitions.SENSOR,) if any(effect.of_sensor for effect in diagnosis.effects) else (),
@@ -94,8 +97,8 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             candidates_table(diagnosis),
             *([] if diagnosis.alternatives else details),
         ),
-        facts=(*definitions.of_laws(diagnosis), *definitions.of_changes(diagnosis)),
-        parts=_numbers("Each effect in detail", *details) if diagnosis.alternatives else (),
+        facts=(*definitions.of_laws(diagnosis), *(() if folded else changes)),
+        parts=tuple(replace(part, facts=changes) for part in folded),
     )
     notes = tuple(_effects_in_words(diagnosis, note) for note in diagnosis.notes)
     missing = Section(
@@ -147,7 +150,9 @@ def _files(diagnosis: Diagnosis) -> str:
         contents.insert(0, "refitted values")
     model = f"the model with {listed(contents)}" if contents else "the model as given"
     files = [definitions.NEXT_FILE] if diagnosis.next_schedule else []
-    files.append(f"model.yaml is {model}, for hbench run --plant.")
+    incomplete = of_strokes(diagnosis) or diagnosis.errors  # no plant of a whole bench
+    command = "reconcile --model" if incomplete else "run --plant"
+    files.append(f"model.yaml is {model}, for hbench {command}.")
     left_out = [in_words(effect.name) for effect in diagnosis.effects if not effect.confirmed]
     if left_out:
         files.append(f"It does not contain {listed(left_out)}.")

@@ -7,7 +7,6 @@ from hbench.records import (
     AddedEffect,
     Candidate,
     Diagnosis,
-    EffectInPractice,
 )
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 from hbench.report.diagnosis.coefficient_words import (
@@ -94,12 +93,6 @@ def _ratio(nats: float) -> str:
     return f"odds of {significant(odds, 2)} to 1"
 
 
-def advice(effect: EffectInPractice) -> str:
-    """Return what to inspect and what to do then."""
-    inspect = f"Inspect {effect.inspect}." if effect.inspect else ""
-    return " ".join(filter(None, (inspect, effect.repair)))
-
-
 def best_candidate(diagnosis: Diagnosis) -> str:
     """Return how much the best candidate explains, with its score and size."""
     if not diagnosis.ranking:
@@ -124,8 +117,8 @@ def best_candidate(diagnosis: Diagnosis) -> str:
         else ""
     )
     return (
-        f"{name} is the closest of {len(diagnosis.ranking)} known effects and would explain "
-        f"{share(best.explained)} of the gap in the balances that it touches.{why}{hint}"
+        f"{name} is the closest of the {len(diagnosis.ranking)} effects that were tried and would "
+        f"explain {share(best.explained)} of the gap in the balances that it touches.{why}{hint}"
     )
 
 

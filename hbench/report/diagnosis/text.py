@@ -7,7 +7,13 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.diagnosis.coefficient_words import effect_words
-from hbench.report.diagnosis.deviation_words import agrees, deviations
+from hbench.report.diagnosis.deviation_words import (
+    agrees,
+    deviations,
+    expected_words,
+    not_expected,
+    undecided_balance,
+)
 from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
 from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import BALANCE_NAMES, gap_number, in_sentence, steps_of
@@ -22,6 +28,7 @@ from hbench.report.diagnosis.tables.effect_tables import (
 from hbench.report.diagnosis.tables.gap_tables import (
     errors_table,
     gap_tables,
+    loads_table,
     rest_table,
     where_table,
 )
@@ -52,7 +59,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
     blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
     text = "\n\n".join(block for block in blocks if block)
-    for sign, plainly in {"−": "-", "–": "-", "±": "+-", "×": "x", "…": "..."}.items():
+    for sign, plainly in {"−": "-", "–": "-", "±": "+-", "×": "x", "…": "...", "²": "^2"}.items():
         text = text.replace(sign, plainly)
     return text
 
@@ -63,8 +70,10 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
     if diagnosis.verdict == "named":
         also = f" Also {names}; these data cannot distinguish them." if names else ""
-        rest = f" Not explained: {deviations(diagnosis.rest)}." if diagnosis.rest else ""
-        return f"named: {effects}.{also}{rest}"
+        gaps = not_expected(diagnosis)
+        rest = f" Not explained: {deviations(gaps)}." if gaps else ""
+        expected = expected_words(diagnosis)
+        return f"named: {effects}.{also}{rest}{' ' if expected else ''}{expected}"
     also = f" Added before: {effects}." if effects else ""
     if diagnosis.verdict == "ambiguous":
         return f"ambiguous: {names}; these data cannot distinguish them.{also}"
@@ -120,21 +129,8 @@ def gap_line(diagnosis: Diagnosis) -> str:
     return " ".join(filter(None, words))
 
 
-def undecided_words(diagnosis: Diagnosis) -> str:
-    """Return how far a balance deviates from the model while its cause is undecided."""
-    name = _undecided_balance(diagnosis)
-    if name is None:
-        return ""
-    none = "neither" if len(diagnosis.alternatives) == 2 else "none"
-    gap = diagnosis.gap_heldout.balances[name].after
-    return (
-        f"Until this is decided, model.yaml contains {none} of them, and {in_sentence(name)} in "
-        f"held-out runs deviates from it by {gap_number(gap)} times the repeatability of the bench."
-    )
-
-
 def _most_in(diagnosis: Diagnosis) -> str:
-    name = _undecided_balance(diagnosis)
+    name = undecided_balance(diagnosis)
     if name is None:
         return ""
     return (
@@ -143,21 +139,13 @@ def _most_in(diagnosis: Diagnosis) -> str:
     )
 
 
-def _undecided_balance(diagnosis: Diagnosis) -> str | None:
-    """Return the balance that most of the gap is in while its causes are undecided."""
-    if not (diagnosis.confirmed and diagnosis.alternatives):
-        return None
-    balances = diagnosis.gap_heldout.balances
-    worst = max(balances, key=lambda name: balances[name].after)
-    return worst if balances[worst].after >= diagnosis.gap_heldout.total.after else None
-
-
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return the tables that have rows, the answers first and the evidence after them."""
     every = (
         candidates_table(diagnosis),
         *changes_tables(diagnosis),
         errors_table(diagnosis),
+        loads_table(diagnosis),
         effects_table(diagnosis),
         alternatives_table(diagnosis),
         where_table(diagnosis),

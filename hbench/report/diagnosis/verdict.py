@@ -5,24 +5,33 @@ in the tables.
 """
 
 from collections.abc import Iterator, Sequence
+from math import sqrt
 
 from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.diagnosis import UNEXPLAINED_GAP
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.diagnosis.action_words import next_step
+from hbench.report.diagnosis.action_words import first_step, next_step
 from hbench.report.diagnosis.change_words import (
     friction_words,
     largest_words,
     sizes_words,
     wrong_readings,
 )
-from hbench.report.diagnosis.coefficient_words import coefficients_words
+from hbench.report.diagnosis.coefficient_words import (
+    coefficient_words,
+    coefficients_words,
+    parts_present,
+)
 from hbench.report.diagnosis.deviation_words import (
+    beyond_balances,
     deviations,
     exceeding,
+    expected_words,
     increased,
     largest_deviation,
+    not_expected,
     too_small_words,
+    undecided_words,
 )
 from hbench.report.diagnosis.error_words import errors_in_words
 from hbench.report.diagnosis.names import (
@@ -36,8 +45,8 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.sentences import gap_change, odds_words
 from hbench.report.diagnosis.tables.separability_tables import undetectable
-from hbench.report.diagnosis.text import undecided_words, verdict_sentence
-from hbench.report.render.numbers import number
+from hbench.report.diagnosis.text import verdict_sentence
+from hbench.report.render.numbers import number, significant
 from hbench.report.render.symbols import capital, listed
 
 
@@ -55,17 +64,20 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
         yield errors_in_words(diagnosis)
     elif several:
         yield _together(diagnosis)
+    strokes = of_strokes(diagnosis)
     if diagnosis.alternatives:
         yield (
             "A second deviation has several possible causes, which these runs cannot distinguish; "
             f"at the working point: {sizes_words(diagnosis)}."
         )
-        yield undecided_words(diagnosis)
-    if diagnosis.rest:
-        runs = " even with the values fitted to all loads" if of_strokes(diagnosis) else ""
-        yield f"Not explained: {deviations(diagnosis.rest)}{runs}."
-        yield increased(diagnosis)
-    yield next_step(diagnosis)
+        yield "" if strokes else undecided_words(diagnosis)
+    if gaps := not_expected(diagnosis):
+        yield f"Not explained: {deviations(gaps)}."
+        yield "" if strokes else increased(diagnosis)
+    yield expected_words(diagnosis)
+    yield first_step(diagnosis) if strokes else next_step(diagnosis)
+    if strokes and diagnosis.alternatives:
+        yield "The tests that separate the possible causes of the second deviation are below."
 
 
 def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
@@ -80,13 +92,17 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
     elif not sure:
         missing = f"{capital(name)} may be missing in the model"
-    values = "" if brief else f" ({coefficients_words(effect)}; 95 % intervals)"
+    values = f" ({coefficients_words(effect)}; 95 % intervals)"
+    if brief:
+        parts = listed([coefficient_words(name) for name in parts_present(effect)])
+        values = f" ({parts})" if parts else ""
     finding = f"{missing}: {effect.description}{values}."
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     changes = largest_words(practice, brief=brief) if practice else ""
     verb = "changes" if sure else "would change"
     small = too_small_words(diagnosis, practice) if practice else ""
-    size = " ".join(filter(None, (f"It {verb} {changes}." if changes else "", small)))
+    motion = "in 95 % of the strokes" if of_strokes(diagnosis) else "in 95 % of the motion"
+    size = f"It {verb} {changes} ({motion}). {small}".strip() if changes else small
     evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
     if sure and (brief or diagnosis.errors):
         evidence = ""
@@ -95,14 +111,18 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
-    gaps = diagnosis.gap_heldout.balances.values()
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
-    given = [gap.before for gap in gaps if gap.refitted == effect.gap_before]
-    if of_strokes(diagnosis) and given and given[0] < effect.gap_before:
+    if loads := diagnosis.held_out_loads:
+        errors = {
+            stage: sqrt(sum(getattr(load, stage) ** 2 for load in loads) / len(loads))
+            for stage in ("before", "refitted", "after")
+        }
+        sizes = {stage: f"{significant(error, 2)} N" for stage, error in errors.items()}
+        given = f" ({sizes['before']} as given)" if errors["before"] < errors["refitted"] else ""
         return (
-            f"With it, the model's deviation in the quantities that it touches is {after} times "
-            f"the repeatability of the bench, {_runs(diagnosis)}; the model as given has "
-            f"{gap_number(given[0])}, the refitted model without the effect {before}."
+            "When each load is predicted from the other loads, the force error falls from "
+            f"{sizes['refitted']}{given} to {sizes['after']} RMS, and the gap that the effect "
+            f"touches from {before} to {after} times the repeatability."
         )
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
@@ -148,6 +168,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     yield f"No missing effect is found: {keys_in_words(finding)}"
     yield _largest(diagnosis.where)
     yield errors_in_words(diagnosis)
+    yield beyond_balances(diagnosis)
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
 
@@ -197,5 +218,6 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     yield (
         f"No known effect explains how the measurement deviates from the model: {deviations(gaps)}."
     )
+    yield beyond_balances(diagnosis)
     yield errors_in_words(diagnosis)
     yield next_step(diagnosis)

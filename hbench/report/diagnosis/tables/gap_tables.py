@@ -10,6 +10,7 @@ from hbench.report.diagnosis.names import (
     compared_model,
     deviation_and_limit,
     in_unit,
+    in_words,
     of_strokes,
     p_words,
     signal,
@@ -33,6 +34,24 @@ def errors_table(diagnosis: Diagnosis) -> WordTable:
     )
     title = "Root mean square errors of held-out runs"
     return WordTable(title, ("error", *steps.values()), rows)
+
+
+def loads_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the force errors of the models of strokes at each held-out load."""
+    loads = diagnosis.held_out_loads
+    steps = steps_of(diagnosis, of_balances=False)
+    also = [name for load in loads[:1] for name in load.also]
+    and_effects = "the effects and " if diagnosis.confirmed else ""
+    head = ("load", *steps.values(), *(f"with {and_effects}{in_words(name)}" for name in also))
+    rows = tuple(
+        (
+            f"{number(load.load_n, 0)} N",
+            *(f"{significant(getattr(load, step), 2)} N" for step in steps),
+            *(f"{significant(load.also[name], 2)} N" for name in also),
+        )
+        for load in loads
+    )
+    return WordTable("Root mean square force error at each held-out load", head, rows)
 
 
 def where_table(diagnosis: Diagnosis) -> WordTable:
