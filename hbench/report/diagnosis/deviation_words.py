@@ -17,7 +17,7 @@ from hbench.report.diagnosis.names import (
     shown,
     steps_of,
 )
-from hbench.report.render.numbers import number
+from hbench.report.render.numbers import NONE, number
 from hbench.report.render.symbols import listed
 
 CLEARLY_WORSE = 1.1  # gap against another one
@@ -230,9 +230,13 @@ def undecided_words(diagnosis: Diagnosis) -> str:
         return ""
     none = "neither" if len(diagnosis.alternatives) == 2 else "none"
     gap = diagnosis.gap_heldout.balances[name].after
+    sizes = [in_unit(each, each.deviation) for each in diagnosis.where if each.name == name]
+    known = [size for size in sizes if size != NONE]
+    size = f"; with the refitted model it is {known[0]} RMS over all runs" if known else ""
     return (
         f"Until this is decided, model.yaml contains {none} of them, and {in_sentence(name)} in "
-        f"held-out runs deviates from it by {gap_number(gap)} times the repeatability of the bench."
+        f"held-out runs deviates from it by {gap_number(gap)} times the repeatability of the "
+        f"bench{size}."
     )
 
 

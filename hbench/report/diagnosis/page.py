@@ -168,7 +168,8 @@ def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
         return Section("Shape of the residuals", drawings=drawings)
     others = Section("Residuals of the other balances", drawings=drawings[1:], folded=True)
     parts = (replace(others, printed=False),) if others.drawings else ()
-    return Section("Residuals of one balance", drawings=drawings[:1], parts=parts)
+    first = (definitions.LARGEST,) if diagnosis.verdict == "none" else ()
+    return Section("Residuals of one balance", first, drawings=drawings[:1], parts=parts)
 
 
 def _held_out_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:

@@ -49,10 +49,13 @@ from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number, significant
 from hbench.report.render.symbols import capital, listed
 
+_HELD_OUT = "in runs that were not used for the fit"
+
 
 def verdict_words(diagnosis: Diagnosis) -> str:
     """Return the first paragraph of the page."""
-    words = {"named": _named, "ambiguous": _ambiguous, "none": _none, "unknown": _unknown}
+    of_effects = _of_strokes if of_strokes(diagnosis) else _named
+    words = {"named": of_effects, "ambiguous": _ambiguous, "none": _none, "unknown": _unknown}
     return " ".join(filter(None, words[diagnosis.verdict](diagnosis)))
 
 
@@ -64,20 +67,49 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
         yield errors_in_words(diagnosis)
     elif several:
         yield _together(diagnosis)
-    strokes = of_strokes(diagnosis)
     if diagnosis.alternatives:
         yield (
             "A second deviation has several possible causes, which these runs cannot distinguish; "
             f"at the working point: {sizes_words(diagnosis)}."
         )
-        yield "" if strokes else undecided_words(diagnosis)
+        yield undecided_words(diagnosis)
     if gaps := not_expected(diagnosis):
         yield f"Not explained: {deviations(gaps)}."
-        yield "" if strokes else increased(diagnosis)
+        yield increased(diagnosis)
     yield expected_words(diagnosis)
-    yield first_step(diagnosis) if strokes else next_step(diagnosis)
-    if strokes and diagnosis.alternatives:
-        yield "The tests that separate the possible causes of the second deviation are below."
+    yield next_step(diagnosis)
+
+
+def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield the sentences of a named effect of steady strokes; sizes and tests are below."""
+    for effect in diagnosis.effects:
+        yield _finding(effect, brief=len(diagnosis.confirmed) > 1 and effect.confirmed)
+        yield "" if effect.confirmed else _no_improvement(effect)
+    if diagnosis.confirmed and diagnosis.held_out_loads:
+        yield _force_errors(diagnosis)
+    if diagnosis.alternatives:
+        yield (
+            "These runs cannot distinguish the possible causes of a second deviation: "
+            f"{sizes_words(diagnosis)}."
+        )
+    if gaps := not_expected(diagnosis):
+        yield f"Not explained: {deviations(gaps)}."
+    yield first_step(diagnosis)
+
+
+def _force_errors(diagnosis: Diagnosis) -> str:
+    """State what the effects of steady strokes do to the force error, over all held-out loads."""
+    loads = diagnosis.held_out_loads
+    errors = {
+        stage: sqrt(sum(getattr(load, stage) ** 2 for load in loads) / len(loads))
+        for stage in ("before", "refitted", "after")
+    }
+    sizes = {stage: f"{significant(error, 2)} N" for stage, error in errors.items()}
+    given = f" ({sizes['before']} as given)" if errors["before"] < errors["refitted"] else ""
+    return (
+        f"With it, the force error at loads outside the fit falls from {sizes['refitted']}{given} "
+        f"to {sizes['after']} RMS."
+    )
 
 
 def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
@@ -85,8 +117,21 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
 
     In brief, beside another effect, without its coefficients and what it does alone.
     """
-    name = in_words(effect.name)
     sure = effect.confirmed
+    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    changes = largest_words(practice, brief=brief) if practice else ""
+    verb = "changes" if sure else "would change"
+    small = too_small_words(diagnosis, practice) if practice else ""
+    size = f"It {verb} {changes} (in 95 % of the motion). {small}".strip() if changes else small
+    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
+    if sure and (brief or diagnosis.errors):
+        evidence = ""
+    return " ".join(filter(None, (_finding(effect, brief=brief), size, evidence)))
+
+
+def _finding(effect: AddedEffect, *, brief: bool) -> str:
+    """State that an effect is missing, with its law in words and its coefficients."""
+    name, sure = in_words(effect.name), effect.confirmed
     missing = f"The model does not contain {name}"
     if effect.of_sensor:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
@@ -96,38 +141,16 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
     if brief:
         parts = listed([coefficient_words(name) for name in parts_present(effect)])
         values = f" ({parts})" if parts else ""
-    finding = f"{missing}: {effect.description}{values}."
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    changes = largest_words(practice, brief=brief) if practice else ""
-    verb = "changes" if sure else "would change"
-    small = too_small_words(diagnosis, practice) if practice else ""
-    motion = "in 95 % of the strokes" if of_strokes(diagnosis) else "in 95 % of the motion"
-    size = f"It {verb} {changes} ({motion}). {small}".strip() if changes else small
-    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
-    if sure and (brief or diagnosis.errors):
-        evidence = ""
-    return " ".join(filter(None, (finding, size, evidence)))
+    return f"{missing}: {effect.description}{values}."
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
-    if loads := diagnosis.held_out_loads:
-        errors = {
-            stage: sqrt(sum(getattr(load, stage) ** 2 for load in loads) / len(loads))
-            for stage in ("before", "refitted", "after")
-        }
-        sizes = {stage: f"{significant(error, 2)} N" for stage, error in errors.items()}
-        given = f" ({sizes['before']} as given)" if errors["before"] < errors["refitted"] else ""
-        return (
-            "When each load is predicted from the other loads, the force error falls from "
-            f"{sizes['refitted']}{given} to {sizes['after']} RMS, and the gap that the effect "
-            f"touches from {before} to {after} times the repeatability."
-        )
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
         f"With it, the model's deviation in the quantities that it touches falls from {before} to "
-        f"{after} times the repeatability of the bench{laws}, {_runs(diagnosis)}."
+        f"{after} times the repeatability of the bench{laws}, {_HELD_OUT}."
     )
 
 
@@ -138,14 +161,8 @@ def _together(diagnosis: Diagnosis) -> str:
     return (
         f"With {effects}{laws}, the model's deviation in all quantities falls from "
         f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability of the "
-        f"bench, {_runs(diagnosis)}."
+        f"bench, {_HELD_OUT}."
     )
-
-
-def _runs(diagnosis: Diagnosis) -> str:
-    if of_strokes(diagnosis):
-        return "when each load is predicted from the other loads"
-    return "in runs that were not used for the fit"
 
 
 def _no_improvement(effect: AddedEffect) -> str:
