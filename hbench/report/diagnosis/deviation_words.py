@@ -7,6 +7,7 @@ from hbench.records import Diagnosis, EffectInPractice, Gap
 from hbench.records.diagnosis import UNEXPLAINED_GAP
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.names import (
+    added_words,
     balance,
     deviation_and_limit,
     gap_number,
@@ -106,6 +107,23 @@ def expected_gaps(diagnosis: Diagnosis) -> str:
     return (
         f"In held-out runs {'; '.join(parts)}. That is no evidence of a further cause. model.yaml "
         "has the uncertainty of these values; more runs of the same kinds reduce it."
+    )
+
+
+def remainder(diagnosis: Diagnosis) -> str:
+    """Return the gap with the effects where it is larger than that of a correct model.
+
+    Empty where it is not, or where the gaps that are not explained are listed.
+    """
+    total = diagnosis.gap_heldout.total
+    listed_elsewhere = diagnosis.rest or diagnosis.alternatives or not diagnosis.confirmed
+    if listed_elsewhere or not total.after > CLEARLY_WORSE * total.floor:
+        return ""
+    return (
+        f"With the {added_words(diagnosis)}, a gap of {gap_number(total.after)} remains in "
+        f"held-out runs, where a correct model would have {gap_number(total.floor)} on average. "
+        "No single balance has a deviation that is significant, large enough to matter and more "
+        f"than {UNEXPLAINED_GAP:g} trial scatters over all runs."
     )
 
 

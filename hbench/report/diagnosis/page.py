@@ -151,7 +151,7 @@ def _files(diagnosis: Diagnosis) -> str:
     model = f"the model with {listed(contents)}" if contents else "the model as given"
     files = [definitions.NEXT_FILE] if diagnosis.next_schedule else []
     incomplete = of_strokes(diagnosis) or diagnosis.errors  # no plant of a whole bench
-    command = "reconcile --model" if incomplete else "run --plant"
+    command = "reconcile" if incomplete else "run --plant"
     files.append(f"model.yaml is {model}, for hbench {command}.")
     left_out = [in_words(effect.name) for effect in diagnosis.effects if not effect.confirmed]
     if left_out:

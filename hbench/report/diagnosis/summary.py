@@ -31,6 +31,7 @@ from hbench.report.diagnosis.deviation_words import (
     largest_deviation,
     not_expected,
     poorly_simulated,
+    remainder,
     significance,
     significant_gaps,
     undecided_words,
@@ -115,6 +116,7 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         for question, sentence in _ambiguous(diagnosis):
             yield _of(own, question), sentence
     if diagnosis.effects:
+        yield "Remaining gap", remainder(diagnosis)
         yield from _remaining(diagnosis)
     if not (diagnosis.effects or diagnosis.alternatives):
         if diagnosis.verdict == "unknown":
