@@ -319,6 +319,17 @@ def test_overlays_are_shown_in_the_benchs_units_with_what_they_are_off(named):
     assert "(bar)" in left.get_ylabel()
 
 
+def test_a_signal_that_hardly_changes_has_its_values_on_the_axis_and_no_offset(named):
+    shown = next(each for each in named.overlays if each.signal == "p_tp")
+    steady = replace(shown, measured=np.full_like(shown.measured, 149.8e5))
+    steady = replace(steady, before=steady.measured - 400.0, after=steady.measured)
+    figure = overlay_figures(replace(named, overlays=(steady,)))[shown.run]
+    figure.canvas.draw()
+    axis = figure.axes[0].yaxis
+    assert not axis.get_offset_text().get_text()
+    assert any("149.79" in label.get_text() for label in axis.get_ticklabels())
+
+
 def test_a_figure_of_a_held_out_run_says_what_the_run_was_and_why_it_is_shown(named, drawings):
     shown = [drawing for drawing in drawings if drawing.section == "overlay"]
     plans = {each.plan.run: each.plan for each in named.gap_runs}

@@ -62,6 +62,9 @@ def test_a_candidate_that_other_data_rule_out_has_the_reason_with_the_evidence(n
     words = "Load friction would explain 80 % of the gap too, but is ruled out: it differs between"
     assert words in summary(ruled_out)
     assert "ruled out" not in summary(replace(named, not_tried={}))
+    quoted = {"load_friction": "its coefficient 'test' differs between the series"}
+    page = diagnosis_page(replace(named, not_tried=quoted), ())
+    assert page.count("its coefficient (test cylinder) differs between the series") == 2
 
 
 def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_such(named):
@@ -268,7 +271,7 @@ def test_a_deviation_that_a_correct_model_has_too_is_no_reason_to_distrust_the_m
     # 7.3 N times the root of 2.73² less 2.43²
     assert "In held-out runs 9.1 N of it is beyond that uncertainty, which is too small" in verdict
     assert "has a gap of 2.73, where a correct model whose values are as uncertain" in text
-    assert "That is no evidence of a further cause." in text
+    assert "That is no evidence of a further cause: the values of" in text
     assert "mostly due to the uncertainty" in diagnosis_text(close).splitlines()[0]
     for distrusted in (
         found(4.06, 2.78),  # 22 N

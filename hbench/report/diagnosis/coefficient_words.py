@@ -21,6 +21,7 @@ _COEFFICIENTS = {
        for part in ("test", "load") for side in ("piston", "rod")},
     **{chamber: f"chamber {chamber.capitalize()}" for chamber in CHAMBERS},
 }  # fmt: skip
+_QUOTED = re.compile(r"coefficient '(\w+)'")
 _ZERO = "not distinguishable from 0"
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
@@ -28,6 +29,11 @@ _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 def coefficient_words(name: str) -> str:
     """Return the name of an effect's coefficient in words."""
     return _COEFFICIENTS.get(name) or PRESSURE_SYMBOLS.get(name) or in_words(name)
+
+
+def keys_as_words(text: str) -> str:
+    """Return a text with the coefficients that it quotes by their keys in words."""
+    return _QUOTED.sub(lambda key: f"coefficient ({coefficient_words(key[1])})", text)
 
 
 def effect_words(effect: AddedEffect) -> str:

@@ -105,8 +105,9 @@ def expected_gaps(diagnosis: Diagnosis) -> str:
         for gap, held_out in gaps
     ]
     return (
-        f"In held-out runs {'; '.join(parts)}. That is no evidence of a further cause. model.yaml "
-        "has the uncertainty of these values; more runs of the same kinds reduce it."
+        f"In held-out runs {'; '.join(parts)}. That is no evidence of a further cause: the "
+        "values of model.yaml are uncertain to this extent, and more runs of the same kinds reduce "
+        "it."
     )
 
 

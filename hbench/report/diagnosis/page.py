@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
+from hbench.report.diagnosis.coefficient_words import keys_as_words
 from hbench.report.diagnosis.names import (
     added_words,
     in_words,
@@ -214,7 +215,8 @@ def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     """Return missing data, effects that were not tried and runs left out."""
     untried = [
         _sentence(f"{keys_in_words(', '.join(names)) if diagnosis.ranking else 'all'} ({reason}).")
-        for reason, names in by_reason(diagnosis.not_tried).items()
+        for key, names in by_reason(diagnosis.not_tried).items()
+        for reason in [keys_as_words(key)]
     ]
     parts = {
         "Missing data": [f"{_sentence(item)}." for item in diagnosis.missing if diagnosis.where],

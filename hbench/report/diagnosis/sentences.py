@@ -9,9 +9,7 @@ from hbench.records import (
     Diagnosis,
 )
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
-from hbench.report.diagnosis.coefficient_words import (
-    parameter_text,
-)
+from hbench.report.diagnosis.coefficient_words import keys_as_words, parameter_text
 from hbench.report.diagnosis.deviation_words import CLEARLY_WORSE, MOST_SIGNALS
 from hbench.report.diagnosis.names import (
     added_words,
@@ -67,7 +65,7 @@ def ruled_out_words(diagnosis: Diagnosis) -> str:
     """Return which candidates explain enough and are ruled out by other data; empty for none."""
     return " ".join(
         f"{title(each.name)} would explain {share(each.explained)} of the gap too, but is ruled "
-        f"out: {diagnosis.not_tried[each.name]}."
+        f"out: {keys_as_words(diagnosis.not_tried[each.name])}."
         for each in diagnosis.ranking
         if each.name in diagnosis.not_tried and each.score > each.threshold
     )
