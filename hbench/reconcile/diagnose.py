@@ -30,7 +30,7 @@ from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.nuisance import standard_deviation
+from hbench.reconcile.nuisance import standard_deviation, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
 from hbench.reconcile.search import CampaignSearch, silent
@@ -229,6 +229,7 @@ def assembled(
         within_tolerance=tuple(
             name for name in measured.start.effects if name in sections.get("effects", {})
         ),
+        zero_tolerances=zero_tolerances(measured.tolerances),
     )
 
 

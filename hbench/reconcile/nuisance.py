@@ -16,6 +16,7 @@ from hbench.config.scaling import value_paths
 from hbench.config.sensors import Instrument, Instruments
 from hbench.errors import ConfigError
 from hbench.reconcile.hypothesis import CoefficientKey
+from hbench.units import from_si
 
 _FRICTION = {  # a first guess of a seal's friction may be off by a factor of 5
     "coulomb": 0.8,
@@ -99,6 +100,14 @@ def tolerances(
     limits["load_cell_gain", "error"] = force.tolerance
     limits["load_cell_offset", "force"] = _offset(force, largest_n)
     return limits
+
+
+def zero_tolerances(limits: Mapping[CoefficientKey, float]) -> dict[str, float]:
+    """Return the largest offset of each sensor within its tolerance, in bar and N by reading."""
+    offsets = {name: limits.get(("pressure_offset", name)) for name in _TRANSDUCERS}
+    in_bar = {name: from_si(limit, "bar") for name, limit in offsets.items() if limit is not None}
+    force = limits.get(("load_cell_offset", "force"))
+    return in_bar | ({} if force is None else {"f_applied": force})
 
 
 def drift_deviations(limits: Mapping[CoefficientKey, float]) -> dict[str, float]:

@@ -49,6 +49,7 @@ _MODULES = {
         "Gap",
         "GapTable",
         "HeldOutError",
+        "HeldOutLoad",
         "Lookalike",
         "Overlay",
         "PlannedEffects",

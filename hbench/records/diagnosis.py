@@ -301,6 +301,17 @@ class HeldOutError:
 
 
 @dataclass(frozen=True)
+class HeldOutLoad:
+    """Root mean square force error of models of steady strokes at a load outside their fit."""
+
+    load_n: FloatOrNan
+    before: FloatOrNan  # N: model as given
+    refitted: FloatOrNan
+    after: FloatOrNan  # with the effects
+    also: dict[str, FloatOrNan]  # with one more effect of the ambiguous set, by its name
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """Disagreement of model and measurement, its cause, and the revised model."""
 
@@ -339,6 +350,9 @@ class Diagnosis:
     refit_refused: str = ""
     errors: tuple[HeldOutError, ...] = ()  # of the motion of a driven mass
     within_tolerance: tuple[str, ...] = ()  # errors that every bench has, in the revised model
+    held_out_loads: tuple[HeldOutLoad, ...] = ()  # where strokes are compared
+    # Largest offset of each sensor within its tolerance, by reading, in a bench's unit.
+    zero_tolerances: dict[str, FloatOrNan] = field(default_factory=dict)
 
     @property
     def confirmed(self) -> tuple[AddedEffect, ...]:

@@ -10,7 +10,7 @@ from hbench.report.diagnosis.diagnosis_document import diagnosis_json
 from hbench.report.diagnosis.figures.all_figures import draw_diagnosis
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
-from hbench.report.diagnosis.run_gaps import run_gaps_csv
+from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv
 from hbench.report.render.figures import figure_files
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.stored_diagnosis import FILE_NAME

@@ -20,6 +20,7 @@ from hbench.reconcile.nuisance import (
     nuisances,
     standard_deviation,
     tolerances,
+    zero_tolerances,
 )
 from tests.support.reconcile.rounds import plant_of
 
@@ -40,6 +41,14 @@ def test_a_mistyped_path_is_an_error_and_no_missing_nuisance(bench, monkeypatch,
     monkeypatch.setattr(nuisance, "FACTORS", {path: 0.1})
     with pytest.raises(ConfigError, match=path):
         nuisances(bench)
+
+
+def test_the_zero_tolerances_are_offsets_in_bar_and_newtons():
+    """1 % of the largest readings, 200 bar and 5 kN, where no instruments are stated."""
+    zeros = zero_tolerances(tolerances(None, 200e5, 5e3))
+    assert zeros.pop("f_applied") == pytest.approx(50.0)
+    assert zeros == pytest.approx(dict.fromkeys(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), 2.0))
+    assert zero_tolerances({}) == {}
 
 
 def test_a_part_of_a_plant_has_the_nuisances_of_its_own_sections_and_law(bench):

@@ -116,6 +116,21 @@ def test_the_gaps_of_an_effect_are_those_of_loads_outside_the_fit(of_two_seals):
     assert (effect.gap_before, effect.gap_after) == (band.refitted, band.after)
 
 
+def test_the_force_error_at_each_load_is_that_of_a_line_through_the_other_loads(of_two_seals):
+    runs, bars = strokes(saturating(120, 120)), np.array(BARS)
+    lost = [abs(run.means.p_tp_pa * AREA - run.means.f_applied_n) for run in runs]
+    half_bands = np.reshape(lost, (3, len(BARS), 2)).mean(axis=(0, 2))
+    assert [load.load_n for load in of_two_seals.held_out_loads] == pytest.approx(
+        bars * 1e5 * AREA, rel=0.01
+    )
+    for i, load in enumerate(of_two_seals.held_out_loads):
+        for error, degree in ((load.refitted, 0), (load.after, 1)):
+            line = np.polyfit(np.delete(bars, i), np.delete(half_bands, i), degree)
+            # The mean of both directions has the scatter of the trials in addition, below 0.5 N.
+            assert error == pytest.approx(abs(np.polyval(line, bars[i]) - half_bands[i]), abs=0.5)
+        assert load.also == {}
+
+
 def test_the_friction_of_seals_at_the_load_in_the_middle_is_its_coefficient_times_the_pressure(
     of_two_seals,
 ):

@@ -37,6 +37,7 @@ from hbench.workflow.conformity.acceptance import decided
 from hbench.workflow.results import derive
 from tests.support import ROOT
 from tests.support.certificates import FILE, LIMITS
+from tests.support.report import summarised
 from tests.support.report.made_page import made_results
 from tests.support.shared import once
 
@@ -326,3 +327,21 @@ def certificate(sample_campaign, sample_results, tmp_path_factory):
         )
 
     return make
+
+
+@pytest.fixture
+def few():
+    """A diagnosis of too few runs."""
+    return summarised.few()
+
+
+@pytest.fixture
+def compared():
+    """A diagnosis with gaps, candidates and a working point, and nothing named."""
+    return summarised.compared()
+
+
+@pytest.fixture
+def named():
+    """A diagnosis with a leak."""
+    return summarised.named()

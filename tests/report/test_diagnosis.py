@@ -28,13 +28,9 @@ from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
 from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
-from hbench.report.diagnosis.run_gaps import run_gaps_csv
-from hbench.report.diagnosis.text import (
-    diagnosis_tables,
-    diagnosis_text,
-    edges_table,
-    gap_line,
-)
+from hbench.report.diagnosis.tables.gap_tables import edges_table
+from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv
+from hbench.report.diagnosis.text import diagnosis_tables, diagnosis_text, gap_line
 from hbench.report.render import style
 from hbench.report.render.document import BANNERS
 from hbench.report.render.figures import as_svg
@@ -321,6 +317,17 @@ def test_overlays_are_shown_in_the_benchs_units_with_what_they_are_off(named):
         right.lines[-1].get_ydata(), (pressure.after - pressure.measured) / 1e5
     )
     assert "(bar)" in left.get_ylabel()
+
+
+def test_a_signal_that_hardly_changes_has_its_values_on_the_axis_and_no_offset(named):
+    shown = next(each for each in named.overlays if each.signal == "p_tp")
+    steady = replace(shown, measured=np.full_like(shown.measured, 149.8e5))
+    steady = replace(steady, before=steady.measured - 400.0, after=steady.measured)
+    figure = overlay_figures(replace(named, overlays=(steady,)))[shown.run]
+    figure.canvas.draw()
+    axis = figure.axes[0].yaxis
+    assert not axis.get_offset_text().get_text()
+    assert any("149.79" in label.get_text() for label in axis.get_ticklabels())
 
 
 def test_a_figure_of_a_held_out_run_says_what_the_run_was_and_why_it_is_shown(named, drawings):

@@ -37,6 +37,8 @@ BY_NAME += (
     "gaps",
     "not_tried",
     "next_schedule",
+    "zero_tolerances",
+    "also",
 )
 
 

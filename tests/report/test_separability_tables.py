@@ -6,7 +6,7 @@ import pytest
 
 from hbench.records import DetectableSize, EffectPair, PlannedEffects, Separability
 from hbench.report.diagnosis.page import diagnosis_page
-from hbench.report.diagnosis.separability_tables import (
+from hbench.report.diagnosis.tables.separability_tables import (
     matrix_table,
     planned_effects_text,
     sizes_table,

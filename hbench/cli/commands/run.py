@@ -170,7 +170,7 @@ def _demand_words(demand: "SteadyDemand") -> str:
 def _effects(experiment: "Experiment", plant: Path | None, as_json: bool) -> Any:
     """Return the effects that the runs would show as a JSON object; print them otherwise."""
     from hbench import workflow
-    from hbench.report.diagnosis.separability_tables import planned_effects_text
+    from hbench.report.diagnosis.tables.separability_tables import planned_effects_text
     from hbench.report.json_documents.layout import json_document
 
     typer.echo("simulating a run of each operating point with the bench's model", err=True)

@@ -1,6 +1,6 @@
 """Leave-one-out prediction: the error of a stroke model at a load outside the fit."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,7 @@ from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.reconcile.strokes.stroke_search import SeriesSearch
-from hbench.records import BeforeAfter, GapTable
+from hbench.records import BeforeAfter, GapTable, HeldOutLoad
 
 _DRAWS = 8
 StageGaps = dict[str, GapMap]  # before, refitted, after: of some points, parameters from others
@@ -78,12 +78,23 @@ def with_floor(held_out: GapTable, other: GapTable) -> GapTable:
     return replace(held_out, total=total, balances=balances)
 
 
-def force_errors(stages: Sequence[StageGaps]) -> str:
-    """Return the force errors by load, refitted and with the effects, as text."""
-    texts = []
-    for maps in stages:
-        refitted, after = (
-            float(np.sqrt(np.sum(maps[stage].difference ** 2))) for stage in ("refitted", "after")
+def held_out_loads(
+    stages: Sequence[StageGaps], also: Mapping[str, Sequence[StageGaps]]
+) -> tuple[HeldOutLoad, ...]:
+    """Return the force errors of both directions at each load.
+
+    ``stages`` are those of ``leave_each_load_out``, ``also`` those with one more effect, by name.
+    """
+    return tuple(
+        HeldOutLoad(
+            load_n=float(maps["after"].load_n[0]),
+            **{stage: _force_error(maps[stage]) for stage in ("before", "refitted", "after")},
+            also={name: _force_error(more[i]["after"]) for name, more in also.items()},
         )
-        texts.append(f"{refitted:.2f} to {after:.2f} N at {maps['after'].load_n[0]:.0f} N")
-    return ", ".join(texts)
+        for i, maps in enumerate(stages)
+    )
+
+
+def _force_error(gaps: GapMap) -> float:
+    """Return the root mean square error [N] of both directions at one load."""
+    return float(np.sqrt(np.sum(gaps.difference**2)))

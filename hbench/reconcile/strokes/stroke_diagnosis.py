@@ -24,11 +24,10 @@ from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.strokes.leave_one_out import (
-    StageGaps,
-    force_errors,
     gap_floor,
     gap_table,
     gaps_at,
+    held_out_loads,
     leave_each_load_out,
     with_floor,
 )
@@ -230,7 +229,14 @@ def _assembled(
         missing=missing,
         left_out=left_out,
         revised=revised(task.plant_data, factors, estimates.hypothesis(estimates.beta)),
-        notes=tuple(_notes(labels, search, start, names, alternatives, by_load)),
+        notes=tuple(_notes(labels, search, names, alternatives)),
+        held_out_loads=held_out_loads(
+            by_load,
+            {
+                candidate.name: leave_each_load_out(search, start, (*names, candidate.name))
+                for candidate in alternatives
+            },
+        ),
         working_point=point,
         practice=practice,
     )
@@ -298,10 +304,8 @@ def _added_effects(
 def _notes(
     labels: Sequence[str],
     search: SeriesSearch,
-    start: LinearisedModel,
     names: Sequence[str],
     alternatives: Sequence[Candidate],
-    by_load: Sequence[StageGaps],
 ) -> Iterator[str]:
     if not search.measured.load_is_known:
         yield NO_SENSOR_NOTE
@@ -309,15 +313,7 @@ def _notes(
         "Leave-one-out: the gaps of held-out runs are predictions of each load with parameters "
         "from the other loads. The effects were chosen with all loads."
     )
-    yield (
-        "Root mean square error of both directions at the held-out load, of the refitted model and "
-        f"with the effects: {force_errors(by_load)}."
-    )
-    others = [candidate.name for candidate in alternatives]
-    for name in others:
-        more = leave_each_load_out(search, start, (*names, name))
-        yield f"The same errors with {name} in addition: {force_errors(more)}."
-    if "load_cell_gain" in (*others, *names):
+    if "load_cell_gain" in (*(candidate.name for candidate in alternatives), *names):
         yield GAIN_NOTE
     if len(labels) > 1:
         yield (

@@ -11,16 +11,33 @@ from hbench.records import (
     Lookalike,
 )
 from hbench.report.diagnosis.change_words import readings_words
-from hbench.report.diagnosis.names import in_sentence, in_words, parts_of
+from hbench.report.diagnosis.coefficient_words import parts_present
+from hbench.report.diagnosis.deviation_words import too_small_words
+from hbench.report.diagnosis.names import (
+    CHAMBERS,
+    PRESSURE_SYMBOLS,
+    in_sentence,
+    in_words,
+    parts_of,
+)
 from hbench.report.diagnosis.place_words import CLEARLY_LARGER, edge_gaps, worst_region
-from hbench.report.render.numbers import number
+from hbench.report.render.numbers import number, significant
 from hbench.report.render.symbols import capital, listed
 
+# Words of the catalogue for the parts that an effect acts on, and these parts by coefficient.
+_PARTS = {
+    "each leaking cylinder": {"test": "the test cylinder", "load": "the load cylinder"},
+    "that chamber": CHAMBERS,
+}
+_EVERY = {"each leaking cylinder": "each cylinder", "that chamber": "all chambers"}
 _MOST_BALANCES = 2  # whose parts are to be inspected
+_TOO_SMALL = (
+    "Nothing needs to be inspected or repaired for an effect of this size; model.yaml contains it."
+)
 _ZEROS = (
     "There is no next.yaml, since a zero check is no run. To have hbench take the zeros in each "
-    "campaign, list an experiment of the kind check first and last in the schedule, with "
-    "load_cell: free (configs/README.md, Zero checks)."
+    "campaign, list an experiment of the kind check first and last in the schedule, with a "
+    "free load cell (configs/README.md, Zero checks)."
 )
 
 
@@ -63,10 +80,20 @@ def zero_check(diagnosis: Diagnosis) -> list[str]:
     return [
         f"Next step: a zero check with the supply off. Read {listed(inspect)}.",
         f"Expected readings: {'; '.join(shown)}. The other sensors show zero within their "
-        "tolerances.",
+        f"tolerances{_tolerances(diagnosis)}.",
         "Zero the sensor that is off, or enter its offset in the bench file, and measure again.",
         _ZEROS,
     ]
+
+
+def _tolerances(diagnosis: Diagnosis) -> str:
+    """Return the largest offsets within the tolerances of the sensors; empty without any."""
+    known = diagnosis.zero_tolerances
+    pressures = [known[name] for name in PRESSURE_SYMBOLS if name in known]
+    parts = [f"±{significant(max(pressures), 2)} bar for pressures"] if pressures else []
+    if "f_applied" in known:
+        parts.append(f"±{significant(known['f_applied'], 2)} N for the load cell")
+    return f" ({' and '.join(parts)})" if parts else ""
 
 
 def _is_zero_check(kind: str) -> bool:
@@ -87,17 +114,47 @@ def _inspections(
     diagnosis: Diagnosis, effects: Sequence[AddedEffect] | Sequence[Candidate]
 ) -> list[str]:
     """Return what to inspect for each of some effects, as far as it is known."""
-    practice = {effect.name: effect.inspect for effect in diagnosis.practice}
-    return [inspect for each in effects if (inspect := practice.get(each.name))]
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    known = (inspection(diagnosis, practice[e.name]) for e in effects if e.name in practice)
+    return list(filter(None, known))
+
+
+def inspection(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
+    """Return what to inspect for an effect, at the parts that it acts on by its coefficients."""
+    fitted = [each for each in diagnosis.effects if each.name == effect.name]
+    words = effect.inspect
+    for general, parts in _PARTS.items():
+        found = [parts[name] for each in fitted for name in parts_present(each) if name in parts]
+        if len(found) == len(parts):
+            words = words.replace(general, _EVERY[general])
+        words = words.replace(general, listed(found) or general)
+    return words
+
+
+def advice(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
+    """Return what to inspect and what to do then; that neither is needed for a small effect."""
+    words = inspection(diagnosis, effect)
+    if too_small_words(diagnosis, effect):
+        cause = f" To see its cause, inspect {words}." if words else ""
+        return f"{_TOO_SMALL}{cause}"
+    return " ".join(filter(None, (f"Inspect {words}." if words else "", effect.repair)))
 
 
 def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     """Return the sentence on what to inspect next; empty where nothing is known."""
-    inspect = _joined(_inspections(diagnosis, effects), "and")
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    matters = [
+        each
+        for each in effects
+        if each.name not in practice or not too_small_words(diagnosis, practice[each.name])
+    ]
+    if effects and not matters:
+        return _TOO_SMALL
+    inspect = _joined(_inspections(diagnosis, matters), "and")
     return f"Next, inspect {inspect}." if inspect else ""
 
 
-def _first_step(diagnosis: Diagnosis) -> str:
+def first_step(diagnosis: Diagnosis) -> str:
     """Return what to inspect for the confirmed effects, and how to confirm the others."""
     confirmed = [effect for effect in diagnosis.effects if effect.confirmed]
     others = [effect for effect in diagnosis.effects if not effect.confirmed]
@@ -137,15 +194,15 @@ def next_step(diagnosis: Diagnosis) -> str:
         if diagnosis.next_schedule:
             return "Next step: measure next.yaml; the command is below."
         if check := zero_check(diagnosis):
-            return " ".join(check[:2])
+            return check[0]
         kinds = dict.fromkeys(_runs(other) for _, other in _separable_pairs(diagnosis))
         runs = f"measure {listed(list(kinds))}, which separate them" if kinds else ""
         steps = ", or ".join(filter(None, (runs, f"inspect {inspect}" if inspect else "")))
-        first = _first_step(diagnosis)
+        first = first_step(diagnosis)
         begin = f"{first} To separate the possible causes" if first else "Next"
         return f"{begin}, {steps}." if steps else first
     if diagnosis.effects:
-        return _first_step(diagnosis)
+        return first_step(diagnosis)
     if diagnosis.verdict == "unknown" and diagnosis.where:
         return _where_to_look(diagnosis)
     return ""

@@ -1,9 +1,10 @@
-"""Changes that an effect makes, in words and as a table."""
+"""Changes that an effect makes, in words."""
 
 from collections.abc import Sequence
 
-from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, WordTable
+from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter
 from hbench.records.diagnosis import MOTION_BALANCE
+from hbench.report.diagnosis.coefficient_words import parameter_text
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     CHAMBERS,
@@ -11,17 +12,16 @@ from hbench.report.diagnosis.names import (
     in_sentence,
     in_words,
     of_strokes,
-    parameter_text,
     quantity,
 )
 from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 
-_FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
+FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
 _READINGS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
 _GROUPS: tuple[tuple[str, ...], ...] = (
     _READINGS,
-    _FLOWS,
+    FLOWS,
     ("speed",),
     ("force_test", "force_load", MOTION_BALANCE),
     ("pressure",),
@@ -37,7 +37,7 @@ _OBJECTS = {
 }
 _FRICTION = "force_test"  # balance of the friction of the test cylinder
 _LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
-_CYLINDERS = {
+CYLINDERS = {
     "force_test": "friction of the test cylinder",
     "force_load": "friction of the load cylinder",
     MOTION_BALANCE: "force against the motion",
@@ -45,47 +45,7 @@ _CYLINDERS = {
 _INERTIA = "added_mass"  # the effect whose force is no friction
 
 
-def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    """Return what each effect changes, at the working point and along the logs."""
-    head = ("quantity", "at the working point", "along the logs (rms)", "up to (95 %)")
-    return tuple(
-        WordTable(
-            f"What {in_words(effect.name)} changes",
-            head,
-            tuple(
-                (
-                    _row(change.quantity, computed=bool(wrong_readings(effect))),
-                    _interval(change),
-                    f"{significant(change.along, 2)} {change.unit}",
-                    f"{significant(change.largest, 2)} {change.unit}",
-                )
-                for change in _changes(effect)
-            ),
-        )
-        for effect in diagnosis.practice
-    )
-
-
-def candidates_table(diagnosis: Diagnosis) -> WordTable:
-    """Return what each effect of the ambiguous set would change, and by how much they differ."""
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
-    by_name = [{change.quantity: change for change in _changes(effect)} for effect in chosen]
-    computed = all(map(wrong_readings, chosen))
-    rows = []
-    for name in dict.fromkeys(name for changes in by_name for name in changes):
-        known = [changes.get(name) for changes in by_name]
-        unit = next(change.unit for change in known if change)
-        values = [change.at_point if change else 0.0 for change in known]
-        differs = f"{significant(max(values) - min(values), 2)} {unit}"
-        row = _row(name, computed=computed)
-        rows.append((row, *(_interval(c) if c else f"0 {unit}" for c in known), differs))
-    head = ("at the working point", *(in_words(effect.name) for effect in chosen), "they differ by")
-    title = "What each of these effects would change"
-    return WordTable(title, head, tuple(rows) if len(chosen) > 1 else ())
-
-
-def _changes(effect: EffectInPractice) -> list[Change]:
+def changes_of(effect: EffectInPractice) -> list[Change]:
     """Return what an effect changes.
 
     The supply pressure of an instrument's error is that of its reading, which is in the list.
@@ -94,17 +54,11 @@ def _changes(effect: EffectInPractice) -> list[Change]:
     return [change for change in effect.changes if not (wrong and change.quantity == "supply")]
 
 
-def _row(name: str, *, computed: bool) -> str:
-    """Return the title of a quantity in a table; a wrong reading changes what is computed."""
-    of_model = computed and (name in _FLOWS or name in _CYLINDERS)
-    return f"{'computed ' if of_model else ''}{quantity(name)}"
-
-
 def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     """Return what each effect of the ambiguous set would mean for friction of the test cylinder.
 
     An error of a sensor changes the friction that is computed, an effect of the bench the friction
-    itself: its measured value is right then. In short, it is the effect of each alone.
+    itself: its measured value is right then. In brief, by how much the values differ.
     """
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
@@ -121,19 +75,18 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
             words = f"is computed {_size(change)} too {'high' if change.at_point > 0 else 'low'}"
         else:
             words = (
-                f"is measured correctly, and the effect changes it by {_interval(change)} "
+                f"is measured correctly, and the effect changes it by {interval(change)} "
                 f"({significant(change.along, 2)} {change.unit} RMS over all motion)"
             )
         errors.append(change.at_point if change and wrong_readings(effect) else 0.0)
         parts.append(f"with {in_words(effect.name)} it {words}")
     differ = max(errors) - min(errors)
-    end = (
-        f"The friction of these runs differs by {significant(differ, 2)} N from case to case."
-        if differ
-        else "The measured friction holds in each case."
-    )
-    words = f"Friction of the test cylinder at the working point: {'; '.join(parts)}."
-    return words if brief else f"{words} {end}"
+    if brief and differ:
+        size = significant(differ, 2)
+        return f"The friction of the test cylinder differs by {size} N from case to case."
+    if brief:
+        return "The measured friction of the test cylinder is right in each case."
+    return f"Friction of the test cylinder at the working point: {'; '.join(parts)}."
 
 
 def sizes_words(diagnosis: Diagnosis) -> str:
@@ -143,7 +96,7 @@ def sizes_words(diagnosis: Diagnosis) -> str:
     for candidate in diagnosis.alternatives:
         effect = practice.get(candidate.name)
         main = main_changes(effect)[-1:] if effect else []
-        sizes = [f"{quantity(change.quantity)} {_interval(change)}" for change in main]
+        sizes = [f"{quantity(change.quantity)} {interval(change)}" for change in main]
         words = f" ({listed(sizes)})" if sizes else ""
         parts.append(f"{in_words(candidate.name)}{words}")
     return " or ".join(parts)
@@ -153,7 +106,7 @@ def readings_words(effect: EffectInPractice) -> str:
     """Return what each sensor of an instrument's error reads too much; empty without any."""
     return listed(
         [
-            f"{PRESSURE_SYMBOLS.get(change.quantity, 'the load cell')} {_interval(change)}"
+            f"{PRESSURE_SYMBOLS.get(change.quantity, 'the load cell')} {interval(change)}"
             for change in effect.changes
             if change.quantity in _READINGS
         ]
@@ -206,7 +159,7 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
     """Return the changes at the working point: the largest of each group."""
     chosen = []
     for names in _GROUPS:
-        group = [change for change in _changes(effect) if change.quantity in names]
+        group = [change for change in changes_of(effect) if change.quantity in names]
         group = [c for c in group if abs(c.at_point) > _LEAST * max(c.largest, c.along)]
         if group:
             chosen.append(max(group, key=lambda change: _rounded(change.at_point)))
@@ -222,11 +175,11 @@ def phrase(change: Change, direction: str, readings: int = 0) -> str:
         sensor = f"the transducer of {symbol}" if symbol else "the load cell"
         words = f"{sensor} shows {size} too {'much' if more else 'little'}"
         return f"{words} (the largest of {readings} errors)" if readings > 1 else words
-    if readings and (name in _FLOWS or name in _CYLINDERS):
+    if readings and (name in FLOWS or name in CYLINDERS):
         return f"the computed {_thing(name)} is {size} too {'high' if more else 'low'}"
-    if name in _FLOWS:
+    if name in FLOWS:
         return f"{size} {'more' if more else 'less'} oil enters {CHAMBERS[name[-2:]]}"
-    if name in _CYLINDERS:
+    if name in CYLINDERS:
         return f"the {_thing(name)} is {size} {way}"
     fed = "P_Tp" if direction == "extend" else "P_Tr"
     phrases = {
@@ -240,7 +193,10 @@ def phrase(change: Change, direction: str, readings: int = 0) -> str:
     return phrases.get(name, f"{name} is {size} {way}")
 
 
-def _interval(change: Change) -> str:
+def interval(change: Change) -> str:
+    """Return a change at the working point with its interval; 0 has none."""
+    if change.at_point == 0 and change.ci95 in (None, (0, 0)):
+        return f"0 {change.unit}"
     text = parameter_text(FitParameter(change.at_point, None, change.ci95, None, change.unit))
     return text.removesuffix(" (not determined)")
 
@@ -256,17 +212,17 @@ def _size(change: Change) -> str:
 
 def _thing(name: str) -> str:
     """Return a force or a flow by its cylinder or chamber."""
-    if name in _CYLINDERS:
-        return _CYLINDERS[name]
+    if name in CYLINDERS:
+        return CYLINDERS[name]
     return f"flow to {CHAMBERS[name[-2:]]}"
 
 
 def _object(change: Change, *, computed: bool, inertia: bool) -> str:
     """Return a quantity as the object of a sentence."""
     name = change.quantity
-    if inertia and name in _CYLINDERS:
+    if inertia and name in CYLINDERS:
         return f"the {_thing(name).replace('friction', 'inertial force')}"
-    if name in _CYLINDERS or name in _FLOWS:
+    if name in CYLINDERS or name in FLOWS:
         return f"the {'computed ' if computed else ''}{_thing(name)}"
     if name in BALANCE_NAMES:
         return in_sentence(name)
@@ -306,7 +262,7 @@ def largest_words(effect: EffectInPractice, *, brief: bool = False) -> str:
 
 def _along(effect: EffectInPractice) -> list[tuple[str, Change]]:
     """Return the quantity in each group that an effect changes most along the logs."""
-    known, computed = [c for c in _changes(effect) if c.largest > 0], bool(wrong_readings(effect))
+    known, computed = [c for c in changes_of(effect) if c.largest > 0], bool(wrong_readings(effect))
     groups = (
         [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
     )

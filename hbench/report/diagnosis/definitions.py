@@ -27,6 +27,10 @@ NUMBERS = (
     "diagnosis.json and gaps_by_run.csv contain all numbers, also those of folded tables, which "
     "are not printed. The folder figures has each figure as SVG and its data as CSV."
 )
+LARGEST = (
+    "The balance whose deviation is largest in relation to the limit above which it matters. The "
+    "table of the balances is in the order of their gaps."
+)
 NEXT_FILE = "next.yaml is the schedule that is proposed above."
 WHICH: tuple[Fact, ...] = (
     ("Score", "Gain of log-likelihood in nats (natural logarithm) by cross-validation: each fifth "

@@ -46,6 +46,7 @@ LAYOUTS: Layouts = {
         "refit_refused": NullIfEmpty("refit_refused"),
         **keys("regions", "regions_after", "heldout_runs", "not_tried"),
         **keys("missing", "left_out", "notes", "unnamed", "separability", "errors"),
+        **keys("held_out_loads", "zero_tolerances"),
     },
     Gap: {
         "balance": "name",

@@ -5,9 +5,9 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from hbench.channels import CHANNELS
-from hbench.records import AddedEffect, Diagnosis, FitParameter, Gap
+from hbench.records import Diagnosis, Gap
 from hbench.records.diagnosis import MOTION_BALANCE
-from hbench.report.render.numbers import NONE, number, significant, with_ends
+from hbench.report.render.numbers import NONE, number, significant
 from hbench.units import from_si
 
 
@@ -73,8 +73,6 @@ STEPS = {
     "after": "with the effects",
     "floor": "expected of a correct model",
 }
-_OF_POWER = re.compile(r"_0 = (\d+ [^,]+)")  # where a law of any exponent has the same value
-_NOT_OF_POWER = ("exponent", "lag")
 CHAMBERS = {
     "tp": "the piston side of the test cylinder (Tp)",
     "tr": "the rod side of the test cylinder (Tr)",
@@ -109,7 +107,6 @@ _VALUE_OF = re.compile(r"test cylinder (?=[−\d])")
 _PART = re.compile(r", test (cylinder|side)")
 _WITHOUT_ARTICLE = ("friction", "kinematics")
 _MOST_DIGITS = 4  # of a deviation that is close to its limit
-_FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 
 def balance(name: str) -> DisplayName:
@@ -148,18 +145,6 @@ def keys_in_words(line: str) -> str:
     return _KEY.sub(lambda key: names.get(key[0]) or in_words(key[0]), line)
 
 
-def coefficient_words(name: str) -> str:
-    """Return the name of an effect's coefficient in words."""
-    return _COEFFICIENTS.get(name) or PRESSURE_SYMBOLS.get(name) or in_words(name)
-
-
-_COEFFICIENTS = {
-    "test": "test cylinder",
-    "load": "load cylinder",
-    **{f"{part}_{side}": f"{side} side of {part} cylinder"
-       for part in ("test", "load") for side in ("piston", "rod")},
-    **{chamber: f"chamber {chamber.capitalize()}" for chamber in CHAMBERS},
-}  # fmt: skip
 _MODEL_VALUES = {
     "supply.pressure": "supply pressure",
     "supply.tank": "tank pressure",
@@ -306,38 +291,3 @@ def mathtext(symbol: str) -> str:
 def shown(si: Any, display: DisplayName) -> Any:
     """Convert a number or an array in SI to the unit it is shown in."""
     return from_si(si, display.unit) if display.unit else si
-
-
-def parameter_text(parameter: FitParameter) -> str:
-    """Write a value with its 95 % interval and its unit, or why there is no interval."""
-    texts = [_with_interval(parameter)]
-    if parameter.unit != "1":
-        texts.append(parameter.unit)
-    if parameter.at_bound:
-        texts.append(f"(at its {parameter.at_bound} bound)")
-    elif parameter.ci95 is None:
-        texts.append("(not determined)")
-    return " ".join(texts)
-
-
-def coefficient_text(effect: AddedEffect, name: str) -> str:
-    """Write a coefficient, and where it holds if the law has another exponent than the textbook's.
-
-    With the exponent its unit no longer fits the law: the law has a reference value for that.
-    """
-    text, reference = parameter_text(effect.parameters[name]), _OF_POWER.search(effect.law)
-    if reference is None or name in _NOT_OF_POWER or "exponent" not in effect.parameters:
-        return text
-    return f"{text} at {reference[1]}"
-
-
-def _with_interval(parameter: FitParameter) -> str:
-    value = significant(parameter.value, 3)
-    if parameter.ci95 is None:
-        return value
-    low, high = parameter.ci95
-    if parameter.value == 0 and parameter.at_bound:
-        return f"0 (95 %: {significant(low, 2)} to {significant(high, 2)})"
-    if high - low > _FINE:
-        return with_ends(parameter.value, low, high)
-    return f"{value} ({significant(low, 3)} to {significant(high, 3)})"

@@ -5,26 +5,26 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
-from hbench.report.diagnosis import text as text
-from hbench.report.diagnosis.change_words import (
-    candidates_table,
-    changes_tables,
-)
+from hbench.report.diagnosis.coefficient_words import keys_as_words
 from hbench.report.diagnosis.names import (
     added_words,
     in_words,
     keys_in_words,
+    of_strokes,
     of_the_mass,
     value_words,
 )
-from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.separability_tables import (
+from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.tables import effect_tables, gap_tables
+from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
+from hbench.report.diagnosis.tables.run_gaps import run_table
+from hbench.report.diagnosis.tables.separability_tables import (
     MATRIX_TEXT,
     by_reason,
     lookalikes_tables,
     matrix_table,
 )
-from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.text import gap_line, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
@@ -42,14 +42,14 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
 
     unnamed = Section(
         "Unnamed laws in the revised model",
-        items=text.law_lines(diagnosis),
+        items=law_lines(diagnosis),
         drawings=drawn("unnamed"),
     )
     gap = Section(
         "The gap before and after" if added_words(diagnosis) else "The gap",
-        (text.gap_line(diagnosis),),
+        (gap_line(diagnosis),),
         drawings=drawn("gap"),
-        tables=_with_rows(text.errors_table(diagnosis)),
+        tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
         facts=definitions.of_gaps(diagnosis),
         parts=(
             *_numbers("Gaps of held-out runs in numbers", *_held_out_tables(diagnosis)),
@@ -61,7 +61,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
         drawings=drawn("where"),
         tables=_with_rows(
-            text.where_table(diagnosis), text.rest_table(diagnosis), text.edges_table(diagnosis)
+            gap_tables.where_table(diagnosis),
+            gap_tables.rest_table(diagnosis),
+            gap_tables.edges_table(diagnosis),
         ),
         facts=definitions.of_deviations(diagnosis),
     )
@@ -72,7 +74,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         drawings=drawn("ranking"),
         facts=definitions.WHICH,
         parts=(
-            *_numbers("All candidates in numbers", _untitled(text.ranking_table(diagnosis))),
+            *_numbers(
+                "All candidates in numbers", _untitled(effect_tables.ranking_table(diagnosis))
+            ),
             *_matrix_part(diagnosis),
         ),
     )
@@ -83,17 +87,19 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         parts=_numbers("Refitted values in numbers", _refitted_table(diagnosis)),
     )
     details = (*changes_tables(diagnosis), *lookalikes_tables(diagnosis))
+    folded = _numbers("Each effect in detail", *details) if diagnosis.alternatives else ()
+    changes = definitions.of_changes(diagnosis)
     effects = Section(
         "The effects" if diagnosis.effects else "The candidates that remain",
         (definitions.SENSOR,) if any(effect.of_sensor for effect in diagnosis.effects) else (),
         tables=_with_rows(
             _effects_table(diagnosis),
-            text.alternatives_table(diagnosis),
+            effect_tables.alternatives_table(diagnosis),
             candidates_table(diagnosis),
             *([] if diagnosis.alternatives else details),
         ),
-        facts=(*definitions.of_laws(diagnosis), *definitions.of_changes(diagnosis)),
-        parts=_numbers("Each effect in detail", *details) if diagnosis.alternatives else (),
+        facts=(*definitions.of_laws(diagnosis), *(() if folded else changes)),
+        parts=tuple(replace(part, facts=changes) for part in folded),
     )
     notes = tuple(_effects_in_words(diagnosis, note) for note in diagnosis.notes)
     missing = Section(
@@ -145,7 +151,9 @@ def _files(diagnosis: Diagnosis) -> str:
         contents.insert(0, "refitted values")
     model = f"the model with {listed(contents)}" if contents else "the model as given"
     files = [definitions.NEXT_FILE] if diagnosis.next_schedule else []
-    files.append(f"model.yaml is {model}, for hbench run --plant.")
+    incomplete = of_strokes(diagnosis) or diagnosis.errors  # no plant of a whole bench
+    command = "reconcile" if incomplete else "run --plant"
+    files.append(f"model.yaml is {model}, for hbench {command}.")
     left_out = [in_words(effect.name) for effect in diagnosis.effects if not effect.confirmed]
     if left_out:
         files.append(f"It does not contain {listed(left_out)}.")
@@ -161,25 +169,26 @@ def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
         return Section("Shape of the residuals", drawings=drawings)
     others = Section("Residuals of the other balances", drawings=drawings[1:], folded=True)
     parts = (replace(others, printed=False),) if others.drawings else ()
-    return Section("Residuals of one balance", drawings=drawings[:1], parts=parts)
+    first = (definitions.LARGEST,) if diagnosis.verdict == "none" else ()
+    return Section("Residuals of one balance", first, drawings=drawings[:1], parts=parts)
 
 
 def _held_out_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    return text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+    return gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
 
 
 def _train_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    return text.gap_tables(diagnosis, diagnosis.gap_train, "training runs")
+    return gap_tables.gap_tables(diagnosis, diagnosis.gap_train, "training runs")
 
 
 def _effects_table(diagnosis: Diagnosis) -> WordTable:
-    table = text.effects_table(diagnosis)
+    table = effect_tables.effects_table(diagnosis)
     rows = (tuple(of_the_mass(diagnosis, cell) for cell in row) for row in table.rows)
     return replace(table, rows=tuple(rows))
 
 
 def _refitted_table(diagnosis: Diagnosis) -> WordTable:
-    table = _untitled(text.refitted_table(diagnosis))
+    table = _untitled(effect_tables.refitted_table(diagnosis))
     rows = ((of_the_mass(diagnosis, value_words(path)), words) for path, words in table.rows)
     return replace(table, rows=tuple(rows))
 
@@ -206,7 +215,8 @@ def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     """Return missing data, effects that were not tried and runs left out."""
     untried = [
         _sentence(f"{keys_in_words(', '.join(names)) if diagnosis.ranking else 'all'} ({reason}).")
-        for reason, names in by_reason(diagnosis.not_tried).items()
+        for key, names in by_reason(diagnosis.not_tried).items()
+        for reason in [keys_as_words(key)]
     ]
     parts = {
         "Missing data": [f"{_sentence(item)}." for item in diagnosis.missing if diagnosis.where],
@@ -226,6 +236,11 @@ def _run_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
     table = run_table(diagnosis, _MOST_RUNS)
     parts = _numbers(table.title, _untitled(table))
     return tuple(replace(part, paragraphs=(definitions.RUNS,)) for part in parts)
+
+
+def _ranking_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
+    table = effect_tables.ranking_table(diagnosis)
+    return _numbers("All candidates in numbers", _untitled(table))
 
 
 def _matrix_part(diagnosis: Diagnosis) -> tuple[Section, ...]:

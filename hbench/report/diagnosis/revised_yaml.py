@@ -7,9 +7,9 @@ from typing import Any
 import yaml
 
 from hbench.records import AddedEffect, Diagnosis
+from hbench.report.diagnosis.coefficient_words import coefficient_text, effect_words, parameter_text
 from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
-from hbench.report.diagnosis.names import coefficient_text, parameter_text
-from hbench.report.diagnosis.sentences import effect_words, gap_change
+from hbench.report.diagnosis.sentences import gap_change
 from hbench.report.diagnosis.text import gap_line
 
 _SOURCES = {

@@ -11,6 +11,7 @@ from hbench.records import (
     Diagnosis,
 )
 from hbench.report.diagnosis.action_words import (
+    advice,
     confirmation,
     next_step,
     separation,
@@ -22,9 +23,23 @@ from hbench.report.diagnosis.change_words import (
     friction_words,
     main_changes,
 )
+from hbench.report.diagnosis.coefficient_words import coefficients_words
+from hbench.report.diagnosis.deviation_words import (
+    deviations,
+    expected_gaps,
+    increased,
+    largest_deviation,
+    not_expected,
+    poorly_simulated,
+    remainder,
+    significance,
+    significant_gaps,
+    undecided_words,
+    unreliable,
+)
 from hbench.report.diagnosis.error_words import drift_words, one_sided_words
 from hbench.report.diagnosis.law_words import law_summary
-from hbench.report.diagnosis.names import in_sentence, in_words
+from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
 from hbench.report.diagnosis.place_words import (
     at_point_words,
     change_clauses,
@@ -33,25 +48,17 @@ from hbench.report.diagnosis.place_words import (
     worst_places,
 )
 from hbench.report.diagnosis.sentences import (
-    advice,
     agreement,
     best_candidate,
     closeness,
-    coefficients_words,
-    deviations,
     gap_change,
-    increased,
-    largest_deviation,
     odds_words,
-    poorly_simulated,
     refit_words,
     ruled_out_words,
-    significance,
-    significant_gaps,
     title,
     worse_words,
 )
-from hbench.report.diagnosis.separability_tables import detectable
+from hbench.report.diagnosis.tables.separability_tables import detectable
 from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
@@ -72,6 +79,7 @@ _NO_GAIN = (
     "The effect is named by its score in the cross-validation over the runs of the fit. Held-out "
     "runs do not confirm it, so model.yaml and all gaps below are those of the model without it."
 )
+_EXPECTED = "Expected deviations"
 _WORSE, _CLOSEST = "What gets worse", "Closest known effect"
 _UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
 
@@ -107,13 +115,9 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         own = "Second deviation" if diagnosis.effects else ""
         for question, sentence in _ambiguous(diagnosis):
             yield _of(own, question), sentence
-    if diagnosis.effects and diagnosis.rest:
-        model = "With the effects" if diagnosis.confirmed else "In the model of model.yaml"
-        yield _NOT_EXPLAINED, f"{model}, {deviations(diagnosis.rest)} over all runs."
-        yield _NOT_EXPLAINED, increased(diagnosis)
-        yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
-        rest = listed([in_sentence(gap.name) for gap in diagnosis.rest])
-        yield _NOT_EXPLAINED, f"Do not rely on model.yaml for {rest} until this is explained."
+    if diagnosis.effects:
+        yield "Remaining gap", remainder(diagnosis)
+        yield from _remaining(diagnosis)
     if not (diagnosis.effects or diagnosis.alternatives):
         if diagnosis.verdict == "unknown":
             yield from _unknown(diagnosis) if diagnosis.where else _insufficient(diagnosis)
@@ -122,6 +126,19 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield "Force and motion", one_sided_words(diagnosis)
     yield "Force and motion", drift_words(diagnosis)
     yield "Simulation", poorly_simulated(diagnosis)
+
+
+def _remaining(diagnosis: Diagnosis) -> Iterator[Answer]:
+    """Yield the deviations that no effect explains, and which of them a correct model has too."""
+    if gaps := not_expected(diagnosis):
+        model = "With the effects" if diagnosis.confirmed else "In the model of model.yaml"
+        yield _NOT_EXPLAINED, f"{model}, {deviations(gaps)} over all runs."
+        yield _NOT_EXPLAINED, increased(diagnosis)
+        yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
+    if gaps := unreliable(diagnosis):
+        names = listed([in_sentence(gap.name) for gap in gaps])
+        yield _NOT_EXPLAINED, f"Do not rely on model.yaml for {names} until this is explained."
+    yield _EXPECTED, expected_gaps(diagnosis)
 
 
 def _of(part: str, question: str) -> str:
@@ -184,7 +201,7 @@ def _condition(effect: AddedEffect) -> str:
 def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """Return what to inspect and repair, or how to confirm the effect first."""
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    then = advice(practice) if practice else ""
+    then = advice(diagnosis, practice) if practice else ""
     if effect.confirmed:
         return then
     first = confirmation(diagnosis, [effect])
@@ -193,6 +210,8 @@ def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _SIZE, _ambiguous_sizes(diagnosis)
+    if of_strokes(diagnosis):
+        yield _SIZE, undecided_words(diagnosis)
     practice = {effect.name: effect for effect in diagnosis.practice}
     for candidate in diagnosis.alternatives:
         if candidate.name in practice:

@@ -1,48 +1,41 @@
 """A diagnosis in words and tables, for the terminal and the page."""
 
-from collections.abc import Callable, Mapping, Sequence
-
 from hbench.records import (
     AddedEffect,
-    BeforeAfter,
-    Candidate,
     Diagnosis,
     Gap,
-    GapTable,
     WordTable,
 )
-from hbench.report.diagnosis.change_words import candidates_table, changes_tables
+from hbench.report.diagnosis.coefficient_words import effect_words
+from hbench.report.diagnosis.deviation_words import (
+    agrees,
+    deviations,
+    expected_words,
+    not_expected,
+    undecided_balance,
+)
 from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
 from hbench.report.diagnosis.law_words import law_line
-from hbench.report.diagnosis.names import (
-    BALANCE_NAMES,
-    EDGES,
-    DisplayName,
-    balance,
-    coefficient_text,
-    coefficient_words,
-    compared_model,
-    deviation_and_limit,
-    gap_number,
-    in_sentence,
-    in_unit,
-    of_strokes,
-    p_words,
-    parameter_text,
-    share,
-    signal,
-    steps_of,
-)
-from hbench.report.diagnosis.place_words import edge_gaps
-from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import agrees, deviations, effect_words
-from hbench.report.diagnosis.separability_tables import not_tried_lines
+from hbench.report.diagnosis.names import BALANCE_NAMES, gap_number, in_sentence, steps_of
 from hbench.report.diagnosis.summary import short_summary
-from hbench.report.render.numbers import NONE, number, short, significant
+from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
+from hbench.report.diagnosis.tables.effect_tables import (
+    alternatives_table,
+    effects_table,
+    ranking_table,
+    refitted_table,
+)
+from hbench.report.diagnosis.tables.gap_tables import (
+    errors_table,
+    gap_tables,
+    loads_table,
+    rest_table,
+    where_table,
+)
+from hbench.report.diagnosis.tables.run_gaps import run_table
+from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
 from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
-
-Rows = tuple[tuple[str, ...], ...]
 
 _UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability of the bench."
 
@@ -66,7 +59,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
     blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
     text = "\n\n".join(block for block in blocks if block)
-    for sign, plainly in {"−": "-", "–": "-", "±": "+-", "×": "x", "…": "..."}.items():
+    for sign, plainly in {"−": "-", "–": "-", "±": "+-", "×": "x", "…": "...", "²": "^2"}.items():
         text = text.replace(sign, plainly)
     return text
 
@@ -77,8 +70,10 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
     if diagnosis.verdict == "named":
         also = f" Also {names}; these data cannot distinguish them." if names else ""
-        rest = f" Not explained: {deviations(diagnosis.rest)}." if diagnosis.rest else ""
-        return f"named: {effects}.{also}{rest}"
+        gaps = not_expected(diagnosis)
+        rest = f" Not explained: {deviations(gaps)}." if gaps else ""
+        expected = expected_words(diagnosis)
+        return f"named: {effects}.{also}{rest}{' ' if expected else ''}{expected}"
     also = f" Added before: {effects}." if effects else ""
     if diagnosis.verdict == "ambiguous":
         return f"ambiguous: {names}; these data cannot distinguish them.{also}"
@@ -134,21 +129,8 @@ def gap_line(diagnosis: Diagnosis) -> str:
     return " ".join(filter(None, words))
 
 
-def undecided_words(diagnosis: Diagnosis) -> str:
-    """Return how far a balance deviates from the model while its cause is undecided."""
-    name = _undecided_balance(diagnosis)
-    if name is None:
-        return ""
-    none = "neither" if len(diagnosis.alternatives) == 2 else "none"
-    gap = diagnosis.gap_heldout.balances[name].after
-    return (
-        f"Until this is decided, model.yaml contains {none} of them, and {in_sentence(name)} in "
-        f"held-out runs deviates from it by {gap_number(gap)} times the repeatability of the bench."
-    )
-
-
 def _most_in(diagnosis: Diagnosis) -> str:
-    name = _undecided_balance(diagnosis)
+    name = undecided_balance(diagnosis)
     if name is None:
         return ""
     return (
@@ -157,21 +139,13 @@ def _most_in(diagnosis: Diagnosis) -> str:
     )
 
 
-def _undecided_balance(diagnosis: Diagnosis) -> str | None:
-    """Return the balance that most of the gap is in while its causes are undecided."""
-    if not (diagnosis.confirmed and diagnosis.alternatives):
-        return None
-    balances = diagnosis.gap_heldout.balances
-    worst = max(balances, key=lambda name: balances[name].after)
-    return worst if balances[worst].after >= diagnosis.gap_heldout.total.after else None
-
-
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return the tables that have rows, the answers first and the evidence after them."""
     every = (
         candidates_table(diagnosis),
         *changes_tables(diagnosis),
         errors_table(diagnosis),
+        loads_table(diagnosis),
         effects_table(diagnosis),
         alternatives_table(diagnosis),
         where_table(diagnosis),
@@ -198,148 +172,7 @@ def law_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     return tuple(map(law_line, diagnosis.unnamed))
 
 
-def effects_table(diagnosis: Diagnosis) -> WordTable:
-    """Return a row for each coefficient, with what its effect does to held-out runs."""
-    rows = []
-    for added in diagnosis.effects:
-        rival = (
-            f"{added.runner_up.name}, {short(added.runner_up.margin)}" if added.runner_up else NONE
-        )
-        gains = (
-            number(added.gap_before, 2),
-            number(added.gap_after, 2),
-            "yes" if added.confirmed else "no",
-            short(added.score),
-            rival,
-        )
-        for i, name in enumerate(added.parameters):
-            effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
-            rows.append((effect, coefficient_words(name), coefficient_text(added, name), *cells))
-    head = ("effect", "coefficient", "value with 95 % interval", "gap without it", "with it")
-    return WordTable(
-        "Effects, and gaps of held-out runs in the balances that they touch",
-        (*head, "in model.yaml", "score (nats)", "next best, below by (nats)"),
-        tuple(rows),
-    )
-
-
-def errors_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the errors of held-out runs of a driven mass."""
-    steps = steps_of(diagnosis, of_balances=False)
-    rows = tuple(
-        (
-            f"{_ERRORS[error.quantity]} ({error.unit})",
-            *(significant(getattr(error, step), 3) for step in steps),
-        )
-        for error in diagnosis.errors
-    )
-    title = "Root mean square errors of held-out runs"
-    return WordTable(title, ("error", *steps.values()), rows)
-
-
-def alternatives_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the ambiguous set."""
-    return WordTable(
-        "Effects that these data cannot distinguish", _RANK_HEAD, _ranked(diagnosis.alternatives)
-    )
-
-
-def where_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the balances of the model before any effect, the worst first."""
-    return _gaps_table(
-        diagnosis, f"Balances of the {compared_model(diagnosis)}, all runs", diagnosis.where
-    )
-
-
-def rest_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the balances that the effects do not explain; no rows without effects."""
-    gaps = diagnosis.rest if diagnosis.confirmed else ()
-    return _gaps_table(diagnosis, "Balances that the effects do not explain, all runs", gaps)
-
-
-def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTable:
-    rows = tuple(
-        (
-            balance(gap.name).title,
-            number(gap.gap, 2),
-            number(gap.structured, 2),
-            p_words(gap.p_value),
-            in_unit(gap, gap.scatter),
-            *deviation_and_limit(gap),
-            in_unit(gap, gap.allowed),
-            str(gap.windows),
-        )
-        for gap in gaps
-    )
-    units = ("trial scatter", "deviation", "matters above", "tolerances allow")
-    windows = "loads" if of_strokes(diagnosis) else "windows"
-    head = ("balance", "gap", "structured", "p (Holm)", *units, windows)
-    kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
-    known = tuple(tuple(row[i] for i in kept) for row in rows)
-    return WordTable(title, tuple(head[i] for i in kept), known)
-
-
-def edges_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the gap of each chamber's flow by the edge of its valve that meters it."""
-    rows = []
-    for name in EDGES:
-        gaps = edge_gaps(diagnosis, name)
-        cells = (number(gaps.get(edge), 2) for edge in ("supply", "tank"))
-        rows.append((balance(name).title, *cells))
-    known = any(cell != NONE for _, *cells in rows for cell in cells)
-    head = ("chamber", "open to supply", "open to tank")
-    title = f"Gap by metering edge, {compared_model(diagnosis)}, all runs"
-    return WordTable(title, head, tuple(rows) if known else ())
-
-
-def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, ...]:
-    """Return the gaps of some runs: balances with their total, signals in closed and open loop."""
-
-    def table_of(
-        kind: str,
-        title: str,
-        gaps: Mapping[str, BeforeAfter],
-        display_name: Callable[[str], DisplayName],
-    ) -> WordTable:
-        steps = steps_of(diagnosis, of_balances=kind == "balance")
-        rows = tuple(
-            (display_name(name).title, *(number(getattr(gap, step), 2) for step in steps))
-            for name, gap in gaps.items()
-        )
-        return WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows)
-
-    groups = (
-        ("balance", "balances", with_total(table), balance),
-        ("signal", "signals, closed loop", table.signals, signal),
-        ("signal", "signals, open loop", table.open_loop, signal),
-    )
-    return tuple(table_of(*group) for group in groups if group[2])
-
-
-def with_total(table: GapTable) -> dict[str, BeforeAfter]:
-    """Return the balances' gaps, after that of all if there are several."""
-    return {"all": table.total, **table.balances} if len(table.balances) > 1 else table.balances
-
-
-_ERRORS = {"force": "force along the motion", "position": "open-loop position"}
 _FEW = 8  # candidates, and runs, that a terminal is shown
-_RANK_HEAD = ("candidate", "score (nats)", "must exceed", "explains", "size", "tried")
-
-
-def ranking_table(diagnosis: Diagnosis, most: int | None = None) -> WordTable:
-    """Return the candidates of the first search, the best first; at ``most`` some of them."""
-    chosen = diagnosis.ranking[:most]
-    title = "Candidates of the first search"
-    if len(chosen) < len(diagnosis.ranking):
-        title += f" (the best {len(chosen)} of {len(diagnosis.ranking)})"
-    return WordTable(title, _RANK_HEAD, _ranked(chosen))
-
-
-def refitted_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the factors on the model's poorly known values."""
-    rows = tuple((path, parameter_text(p)) for path, p in diagnosis.refitted.items())
-    head = ("value of the model", "refitted by the factor (95 % interval)")
-    return WordTable("Refitted with the effects", head, rows)
 
 
 def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -351,20 +184,6 @@ def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
         lines.append(f"runs left out: {len(diagnosis.left_out)}")
         lines += [f"  {line}" for line in diagnosis.left_out]
     return tuple(lines)
-
-
-def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
-    return tuple(
-        (
-            candidate.name,
-            number(candidate.score + 0.0, 1),
-            number(candidate.threshold, 1),
-            share(candidate.explained),
-            f"{number(candidate.size, 2)} × typical",
-            "in full" if candidate.tried == "full" else "linearly",
-        )
-        for candidate in candidates
-    )
 
 
 def _list(gaps: tuple[Gap, ...]) -> str:

@@ -5,16 +5,33 @@ in the tables.
 """
 
 from collections.abc import Iterator, Sequence
+from math import sqrt
 
 from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.diagnosis import UNEXPLAINED_GAP
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.diagnosis.action_words import next_step
+from hbench.report.diagnosis.action_words import first_step, next_step
 from hbench.report.diagnosis.change_words import (
     friction_words,
     largest_words,
     sizes_words,
     wrong_readings,
+)
+from hbench.report.diagnosis.coefficient_words import (
+    coefficient_words,
+    coefficients_words,
+    parts_present,
+)
+from hbench.report.diagnosis.deviation_words import (
+    beyond_balances,
+    deviations,
+    exceeding,
+    expected_words,
+    increased,
+    largest_deviation,
+    not_expected,
+    too_small_words,
+    undecided_words,
 )
 from hbench.report.diagnosis.error_words import errors_in_words
 from hbench.report.diagnosis.names import (
@@ -26,25 +43,19 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     p_equation,
 )
-from hbench.report.diagnosis.sentences import (
-    coefficients_words,
-    deviations,
-    exceeding,
-    gap_change,
-    increased,
-    largest_deviation,
-    odds_words,
-    too_small_words,
-)
-from hbench.report.diagnosis.separability_tables import undetectable
-from hbench.report.diagnosis.text import undecided_words, verdict_sentence
-from hbench.report.render.numbers import number
+from hbench.report.diagnosis.sentences import gap_change, odds_words
+from hbench.report.diagnosis.tables.separability_tables import undetectable
+from hbench.report.diagnosis.text import verdict_sentence
+from hbench.report.render.numbers import number, significant
 from hbench.report.render.symbols import capital, listed
+
+_HELD_OUT = "in runs that were not used for the fit"
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:
     """Return the first paragraph of the page."""
-    words = {"named": _named, "ambiguous": _ambiguous, "none": _none, "unknown": _unknown}
+    of_effects = _of_strokes if of_strokes(diagnosis) else _named
+    words = {"named": of_effects, "ambiguous": _ambiguous, "none": _none, "unknown": _unknown}
     return " ".join(filter(None, words[diagnosis.verdict](diagnosis)))
 
 
@@ -62,11 +73,43 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
             f"at the working point: {sizes_words(diagnosis)}."
         )
         yield undecided_words(diagnosis)
-    if diagnosis.rest:
-        runs = " even with the values fitted to all loads" if of_strokes(diagnosis) else ""
-        yield f"Not explained: {deviations(diagnosis.rest)}{runs}."
+    if gaps := not_expected(diagnosis):
+        yield f"Not explained: {deviations(gaps)}."
         yield increased(diagnosis)
+    yield expected_words(diagnosis)
     yield next_step(diagnosis)
+
+
+def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield the sentences of a named effect of steady strokes; sizes and tests are below."""
+    for effect in diagnosis.effects:
+        yield _finding(effect, brief=len(diagnosis.confirmed) > 1 and effect.confirmed)
+        yield "" if effect.confirmed else _no_improvement(effect)
+    if diagnosis.confirmed and diagnosis.held_out_loads:
+        yield _force_errors(diagnosis)
+    if diagnosis.alternatives:
+        yield (
+            "These runs cannot distinguish the possible causes of a second deviation: "
+            f"{sizes_words(diagnosis)}."
+        )
+    if gaps := not_expected(diagnosis):
+        yield f"Not explained: {deviations(gaps)}."
+    yield first_step(diagnosis)
+
+
+def _force_errors(diagnosis: Diagnosis) -> str:
+    """State what the effects of steady strokes do to the force error, over all held-out loads."""
+    loads = diagnosis.held_out_loads
+    errors = {
+        stage: sqrt(sum(getattr(load, stage) ** 2 for load in loads) / len(loads))
+        for stage in ("before", "refitted", "after")
+    }
+    sizes = {stage: f"{significant(error, 2)} N" for stage, error in errors.items()}
+    given = f" ({sizes['before']} as given)" if errors["before"] < errors["refitted"] else ""
+    return (
+        f"With it, the force error at loads outside the fit falls from {sizes['refitted']}{given} "
+        f"to {sizes['after']} RMS."
+    )
 
 
 def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
@@ -74,41 +117,40 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
 
     In brief, beside another effect, without its coefficients and what it does alone.
     """
-    name = in_words(effect.name)
     sure = effect.confirmed
+    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    changes = largest_words(practice, brief=brief) if practice else ""
+    verb = "changes" if sure else "would change"
+    small = too_small_words(diagnosis, practice) if practice else ""
+    size = f"It {verb} {changes} (in 95 % of the motion). {small}".strip() if changes else small
+    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
+    if sure and (brief or diagnosis.errors):
+        evidence = ""
+    return " ".join(filter(None, (_finding(effect, brief=brief), size, evidence)))
+
+
+def _finding(effect: AddedEffect, *, brief: bool) -> str:
+    """State that an effect is missing, with its law in words and its coefficients."""
+    name, sure = in_words(effect.name), effect.confirmed
     missing = f"The model does not contain {name}"
     if effect.of_sensor:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
     elif not sure:
         missing = f"{capital(name)} may be missing in the model"
-    values = "" if brief else f" ({coefficients_words(effect)}; 95 % intervals)"
-    finding = f"{missing}: {effect.description}{values}."
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    changes = largest_words(practice, brief=brief) if practice else ""
-    verb = "changes" if sure else "would change"
-    small = too_small_words(diagnosis, practice) if practice else ""
-    size = " ".join(filter(None, (f"It {verb} {changes}." if changes else "", small)))
-    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
-    if sure and (brief or diagnosis.errors):
-        evidence = ""
-    return " ".join(filter(None, (finding, size, evidence)))
+    values = f" ({coefficients_words(effect)}; 95 % intervals)"
+    if brief:
+        parts = listed([coefficient_words(name) for name in parts_present(effect)])
+        values = f" ({parts})" if parts else ""
+    return f"{missing}: {effect.description}{values}."
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
-    gaps = diagnosis.gap_heldout.balances.values()
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
-    given = [gap.before for gap in gaps if gap.refitted == effect.gap_before]
-    if of_strokes(diagnosis) and given and given[0] < effect.gap_before:
-        return (
-            f"With it, the model's deviation in the quantities that it touches is {after} times "
-            f"the repeatability of the bench, {_runs(diagnosis)}; the model as given has "
-            f"{gap_number(given[0])}, the refitted model without the effect {before}."
-        )
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
         f"With it, the model's deviation in the quantities that it touches falls from {before} to "
-        f"{after} times the repeatability of the bench{laws}, {_runs(diagnosis)}."
+        f"{after} times the repeatability of the bench{laws}, {_HELD_OUT}."
     )
 
 
@@ -119,14 +161,8 @@ def _together(diagnosis: Diagnosis) -> str:
     return (
         f"With {effects}{laws}, the model's deviation in all quantities falls from "
         f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability of the "
-        f"bench, {_runs(diagnosis)}."
+        f"bench, {_HELD_OUT}."
     )
-
-
-def _runs(diagnosis: Diagnosis) -> str:
-    if of_strokes(diagnosis):
-        return "when each load is predicted from the other loads"
-    return "in runs that were not used for the fit"
 
 
 def _no_improvement(effect: AddedEffect) -> str:
@@ -149,6 +185,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     yield f"No missing effect is found: {keys_in_words(finding)}"
     yield _largest(diagnosis.where)
     yield errors_in_words(diagnosis)
+    yield beyond_balances(diagnosis)
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
 
@@ -198,5 +235,6 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     yield (
         f"No known effect explains how the measurement deviates from the model: {deviations(gaps)}."
     )
+    yield beyond_balances(diagnosis)
     yield errors_in_words(diagnosis)
     yield next_step(diagnosis)

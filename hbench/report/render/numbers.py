@@ -10,6 +10,7 @@ _WITH_UNIT = re.compile(
     r"|m?s|min|h|k?Hz|rad/s|dB|deg|J|kg|m?l/min(?:/bar| per bar)?|°C|K|nats)(?![\w/])"
     r"|\((?:N s/m|Pa s|ml/min per bar)\)"
 )
+_OF_SYMBOL = re.compile(r"\b(P_[TLS][pr]?) (?=−?\d)")  # a pressure before its value
 _NEGATIVE = re.compile(r"(?<![\w.)-])-(?=\d)")
 _EXPONENT = re.compile(r"(?<=\d)[eE]([+-]?\d+)(?!\w)")
 _TEN = re.compile(r"·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
@@ -108,7 +109,8 @@ def short(value: float | None) -> str:
 
 
 def unit_kept(text: str) -> str:
-    """Return a text that is not broken over lines between a number and its unit."""
+    """Return a text that is not broken over lines between a symbol, its number and the unit."""
+    text = _OF_SYMBOL.sub("\\1\N{NO-BREAK SPACE}", text)
     return _WITH_UNIT.sub(lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
 
 

@@ -32,7 +32,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     steps_of,
 )
-from hbench.report.diagnosis.run_gaps import plan_words
+from hbench.report.diagnosis.tables.run_gaps import plan_words
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 

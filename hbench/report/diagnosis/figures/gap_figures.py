@@ -26,7 +26,7 @@ from hbench.report.diagnosis.names import (
     steps_of,
     value_words,
 )
-from hbench.report.diagnosis.text import with_total
+from hbench.report.diagnosis.tables.gap_tables import with_total
 from hbench.report.render import style
 from hbench.report.render.numbers import number, short, significant
 from hbench.report.render.series import behind

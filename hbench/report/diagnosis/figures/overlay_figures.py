@@ -42,6 +42,7 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
             off = factor * (values - overlay.measured)
             right.plot(overlay.t_s, off, color=colour, linewidth=width, label=f"_{label}")
         title = textwrap.fill(display.title, _LABEL_LINE)
+        left.ticklabel_format(axis="y", useOffset=False)
         left.set_ylabel(f"{mathtext(title)}\n({unit})")
         right.set_ylabel(f"error ({unit})")
     for axes in panels[-1]:

@@ -13,6 +13,7 @@ from scipy.stats import binned_statistic_2d
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
 from hbench.records.summary import SIGNIFICANCE
+from hbench.report.diagnosis.deviation_words import largest_deviation
 from hbench.report.diagnosis.figures.colour_scales import RESIDUALS
 from hbench.report.diagnosis.names import (
     AXES,
@@ -22,7 +23,6 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     shown,
 )
-from hbench.report.diagnosis.sentences import largest_deviation
 from hbench.report.render import style
 from hbench.report.render.series import behind
 
@@ -36,6 +36,7 @@ _LEAST = 3.0  # scatters that an axis shows at least, either way
 _PANELS = (("v_m_s", "load_n"), ("x_m", "load_n"), ("t_s", "load_n"), ("load_n", "v_m_s"))
 _AT_ONE_LOAD = (("v_m_s", "x_m"), ("t_s", "x_m"), ("x_m", "v_m_s"))
 _COLOURS = {"load_n": "viridis", "x_m": "viridis", "v_m_s": "plasma"}
+_EDGE = "#9ca3af"  # of a point that stands alone, seen on a light and on a dark page
 _DARK = 0.9  # of a colour scale, whose light end can't be seen on white
 _TITLES = ("before", "after")
 
@@ -182,7 +183,7 @@ def _points(
     colours = _scale(side, colour).to_rgba(shade[coloured])
     axes.scatter(
         x[coloured], inside[coloured], c=colours, s=_LARGE if strokes else _SMALL, rasterized=True,
-        clip_on=False, linewidths=0,
+        clip_on=False, edgecolors=_EDGE, linewidths=0.8 if strokes else 0,
     )  # fmt: skip
     if strokes:  # a pair of them has no direction
         return

@@ -124,7 +124,11 @@ def detectable(diagnosis: Diagnosis) -> str:
     seen = _detectable(diagnosis)
     if not seen:
         return ""
-    unseen = [in_words(name) for name, known in seen.items() if not known]
+    unseen = [
+        f"{in_words(name)}{' (not tried)' if name in diagnosis.not_tried else ''}"
+        for name, known in seen.items()
+        if not known
+    ]
     rest = f" They would not show {listed(unseen)}: these can be present." if unseen else ""
     count = f"{sum(seen.values())} of {len(seen)}"
     fitted = [in_words(name) for name, why in diagnosis.not_tried.items() if why == FITTED]

@@ -1,0 +1,144 @@
+"""Coefficients and fitted values in words, with their intervals."""
+
+import re
+
+from hbench.records import AddedEffect, FitParameter
+from hbench.report.diagnosis.names import CHAMBERS, PRESSURE_SYMBOLS, in_words
+from hbench.report.render.numbers import significant, with_ends
+
+_OF_POWER = re.compile(r"_0 = (\d+) ([^,]+)")  # where a law of any exponent has the same value
+# Size there of a coefficient in another unit: its unit, and the power of the reference value in it.
+_AT_REFERENCE = {
+    "l/min/bar": ("l/min", 1),
+    "bar min/l": ("bar", 1),
+    "bar min^2/l^2": ("bar", 2),
+}
+_NOT_OF_POWER = ("exponent", "lag")
+_COEFFICIENTS = {
+    "test": "test cylinder",
+    "load": "load cylinder",
+    **{f"{part}_{side}": f"{side} side of {part} cylinder"
+       for part in ("test", "load") for side in ("piston", "rod")},
+    **{chamber: f"chamber {chamber.capitalize()}" for chamber in CHAMBERS},
+}  # fmt: skip
+_QUOTED = re.compile(r"coefficient '(\w+)'")
+_ZERO = "not distinguishable from 0"
+_FINE = 1e-5  # a narrower interval is not written with fixed decimals
+
+
+def coefficient_words(name: str) -> str:
+    """Return the name of an effect's coefficient in words."""
+    return _COEFFICIENTS.get(name) or PRESSURE_SYMBOLS.get(name) or in_words(name)
+
+
+def keys_as_words(text: str) -> str:
+    """Return a text with the coefficients that it quotes by their keys in words."""
+    return _QUOTED.sub(lambda key: f"coefficient ({coefficient_words(key[1])})", text)
+
+
+def effect_words(effect: AddedEffect) -> str:
+    """Return an effect's name with its coefficients and their intervals.
+
+    Those at a bound are left out where others are not.
+    """
+    return f"{effect.name} ({coefficients_words(effect)})"
+
+
+def coefficients_words(effect: AddedEffect) -> str:
+    """Return an effect's coefficients with their intervals; see ``effect_words``."""
+    free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
+    chosen = free or effect.parameters
+    zero = [name for name, p in chosen.items() if _contains_zero(p)]
+    texts = {name: f"{coefficient_words(name)} {_size_text(effect, name)}" for name in chosen}
+    known = [text for name, text in texts.items() if name not in zero]
+    words = ("; " if any(", " in text for text in known) else ", ").join(known)
+    unknown = f"{_ZERO}: {', '.join(texts[name] for name in zero)}" if zero else ""
+    return "; ".join(filter(None, (words, unknown)))
+
+
+def parts_present(effect: AddedEffect) -> list[str]:
+    """Return the coefficients of parts of the bench that are not 0 within their intervals.
+
+    These parts are a cylinder or a chamber, by the coefficient's name.
+    """
+    return [
+        name
+        for name, p in effect.parameters.items()
+        if name in _COEFFICIENTS and not p.at_bound and p.value and not _contains_zero(p)
+    ]
+
+
+def parameter_text(parameter: FitParameter, at: str = "") -> str:
+    """Write a value with its 95 % interval and its unit, or why there is no interval.
+
+    ``at`` is the condition that it applies to, such as ``at 50 bar``.
+    """
+    texts = [_with_interval(parameter)]
+    if parameter.unit != "1":
+        texts.append(unit_text(parameter.unit))
+    texts += [at] if at else []
+    if parameter.at_bound:
+        texts.append(f"(at its {parameter.at_bound} bound)")
+    elif parameter.ci95 is None:
+        texts.append("(not determined)")
+    return " ".join(texts)
+
+
+def coefficient_text(effect: AddedEffect, name: str) -> str:
+    """Write a coefficient with its interval, and whether that contains 0."""
+    note = f" ({_ZERO})" if _contains_zero(effect.parameters[name]) else ""
+    return f"{_size_text(effect, name)}{note}"
+
+
+def _size_text(effect: AddedEffect, name: str) -> str:
+    """Write a coefficient with its interval, and the reference value of its law.
+
+    A leak or the resistance of a line is written as the flow or the pressure at the reference value
+    of its law, with the coefficient after it. Other coefficients have the reference value where the
+    exponent is fitted too: with another exponent than the textbook's their unit applies only there.
+    """
+    parameter, reference = effect.parameters[name], _OF_POWER.search(effect.law)
+    if reference is None or name in _NOT_OF_POWER:
+        return parameter_text(parameter)
+    at = f"at {reference[1]} {reference[2]}"
+    if parameter.unit not in _AT_REFERENCE:
+        return parameter_text(parameter, at if "exponent" in effect.parameters else "")
+    unit, power = _AT_REFERENCE[parameter.unit]
+    text = parameter_text(_scaled(parameter, float(reference[1]) ** power, unit), at)
+    if parameter.value:
+        text += f", i.e. {significant(parameter.value, 3)} {unit_text(parameter.unit)}"
+    return text
+
+
+def unit_text(unit: str) -> str:
+    """Write a unit with raised exponents."""
+    return unit.replace("^2", "²")
+
+
+def _contains_zero(parameter: FitParameter) -> bool:
+    """Return whether a value within bounds may be 0 by its interval."""
+    ends = parameter.ci95
+    return ends is not None and not parameter.at_bound and ends[0] < 0 < ends[1]
+
+
+def _scaled(parameter: FitParameter, factor: float, unit: str) -> FitParameter:
+    se, ends = parameter.se, parameter.ci95
+    return FitParameter(
+        factor * parameter.value,
+        None if se is None else factor * se,
+        None if ends is None else (factor * ends[0], factor * ends[1]),
+        parameter.at_bound,
+        unit,
+    )
+
+
+def _with_interval(parameter: FitParameter) -> str:
+    value = significant(parameter.value, 3)
+    if parameter.ci95 is None:
+        return value
+    low, high = parameter.ci95
+    if parameter.value == 0 and parameter.at_bound:
+        return f"0 (95 %: {significant(low, 2)} to {significant(high, 2)})"
+    if high - low > _FINE:
+        return with_ends(parameter.value, low, high)
+    return f"{value} ({significant(low, 3)} to {significant(high, 3)})"

@@ -1,0 +1,268 @@
+"""Deviations of balances and signals in words, with the limits below which they do not matter."""
+
+from collections.abc import Sequence
+from math import isfinite, sqrt
+
+from hbench.records import Diagnosis, EffectInPractice, Gap
+from hbench.records.diagnosis import UNEXPLAINED_GAP
+from hbench.records.summary import SIGNIFICANCE
+from hbench.report.diagnosis.names import (
+    added_words,
+    balance,
+    deviation_and_limit,
+    gap_number,
+    in_sentence,
+    in_unit,
+    p_equation,
+    p_words,
+    shown,
+    steps_of,
+)
+from hbench.report.render.numbers import NONE, number
+from hbench.report.render.symbols import listed
+
+CLEARLY_WORSE = 1.1  # gap against another one
+_MUCH_LARGER = 2.0  # gap of a simulated signal against the largest one of a balance
+MOST_SIGNALS = 3  # gaps of a sentence
+_FEW = 2  # balances, or unexplained gaps, in a sentence
+
+
+def deviations(gaps: Sequence[Gap]) -> str:
+    """Return gaps in their units, with the limits below which they do not matter."""
+    parts = []
+    for gap in gaps[:_FEW]:
+        size = f"{number(gap.gap, 1)} trial scatters"
+        if isfinite(gap.material):
+            size = "{} RMS (matters above {})".format(*deviation_and_limit(gap))
+        elif isfinite(gap.deviation):
+            size += f" ({in_unit(gap, gap.deviation)} RMS)"
+        elif isfinite(gap.scatter):
+            size += f" ({in_unit(gap, gap.gap * gap.scatter)})"
+        parts.append(f"{in_sentence(gap.name)} deviates by {size}")
+    more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
+    return f"{'; '.join(parts)}{more}"
+
+
+def as_expected(diagnosis: Diagnosis) -> list[Gap]:
+    """Return the unexplained gaps that a correct model has too; none of an unnamed law.
+
+    Its values are as uncertain, so it deviates as well.
+    """
+    laws = {name for law in diagnosis.unnamed for name in law.balances}
+    every = (gap for gap in diagnosis.rest if gap.name not in laws)
+    return [gap for gap in every if _is_expected(diagnosis, gap)]
+
+
+def not_expected(diagnosis: Diagnosis) -> list[Gap]:
+    """Return the unexplained gaps that are larger than those of a correct model."""
+    expected = as_expected(diagnosis)
+    return [gap for gap in diagnosis.rest if gap not in expected]
+
+
+def unreliable(diagnosis: Diagnosis) -> list[Gap]:
+    """Return the unexplained gaps that model.yaml has in held-out runs, with its unnamed laws."""
+    return [gap for gap in diagnosis.rest if not _is_expected(diagnosis, gap)]
+
+
+def _is_expected(diagnosis: Diagnosis, gap: Gap) -> bool:
+    """Return whether a deviation is mostly that of a correct model, and the rest does not matter.
+
+    The gaps compared are those of held-out runs.
+    """
+    held_out = diagnosis.gap_heldout.balances.get(gap.name)
+    if held_out is None or not _beyond_expected(diagnosis, gap) <= gap.material:
+        return False
+    return held_out.after**2 - held_out.floor**2 <= held_out.floor**2 - 1
+
+
+def _beyond_expected(diagnosis: Diagnosis, gap: Gap) -> float:
+    """Return the deviation [SI] of a balance in held-out runs beyond that of a correct model."""
+    held_out = diagnosis.gap_heldout.balances[gap.name]
+    return sqrt(max(held_out.after**2 - held_out.floor**2, 0.0)) * gap.scatter
+
+
+def expected_words(diagnosis: Diagnosis) -> str:
+    """Return the unexplained gaps that a correct model has too; empty without any."""
+    gaps = as_expected(diagnosis)
+    if not gaps:
+        return ""
+    beyond = listed([in_unit(gap, _beyond_expected(diagnosis, gap)) for gap in gaps[:_FEW]])
+    return (
+        "The remaining deviation is mostly due to the uncertainty of the model's values: "
+        f"{deviations(gaps)}. In held-out runs {beyond} of it {'is' if len(gaps) == 1 else 'are'} "
+        "beyond that uncertainty, which is too small to matter."
+    )
+
+
+def expected_gaps(diagnosis: Diagnosis) -> str:
+    """Return the numbers behind ``expected_words``, and what reduces such deviations."""
+    gaps = [(gap, diagnosis.gap_heldout.balances[gap.name]) for gap in as_expected(diagnosis)]
+    if not gaps:
+        return ""
+    parts = [
+        f"{in_sentence(gap.name)} has a gap of {gap_number(held_out.after)}, where a correct model "
+        f"whose values are as uncertain would have {gap_number(held_out.floor)}"
+        for gap, held_out in gaps
+    ]
+    return (
+        f"In held-out runs {'; '.join(parts)}. That is no evidence of a further cause: the "
+        "values of model.yaml are uncertain to this extent, and more runs of the same kinds reduce "
+        "it."
+    )
+
+
+def remainder(diagnosis: Diagnosis) -> str:
+    """Return the gap with the effects where it is larger than that of a correct model.
+
+    Empty where it is not, or where the gaps that are not explained are listed.
+    """
+    total = diagnosis.gap_heldout.total
+    listed_elsewhere = diagnosis.rest or diagnosis.alternatives or not diagnosis.confirmed
+    if listed_elsewhere or not total.after > CLEARLY_WORSE * total.floor:
+        return ""
+    return (
+        f"With the {added_words(diagnosis)}, a gap of {gap_number(total.after)} remains in "
+        f"held-out runs, where a correct model would have {gap_number(total.floor)} on average. "
+        "No single balance has a deviation that is significant, large enough to matter and more "
+        f"than {UNEXPLAINED_GAP:g} trial scatters over all runs."
+    )
+
+
+def beyond_balances(diagnosis: Diagnosis) -> str:
+    """Return the signal that the simulation reproduces clearly worse than the balances show.
+
+    Empty without any.
+    """
+    *_, step = (step for step in steps_of(diagnosis, of_balances=False))
+    gaps = {name: getattr(gap, step) for name, gap in diagnosis.gap_heldout.signals.items()}
+    balances = [getattr(gap, step) for gap in diagnosis.gap_heldout.balances.values()]
+    if not gaps or not balances:
+        return ""
+    name, largest = max(gaps, key=lambda each: gaps[each]), max(*balances, UNEXPLAINED_GAP)
+    if not gaps[name] > _MUCH_LARGER * largest:
+        return ""
+    return (
+        f"The closed-loop simulation shows more: in held-out runs {in_sentence(name)} deviates by "
+        f"{gap_number(gaps[name])} trial scatters, the balances by no more than "
+        f"{gap_number(max(balances))}. The balances are means over 0.16 s and do not show faster "
+        "motion, such as chatter: see the section Held-out runs, measured and simulated."
+    )
+
+
+def increased(diagnosis: Diagnosis) -> str:
+    """Return which of the deviations that the effects do not explain the fit with them increased.
+
+    Empty without any.
+    """
+    before = {gap.name: gap for gap in diagnosis.where}
+    larger = [
+        f"{in_sentence(gap.name)} by {in_unit(gap, before[gap.name].deviation)}"
+        for gap in diagnosis.rest[:_FEW]
+        if gap.name in before and gap.deviation > CLEARLY_WORSE * before[gap.name].deviation
+    ]
+    if not larger:
+        return ""
+    alone = len(diagnosis.rest) == 1
+    less = f"it is {larger[0].rpartition(' by ')[2]}" if alone else f"it is less ({listed(larger)})"
+    return f"Without the effects {less}: the values that are fitted together with them increase it."
+
+
+def poorly_simulated(diagnosis: Diagnosis) -> str:
+    """Return which signals the simulation of the final model reproduces worst; empty for none."""
+    *_, step = (step for step in steps_of(diagnosis, of_balances=False))
+    gaps = {name: getattr(gap, step) for name, gap in diagnosis.gap_heldout.signals.items()}
+    poor = sorted((n for n in gaps if gaps[n] > UNEXPLAINED_GAP), key=lambda n: -gaps[n])
+    if not poor:
+        return ""
+    parts = [f"{in_sentence(name)} by {gap_number(gaps[name])}" for name in poor[:MOST_SIGNALS]]
+    more = f" (the worst {MOST_SIGNALS} of {len(poor)} signals above {UNEXPLAINED_GAP:g})"
+    return (
+        "Simulated in closed loop with the model of model.yaml, held-out runs deviate in "
+        f"{listed(parts)} trial scatters{more if len(poor) > MOST_SIGNALS else ''}. The verdict "
+        "rests on the balances, which need no simulation; do not expect the simulation to "
+        "reproduce these signals, or an oscillation in them, within the repeatability of the bench."
+    )
+
+
+def agrees(diagnosis: Diagnosis) -> bool:
+    """Return whether the compared model is as close as a correct one may be.
+
+    Its gap of held-out runs is that expected of a correct model, and no significant deviation is
+    large enough to matter.
+    """
+    total = diagnosis.gap_heldout.total
+    small = not total.refitted > CLEARLY_WORSE * total.floor
+    return small and not any(gap.p_value < SIGNIFICANCE for gap in exceeding(diagnosis.where))
+
+
+def exceeding(gaps: Sequence[Gap]) -> list[Gap]:
+    """Return the gaps whose deviations are large enough to matter, the worst first."""
+    large = [gap for gap in gaps if gap.deviation > gap.material > 0]
+    return sorted(large, key=lambda gap: -gap.deviation / gap.material)
+
+
+def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
+    """Return the gap whose deviation exceeds its limit most; None where no limit is known."""
+    known = [gap for gap in gaps if gap.deviation >= 0 and gap.material > 0]
+    return max(known, key=lambda gap: gap.deviation / gap.material, default=None)
+
+
+def significant_gaps(gaps: Sequence[Gap]) -> str:
+    """Return the gaps that are significant but do not matter; empty without any."""
+    parts = [
+        f"{in_sentence(gap.name)} by {deviation} RMS ({p_equation(gap.p_value)}, matters above "
+        f"{limit})"
+        for gap in gaps
+        if gap.p_value < SIGNIFICANCE and gap.deviation <= gap.material
+        for deviation, limit in [deviation_and_limit(gap)]
+    ]
+    if len(parts) > _FEW:
+        parts = [*parts[:_FEW], f"{len(parts) - _FEW} more, which the table shows"]
+    return f"Significant, but too small to matter: {listed(parts)}." if parts else ""
+
+
+def significance(gaps: Sequence[Gap]) -> str:
+    """Return how probable such deviations are with a correct model."""
+    parts = [f"{p_words(gap.p_value)} ({balance(gap.name).title})" for gap in gaps[:_FEW]]
+    return f"Probability of such a deviation with a correct model, after Holm: {listed(parts)}."
+
+
+def too_small_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
+    """State that no change by an effect is large enough to matter; empty where one may be."""
+    limits = {gap.name: gap for gap in diagnosis.where if gap.material > 0}
+    known = [
+        (change.largest / shown(limits[change.quantity].material, balance(change.quantity)), change)
+        for change in effect.changes
+        if change.quantity in limits
+    ]
+    share_of_limit, nearest = max(known, key=lambda each: each[0], default=(1.0, None))
+    if nearest is None or not share_of_limit < 1:
+        return ""
+    limit = in_unit(limits[nearest.quantity], limits[nearest.quantity].material)
+    return f"That is too small to matter (limit for {in_sentence(nearest.quantity)}: {limit})."
+
+
+def undecided_words(diagnosis: Diagnosis) -> str:
+    """Return how far a balance deviates from the model while its cause is undecided."""
+    name = undecided_balance(diagnosis)
+    if name is None:
+        return ""
+    none = "neither" if len(diagnosis.alternatives) == 2 else "none"
+    gap = diagnosis.gap_heldout.balances[name].after
+    sizes = [in_unit(each, each.deviation) for each in diagnosis.where if each.name == name]
+    known = [size for size in sizes if size != NONE]
+    size = f"; with the refitted model it is {known[0]} RMS over all runs" if known else ""
+    return (
+        f"Until this is decided, model.yaml contains {none} of them, and {in_sentence(name)} in "
+        f"held-out runs deviates from it by {gap_number(gap)} times the repeatability of the "
+        f"bench{size}."
+    )
+
+
+def undecided_balance(diagnosis: Diagnosis) -> str | None:
+    """Return the balance that most of the gap is in while its causes are undecided."""
+    if not (diagnosis.confirmed and diagnosis.alternatives):
+        return None
+    balances = diagnosis.gap_heldout.balances
+    worst = max(balances, key=lambda name: balances[name].after)
+    return worst if balances[worst].after >= diagnosis.gap_heldout.total.after else None

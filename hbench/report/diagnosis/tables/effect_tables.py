@@ -1,0 +1,75 @@
+"""Tables of effects: named, not distinguishable, and tried."""
+
+from hbench.records import Candidate, Diagnosis, WordTable
+from hbench.report.diagnosis.coefficient_words import (
+    coefficient_text,
+    coefficient_words,
+    parameter_text,
+)
+from hbench.report.diagnosis.names import share
+from hbench.report.render.numbers import NONE, number, short
+
+_RANK_HEAD = ("candidate", "score (nats)", "must exceed", "explains", "size", "tried")
+Rows = tuple[tuple[str, ...], ...]
+
+
+def effects_table(diagnosis: Diagnosis) -> WordTable:
+    """Return a row for each coefficient, with what its effect does to held-out runs."""
+    rows = []
+    for added in diagnosis.effects:
+        rival = (
+            f"{added.runner_up.name}, {short(added.runner_up.margin)}" if added.runner_up else NONE
+        )
+        gains = (
+            number(added.gap_before, 2),
+            number(added.gap_after, 2),
+            "yes" if added.confirmed else "no",
+            short(added.score),
+            rival,
+        )
+        for i, name in enumerate(added.parameters):
+            effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
+            rows.append((effect, coefficient_words(name), coefficient_text(added, name), *cells))
+    head = ("effect", "coefficient", "value with 95 % interval", "gap without it", "with it")
+    return WordTable(
+        "Effects, and gaps of held-out runs in the balances that they touch",
+        (*head, "in model.yaml", "score (nats)", "next best, below by (nats)"),
+        tuple(rows),
+    )
+
+
+def alternatives_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the ambiguous set."""
+    return WordTable(
+        "Effects that these data cannot distinguish", _RANK_HEAD, _ranked(diagnosis.alternatives)
+    )
+
+
+def ranking_table(diagnosis: Diagnosis, most: int | None = None) -> WordTable:
+    """Return the candidates of the first search, the best first; at ``most`` some of them."""
+    chosen = diagnosis.ranking[:most]
+    title = "Candidates of the first search"
+    if len(chosen) < len(diagnosis.ranking):
+        title += f" (the best {len(chosen)} of {len(diagnosis.ranking)})"
+    return WordTable(title, _RANK_HEAD, _ranked(chosen))
+
+
+def refitted_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the factors on the model's poorly known values."""
+    rows = tuple((path, parameter_text(p)) for path, p in diagnosis.refitted.items())
+    head = ("value of the model", "refitted by the factor (95 % interval)")
+    return WordTable("Refitted with the effects", head, rows)
+
+
+def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
+    return tuple(
+        (
+            candidate.name,
+            number(candidate.score + 0.0, 1),
+            number(candidate.threshold, 1),
+            share(candidate.explained),
+            f"{number(candidate.size, 2)} × typical",
+            "in full" if candidate.tried == "full" else "linearly",
+        )
+        for candidate in candidates
+    )

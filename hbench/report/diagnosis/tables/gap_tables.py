@@ -1,0 +1,131 @@
+"""Tables of gaps: by balance, by metering edge, and of runs."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from hbench.records import BeforeAfter, Diagnosis, Gap, GapTable, WordTable
+from hbench.report.diagnosis.names import (
+    EDGES,
+    DisplayName,
+    balance,
+    compared_model,
+    deviation_and_limit,
+    in_unit,
+    in_words,
+    of_strokes,
+    p_words,
+    signal,
+    steps_of,
+)
+from hbench.report.diagnosis.place_words import edge_gaps
+from hbench.report.render.numbers import NONE, number, significant
+
+_ERRORS = {"force": "force along the motion", "position": "open-loop position"}
+
+
+def errors_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the errors of held-out runs of a driven mass."""
+    steps = steps_of(diagnosis, of_balances=False)
+    rows = tuple(
+        (
+            f"{_ERRORS[error.quantity]} ({error.unit})",
+            *(significant(getattr(error, step), 3) for step in steps),
+        )
+        for error in diagnosis.errors
+    )
+    title = "Root mean square errors of held-out runs"
+    return WordTable(title, ("error", *steps.values()), rows)
+
+
+def loads_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the force errors of the models of strokes at each held-out load."""
+    loads = diagnosis.held_out_loads
+    steps = steps_of(diagnosis, of_balances=False)
+    also = [name for load in loads[:1] for name in load.also]
+    and_effects = "the effects and " if diagnosis.confirmed else ""
+    head = ("load", *steps.values(), *(f"with {and_effects}{in_words(name)}" for name in also))
+    rows = tuple(
+        (
+            f"{number(load.load_n, 0)} N",
+            *(f"{significant(getattr(load, step), 2)} N" for step in steps),
+            *(f"{significant(load.also[name], 2)} N" for name in also),
+        )
+        for load in loads
+    )
+    return WordTable("Root mean square force error at each held-out load", head, rows)
+
+
+def where_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the balances of the model before any effect, the worst first."""
+    return _gaps_table(
+        diagnosis, f"Balances of the {compared_model(diagnosis)}, all runs", diagnosis.where
+    )
+
+
+def rest_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the balances that the effects do not explain; no rows without effects."""
+    gaps = diagnosis.rest if diagnosis.confirmed else ()
+    return _gaps_table(diagnosis, "Balances that the effects do not explain, all runs", gaps)
+
+
+def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTable:
+    rows = tuple(
+        (
+            balance(gap.name).title,
+            number(gap.gap, 2),
+            number(gap.structured, 2),
+            p_words(gap.p_value),
+            in_unit(gap, gap.scatter),
+            *deviation_and_limit(gap),
+            in_unit(gap, gap.allowed),
+            str(gap.windows),
+        )
+        for gap in gaps
+    )
+    units = ("trial scatter", "deviation", "matters above", "tolerances allow")
+    windows = "loads" if of_strokes(diagnosis) else "windows"
+    head = ("balance", "gap", "structured", "p (Holm)", *units, windows)
+    kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
+    known = tuple(tuple(row[i] for i in kept) for row in rows)
+    return WordTable(title, tuple(head[i] for i in kept), known)
+
+
+def edges_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the gap of each chamber's flow by the edge of its valve that meters it."""
+    rows = []
+    for name in EDGES:
+        gaps = edge_gaps(diagnosis, name)
+        cells = (number(gaps.get(edge), 2) for edge in ("supply", "tank"))
+        rows.append((balance(name).title, *cells))
+    known = any(cell != NONE for _, *cells in rows for cell in cells)
+    head = ("chamber", "open to supply", "open to tank")
+    title = f"Gap by metering edge, {compared_model(diagnosis)}, all runs"
+    return WordTable(title, head, tuple(rows) if known else ())
+
+
+def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, ...]:
+    """Return the gaps of some runs: balances with their total, signals in closed and open loop."""
+
+    def table_of(
+        kind: str,
+        title: str,
+        gaps: Mapping[str, BeforeAfter],
+        display_name: Callable[[str], DisplayName],
+    ) -> WordTable:
+        steps = steps_of(diagnosis, of_balances=kind == "balance")
+        rows = tuple(
+            (display_name(name).title, *(number(getattr(gap, step), 2) for step in steps))
+            for name, gap in gaps.items()
+        )
+        return WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows)
+
+    groups = (
+        ("balance", "balances", with_total(table), balance),
+        ("signal", "signals, closed loop", table.signals, signal),
+        ("signal", "signals, open loop", table.open_loop, signal),
+    )
+    return tuple(table_of(*group) for group in groups if group[2])
+
+
+def with_total(table: GapTable) -> dict[str, BeforeAfter]:
+    """Return the balances' gaps, after that of all if there are several."""
+    return {"all": table.total, **table.balances} if len(table.balances) > 1 else table.balances

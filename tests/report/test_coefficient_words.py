@@ -1,0 +1,118 @@
+"""Coefficients of effects in words: units of the reader, parts and limits."""
+
+from dataclasses import replace
+
+from hbench.records import (
+    Change,
+    FitParameter,
+)
+from hbench.report.diagnosis.coefficient_words import coefficients_words
+from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.diagnosis.tables.change_tables import changes_tables
+from hbench.report.diagnosis.text import diagnosis_text
+from hbench.report.diagnosis.verdict import verdict_words
+from tests.support.report.spaces import ordinary_spaces
+from tests.support.report.summarised import LEAK, added, summary
+
+
+def test_an_effect_that_is_present_but_too_small_to_matter_is_reported_as_such(named):
+
+    def verdict(largest):
+        changes = (Change("force_test", "N", 0.0, None, largest, largest),)
+        effect = replace(LEAK, changes=changes)
+        return ordinary_spaces(verdict_words(replace(named, practice=(effect,))))
+
+    words = "too small to matter (limit for the force of the test cylinder: 12 N)."
+    assert f"by up to 4.0 N (in 95 % of the motion). That is {words}" in verdict(4.0)
+    nothing = "Nothing needs to be inspected or repaired for an effect of this size"
+    assert nothing in verdict(4.0) and "Next, inspect" not in verdict(4.0)
+    assert "too small" not in verdict(12.5) and nothing not in verdict(12.5)
+    changes = (Change("force_test", "N", 0.0, None, 4.0, 4.0),)
+    text = summary(replace(named, practice=(replace(LEAK, changes=changes),)))
+    assert nothing in text and "To see its cause, inspect the piston seal." in text
+
+
+def test_the_law_of_an_effect_is_printed_with_raised_exponents(named):
+    law = "dp/dt = R Q_0^2 (Q / Q_0)^n - p"
+    lawful = replace(named, effects=(replace(named.effects[0], law=law),))
+    page = ordinary_spaces(diagnosis_page(lawful, ()))
+    assert "Q<sub>0</sub>² (Q / Q<sub>0</sub>)ⁿ − p." in page
+
+
+def test_two_effects_that_are_both_present_are_both_inspected(named):
+    other = added("tank_back_pressure", 50.0)
+    line = replace(LEAK, name="tank_back_pressure", inspect="the return line", lookalikes=())
+    both = replace(named, effects=(*named.effects, other), practice=(LEAK, line))
+    assert "Next, inspect the piston seal and the return line." in verdict_words(both)
+
+
+def test_a_coefficient_of_a_power_law_has_the_value_where_its_unit_holds(named):
+    """A leak is a flow there; of other laws the coefficient's unit applies there alone."""
+    (effect,) = named.effects
+    law = "Q = G p_0 (|P| / p_0)^n, n = exponent, p_0 = 50 bar"
+    power = {**effect.parameters, "exponent": FitParameter(0.7, 0.07, (0.56, 0.84), None, "1")}
+    curved = replace(effect, law=law, parameters=power)
+    assert coefficients_words(curved) == (
+        "test cylinder 0.150 ± 0.010 l/min at 50 bar, i.e. 0.00300 l/min/bar; exponent 0.70 ± 0.14"
+    )
+    share = {"test": FitParameter(0.5, 0.1, (0.3, 0.7), None, "N/bar")}
+    seal = replace(effect, law="k P_0 (P / P_0)^n, P_0 = 50 bar", parameters=share)
+    assert coefficients_words(seal) == "test cylinder 0.50 ± 0.20 N/bar"
+    curved = replace(seal, parameters=share | {"exponent": power["exponent"]})
+    assert coefficients_words(curved).startswith("test cylinder 0.50 ± 0.20 N/bar at 50 bar")
+
+
+def test_the_resistance_of_a_line_is_a_pressure_at_the_flow_of_its_law(named):
+    """0.014 bar min²/l² times the square of 10 l/min are 1.4 bar."""
+    parameters = {"resistance": FitParameter(0.014, 0.001, (0.012, 0.016), None, "bar min^2/l^2")}
+    law = "lag dp/dt = resistance Q_0^2 (Q / Q_0)^n - p, Q_0 = 10 l/min"
+    line = replace(named.effects[0], law=law, parameters=parameters)
+    words = "resistance 1.40 ± 0.20 bar at 10 l/min, i.e. 0.0140 bar min²/l²"
+    assert coefficients_words(line) == words
+    found = replace(named, effects=(line,))
+    assert words in ordinary_spaces(diagnosis_page(found, ()))
+    assert diagnosis_text(found).isascii()
+
+
+def test_coefficients_that_may_be_0_are_marked(named):
+    masses = {
+        "test": FitParameter(2.0, 2.5, (-2.9, 6.9), None, "kg"),
+        "load": FitParameter(16.2, 2.6, (11.0, 21.4), None, "kg"),
+    }
+    heavy = replace(named.effects[0], name="added_mass", parameters=masses)
+    assert coefficients_words(heavy) == (
+        "load cylinder 16.2 ± 5.2 kg; not distinguishable from 0: test cylinder 2.0 ± 4.9 kg"
+    )
+    page = ordinary_spaces(diagnosis_page(replace(named, effects=(heavy,)), ()))
+    assert "2.0 ± 4.9 kg (not distinguishable from 0)" in page
+    assert "5.2 kg (not" not in page
+
+
+def test_the_cylinder_that_leaks_is_the_one_that_is_inspected(named):
+    """The catalogue has one text for both; the coefficients state which."""
+    leak = FitParameter(0.006, 1e-4, (0.0058, 0.0062), None, "l/min/bar")
+    none = FitParameter(0.0, 1e-6, (0.0, 1e-5), "lower", "l/min/bar")
+    seal = replace(LEAK, inspect="the piston seal of each leaking cylinder")
+
+    def advice(**parameters):
+        effect = replace(named.effects[0], parameters=parameters)
+        found = replace(named, effects=(effect,), practice=(seal,))
+        words = verdict_words(found).rpartition("Next, inspect ")[2]
+        assert words in summary(found).replace("Inspect ", "")
+        return words
+
+    assert advice(test=none, load=leak) == "the piston seal of the load cylinder."
+    assert advice(test=leak, load=none) == "the piston seal of the test cylinder."
+    assert advice(test=leak, load=leak) == "the piston seal of each cylinder."
+    assert advice(exponent=replace(leak, unit="1")) == "the piston seal of each leaking cylinder."
+    other = replace(LEAK, name="tank_back_pressure", lookalikes=())
+    effects = (replace(named.effects[0], parameters={"test": none, "load": leak}),
+               added("tank_back_pressure", 50.0))  # fmt: skip
+    both = replace(named, effects=effects, practice=(seal, other))
+    assert "internal leakage: oil leaks (load cylinder). It changes" in verdict_words(both)
+
+
+def test_a_change_of_exactly_0_has_no_interval(named):
+    still = Change("flow_lr", "l/min", 0.0, (0.0, 0.0), 0.1, 0.2)
+    (table,) = changes_tables(replace(named, practice=(replace(LEAK, changes=(still,)),)))
+    assert table.rows[0][1] == "0 l/min"

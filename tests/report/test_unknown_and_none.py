@@ -1,0 +1,187 @@
+"""The verdict and the answers where no effect is named."""
+
+from dataclasses import replace
+
+from hbench.records import (
+    BeforeAfter,
+    DetectableSize,
+    FitParameter,
+    GapTable,
+    Region,
+    Separability,
+)
+from hbench.records.diagnosis import FITTED
+from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.diagnosis.summary import short_summary
+from hbench.report.diagnosis.text import diagnosis_text
+from hbench.report.diagnosis.verdict import verdict_words
+from tests.support.report.spaces import ordinary_spaces
+from tests.support.report.summarised import NAN, summary
+
+
+def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best_explains(compared):
+    text = summary(compared)
+    verdict = "the force of the test cylinder deviates by 40 N RMS (matters above 12 N)."
+    assert verdict in ordinary_spaces(diagnosis_page(compared, ()))
+    assert "with a correct model, after Holm: 0.010 (force of test cylinder)." in text
+    assert "), the refitted model is off by 38 N (force of test cylinder)." in text
+    largest = (
+        "Over all runs, the force of the test cylinder deviates most while "
+        "retracting (9.0 trial scatters there, 2.0 where it is smallest). Next, inspect the seals "
+        "and guides of the test cylinder, the load cell and"
+    )
+    assert largest in ordinary_spaces(verdict_words(compared))  # all speeds are about alike
+    assert (
+        "Load friction is the closest of the 2 effects that were tried and would explain 80 %"
+        in text
+    )
+    assert "It is not named: its size of 0.22 times a typical one is too small" in text
+    assert "Take it as a hint" in text and "chance" not in text
+    assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
+    assert "more steady runs where its gap is largest, while retracting, and" in text
+
+
+def test_each_balance_that_no_effect_explains_has_its_parts_to_inspect(compared):
+    first, second = (replace(gap, gap=9.0) for gap in compared.where)
+    text = ordinary_spaces(verdict_words(replace(compared, rest=(first, second))))
+    assert "Next, inspect the seals and guides of the test cylinder, the load cell and" in text
+    assert "For the flow to the test piston side, inspect the test valve" in text
+    assert "For the" not in verdict_words(compared)
+
+
+def test_a_place_is_a_stretch_of_its_axis(compared):
+    regions = tuple(
+        Region("position_m", "", low, low + 0.1, 99, {"force_test": gap})
+        for low, gap in ((0.05, 2.0), (0.2, 8.0))
+    )
+    text = ordinary_spaces(verdict_words(replace(compared, regions=regions)))
+    assert "deviates most at a position of 200 to 300 mm (8.0 trial scatters there" in text
+
+
+def test_an_unknown_effect_has_the_values_that_the_refit_changes_most(compared):
+    """They may be a hint: a value takes up what no effect of the catalogue explains."""
+    path = "cylinders.load.dead_volume_rod"
+    factor = FitParameter(1.47, 0.1, (1.28, 1.67), None, "1")
+    text = summary(replace(compared, refitted={path: factor}))
+    assert "Largest factors on values of the model: dead volume, rod side, load" in text
+    assert "An implausible one may be a trace of the missing effect." in text
+    assert "Largest factors" not in summary(compared)
+
+
+def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first(compared):
+    def of_flow(extending, retracting):
+        gaps = {"extend": extending, "retract": retracting}
+        regions = tuple(
+            Region("direction", way, NAN, NAN, 9, {"flow_tr": gap}) for way, gap in gaps.items()
+        )
+        gap = replace(compared.where[0], name="flow_tr")
+        return verdict_words(replace(compared, where=(gap,), rest=(gap,), regions=regions))
+
+    begin = (
+        "Begin with the valve's edge to tank: over all runs the gap is 17.8 there and 8.6 at that"
+    )
+    assert f"{begin} to supply." in of_flow(
+        17.8, 8.6
+    )  # while the piston extends, oil leaves the rod side
+    assert "Begin with" not in of_flow(8.6, 8.0)
+
+
+def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
+    sizes = tuple(
+        DetectableSize(name, "test", smallest, 2.0, "N", "evidence")
+        for name, smallest in (("load_friction", 1.0), ("added_mass", 3.0))
+    )
+    text = summary(
+        replace(compared, verdict="none", rest=(), separability=Separability(sizes, ()),
+                not_tried={"rest_time": "no breakaway"})
+    )  # fmt: skip
+    assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
+    assert "A correct model whose values are as uncertain would have 1.20 on average." in text
+    assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
+    assert "mass and rest time (not tried): these can be present." in text
+    assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
+    assert "These runs give no reason to inspect or to repair anything." in text
+    assert "too small to matter" not in text  # 40 N matter
+    close = replace(compared.where[0], deviation=11.64, material=12.04)
+    text = summary(replace(compared, verdict="none", rest=(), where=(close,)))
+    assert "the force of the test cylinder by 11.6 N RMS (p = 0.010, matters above 12.0 N)" in text
+
+
+def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(compared):
+    """Without a missing effect the verdict states the gap, the limits and the scatter beside."""
+
+    def verdict(total, **changes):
+        table = GapTable(total, {"force_test": total}, {}, {})
+        where = (replace(compared.where[0], **changes),)
+        found = replace(compared, verdict="none", rest=(), where=where, gap_heldout=table)
+        return ordinary_spaces(verdict_words(found))
+
+    close, off = BeforeAfter(12.0, 1.25, 1.25, 1.2), BeforeAfter(12.0, 1.7, 1.7, 1.2)
+    text = verdict(off, gap=1.9, deviation=19.0, p_value=0.008)
+    assert "agrees" not in text
+    assert "by 1.70 times the repeatability of the bench, a correct one by 1.20 on average" in text
+    assert "The force of the test cylinder deviates by 19 N RMS (matters above 12 N; p =" in text
+    assert "p = 0.008, 1.90 trial scatters). That is significant and large enough to" in text
+    assert "but only more than 2 trial scatters are reported as unexplained: a small" in text
+    assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
+    text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
+    assert "agrees" in text and "is not distinguishable from the scatter of the trials" in text
+    text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
+    assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
+
+
+def test_signals_that_the_simulation_does_not_reproduce_are_reported(compared):
+    gaps = {"v": 11.6, "u_t": 6.4, "x": 1.9}
+    signals = {name: BeforeAfter(9.0, gap, gap, NAN) for name, gap in gaps.items()}
+    table = replace(compared.gap_heldout, signals=signals)
+    text = summary(replace(compared, verdict="none", rest=(), gap_heldout=table))
+    assert "deviate in the velocity by 11.6 and the command of valve T by 6.40 trial" in text
+    assert "position by" not in text
+    assert "Simulated in closed loop" not in summary(compared)
+
+
+def test_a_signal_that_deviates_far_more_than_the_balances_is_in_the_verdict(compared):
+    def verdict(verdict, gap):
+        signals = {"v": BeforeAfter(9.0, gap, gap, NAN), "x": BeforeAfter(9.0, 1.5, 1.5, NAN)}
+        balances = {"force_test": BeforeAfter(9.0, 2.1, 2.1, 1.6)}
+        table = replace(compared.gap_heldout, signals=signals, balances=balances)
+        return verdict_words(replace(compared, verdict=verdict, gap_heldout=table))
+
+    words = "the velocity deviates by 11.7 trial scatters, the balances by no more than 2.10."
+    assert words in verdict("unknown", 11.7) and words in verdict("none", 11.7)
+    assert "simulation shows more" not in verdict("unknown", 4.0)
+    assert "simulation shows more" not in verdict_words(compared)  # nothing was simulated
+
+
+def test_an_agreement_states_what_the_refit_changes_and_what_is_fitted_with_the_model(compared):
+    def factor(value, low, high):
+        return FitParameter(value, 0.01, (low, high), None, "1")
+
+    refitted = {
+        "valve.gain": factor(0.95, 0.94, 0.96),
+        "supply.tank": factor(1.7, 1.4, 2.0),
+        "moving_mass.test": factor(1.2, 0.8, 1.6),  # not known to differ from 1
+        "oil.bulk_modulus": factor(1.04, 1.03, 1.05),
+        "friction.test.coulomb": factor(0.5, 0.4, 0.6),
+    }
+    sizes = (DetectableSize("load_friction", "test", 1.0, 2.0, "N", "evidence"),)
+    text = summary(
+        replace(compared, verdict="none", rest=(), refitted=refitted,
+                separability=Separability(sizes, ()), not_tried={"valve_trim": FITTED})
+    )  # fmt: skip
+    assert (
+        "Largest factors on values of the model: Coulomb friction, test cylinder 0.50 ± 0.10; "
+        "tank pressure 1.70 ± 0.30; valve gain 0.950 ± 0.010." in text
+    )
+    assert "would show 1 of 1 known effects at a typical size. Valve trim is fitted with" in text
+    refused = replace(compared, verdict="none", rest=(), refitted=refitted, refit_refused="No.")
+    assert "Largest factors" not in summary(refused)
+
+
+def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):
+    text = summary(few)
+    assert "do not suffice to find a missing effect. Missing: a second load." in diagnosis_page(
+        few, ()
+    )
+    assert few.next_experiment in text
+    assert short_summary(few) in diagnosis_text(few)
