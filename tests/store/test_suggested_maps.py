@@ -1,5 +1,6 @@
 """Maps suggested for logs of many kinds, completed by the diameters, and imported."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -348,3 +349,42 @@ def test_any_table_gives_a_map_or_a_clear_refusal(logs, seed):
         assert "series" in parse_yaml(suggest_map(logs).text)
     except DataError:
         pass
+
+
+def stroke_with(logs, *, force="F [N]", change):
+    """Write a stroke of 50 mm/s; ``change`` gets the number and the cells of each row."""
+    run = one_stroke(0.05, 2000.0, 1)
+    names = ["t [s]", "x [mm]", "Pressure A [bar]", "Pressure B [bar]", force]
+    columns = (run["t_s"], 1e3 * run["x_m"], run["p_tp_pa"] / 1e5, run["p_tr_pa"] / 1e5)
+    rows = zip(*columns, run["f_applied_n"], strict=True)
+    lines = [",".join(change(n, [f"{v:.5f}" for v in row])) for n, row in enumerate(rows)]
+    (logs / "a.csv").write_text("\n".join([",".join(names), *lines, ""]))
+
+
+def unchanged(_, cells):
+    return cells
+
+
+def test_the_scale_of_an_unknown_unit_in_square_brackets_is_asked_for(logs):
+    stroke_with(logs, force="F [tons]", change=unchanged)
+    text = suggest_map(logs).text
+    assert parse_yaml(text)["columns"]["f_applied_n"] == {
+        "column": "F [tons]", "unit": "N", "scale": "???"
+    }  # fmt: skip
+    assert "give N for each tons" in text
+
+
+def test_a_column_that_cannot_be_read_is_reported_with_its_line(logs):
+    def with_a_word(row, cells):
+        return [*cells[:2], "1.#INF", *cells[3:]] if row == 7 else cells
+
+    stroke_with(logs, change=with_a_word)
+    notes = " ".join(suggest_map(logs).notes)
+    assert "p_tp_pa: column 'Pressure A [bar]' can't be read: a.csv: line 9" in notes
+    assert "'1.#INF'" in notes
+
+
+def test_times_that_go_back_are_reported_with_their_values(logs):
+    stroke_with(logs, change=lambda row, cells: ["0.25", *cells[1:]] if row == 80 else cells)
+    back = re.search(r"'t \[s\]' goes back from (\S+) to 0\.25 in a\.csv", suggest_map(logs).text)
+    assert float(back[1]) == pytest.approx(one_stroke(0.05, 2000.0, 1)["t_s"][79], abs=1e-5)

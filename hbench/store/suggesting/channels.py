@@ -238,11 +238,9 @@ def _with_units(chosen: dict[str, Choice], time: TimeChoice) -> dict[str, Choice
             continue
         if choice.column.name == channel and choice.column.unit is None:
             out[channel] = replace(choice, unit=CHANNELS[channel].unit)
-        elif choice.unit and not _is_usable(channel, choice.unit):
+        elif stated := _unusable_unit(channel, choice):
             unit = _USUAL_UNITS[_QUANTITIES[channel]]
-            reason = (
-                f"{choice.reason}; {choice.unit} in the file: give {unit} for each {choice.unit}"
-            )
+            reason = f"{choice.reason}; {stated} in the file: give {unit} for each {stated}"
             out[channel] = replace(choice, unit=unit, scale=None, reason=reason)
         elif not choice.unit:
             unit, why = _assumed(channel, choice.column, out, time)
@@ -253,9 +251,11 @@ def _with_units(chosen: dict[str, Choice], time: TimeChoice) -> dict[str, Choice
     return out
 
 
-def _is_usable(channel: str, unit: str) -> bool:
-    """Return whether a unit is one of the channel's quantity, and not the volts of its sensor."""
-    return quantity_of(unit) == _QUANTITIES[channel]
+def _unusable_unit(channel: str, choice: Choice) -> str:
+    """Return the stated unit if it is unknown or of another quantity, such as a sensor's volts."""
+    if choice.unit and quantity_of(choice.unit) != _QUANTITIES[channel]:
+        return choice.unit
+    return choice.column.unknown_unit
 
 
 def _assumed(

@@ -6,6 +6,8 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from hbench.channels import CHANNELS
 from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.import_layout import Format
@@ -63,7 +65,7 @@ class SuggestedMap:
     columns: Sequence[SampleColumn]
     motion: Motion | None
     series: tuple[SuggestedSeries, ...]
-    unread: tuple[str, ...]  # columns that are no numbers
+    unread: Mapping[str, str]  # columns that are no numbers: name, and file with the first fault
     left_out: Mapping[str, tuple[str, ...]]  # other columns of a chosen channel
 
     @property
@@ -364,8 +366,13 @@ def _time_comment(time: TimeChoice) -> str:
 
 
 def _no_time(found: SuggestedMap) -> str:
+    for column in found.columns:
+        for file, t in zip(found.files, column.values, strict=True):
+            if column.meaning.channel == "t_s" and len(back := np.flatnonzero(np.diff(t) < 0)):
+                step = f"from {t[back[0]]:.10g} to {t[back[0] + 1]:.10g}"
+                return f"{column.name!r} goes back {step} in {file}"
     if found.unread:
-        few = ", ".join(found.unread[:5])
+        few = ", ".join(list(found.unread)[:5])
         return f"no times; neither numbers nor date-times such as 2024-12-24 18:30:00: {few}"
     return "no times: no column increases evenly"
 

@@ -15,7 +15,7 @@ from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable, decoded
 from hbench.store.suggesting.dialect import Dialect, rows_dialect, text_dialect
 from hbench.store.suggesting.quantities import Meaning, common_words, meaning
-from hbench.store.suggesting.units import unit_in
+from hbench.store.suggesting.units import unit_in, unknown_unit
 
 _MOST_COLUMNS = 300
 _LARGEST = 1e15  # of a number: a larger one is no measurement
@@ -33,7 +33,7 @@ class SampleFile:
     names: dict[int | str, str]  # as in the file; empty without a name
     units: dict[int | str, str]  # stated by the file, but for those in names
     own_times: dict[int | str, np.ndarray]  # [s] stated by the file
-    unread: tuple[str, ...]  # names of columns that are neither numbers nor date-times
+    unread: dict[str, str]  # columns that are neither numbers nor date-times: name and first fault
 
     @property
     def signature(self) -> tuple:
@@ -52,6 +52,7 @@ class SampleColumn:
     in_file: bool  # stated by the file beside the name, so that a map need not state it
     meaning: Meaning
     values: tuple[np.ndarray, ...]  # of each file
+    unknown_unit: str = ""  # stated by the file or in the name, but no unit of hbench
 
     @property
     def is_date_time(self) -> bool:
@@ -102,11 +103,11 @@ def _sample(
     columns: dict[int | str, np.ndarray] = {}
     units, own_times = {}, {}
     names = _names(table, dialect)
-    unread = []
+    unread: dict[str, str] = {}
     for key in table.columns()[:_MOST_COLUMNS]:
-        values = _values(table, key)
+        values, fault = _values(table, key)
         if values is None or not printable_key(key):
-            unread.append(names.get(key, str(key)))
+            unread[names.get(key, str(key))] = fault
             continue
         columns[key] = values
         if unit := table.unit(key):
@@ -124,7 +125,7 @@ def _sample(
         names=names,
         units=units,
         own_times=own_times,
-        unread=tuple(unread),
+        unread=unread,
     )
 
 
@@ -140,22 +141,22 @@ def _names(table: Table, dialect: Dialect | None) -> dict[int | str, str]:
     return dict(enumerate(dialect.names if dialect else (), start=1))
 
 
-def _values(table: Table, key: int | str) -> np.ndarray | None:
-    """Return a column as numbers or date-times; None for text, or without any value."""
+def _values(table: Table, key: int | str) -> tuple[np.ndarray | None, str]:
+    """Return a column as numbers or date-times; None with the reason for any other."""
     try:
         values = table.numbers(key, gaps=True)
         empty = np.isnan(values)
-    except DataError:
+    except DataError as error:
         try:
             values = table.date_times(key, gaps=True)
             empty = np.isnat(values)
         except DataError:
-            return None
+            return None, error.message.removeprefix(f"{table.source}: ")
     if len(values) < 2 or empty.all():
-        return None
+        return None, "has no values"
     if values.dtype.kind == "f" and np.nanmax(np.abs(values)) > _LARGEST:
-        return None
-    return values
+        return None, f"has values above {_LARGEST:g}"
+    return values, ""
 
 
 def sample_columns(files: Sequence[SampleFile]) -> list[SampleColumn]:
@@ -171,5 +172,8 @@ def sample_columns(files: Sequence[SampleFile]) -> list[SampleColumn]:
         name = first.names[key]
         stated = unit_in(first.units.get(key, ""))
         means = meaning(name, stated, common)
-        columns.append(SampleColumn(key, name, means.unit, stated is not None, means, values))
+        unknown = unknown_unit(name, first.units.get(key, "")) if means.unit is None else ""
+        columns.append(
+            SampleColumn(key, name, means.unit, stated is not None, means, values, unknown)
+        )
     return columns

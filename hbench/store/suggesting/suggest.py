@@ -30,7 +30,13 @@ from hbench.store.suggesting.map_text import (
     map_text,
 )
 from hbench.store.suggesting.motion import motion_of
-from hbench.store.suggesting.samples import SampleFile, read_sample, sample_columns
+from hbench.store.suggesting.quantities import meaning
+from hbench.store.suggesting.samples import (
+    SampleColumn,
+    SampleFile,
+    read_sample,
+    sample_columns,
+)
 from hbench.store.suggesting.time_base import TimeChoice, choose_time
 from hbench.units import parse_unit
 
@@ -158,9 +164,20 @@ def _found(
         columns=columns,
         motion=motion_of(channels, steady),
         series=tuple(series),
-        unread=files[0].unread,
+        unread=_unread(files, columns),
         left_out=duplicates(columns, choices),
     )
+
+
+def _unread(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) -> dict[str, str]:
+    """Return the columns that can't be read in a file: the name, and the file with the fault."""
+    read = {column.name for column in columns}
+    faults: dict[str, str] = {}
+    for file in files:
+        for name, fault in file.unread.items():
+            if name not in read:
+                faults.setdefault(name, f"{file.name}: {fault}")
+    return faults
 
 
 def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[str, np.ndarray]:
@@ -277,6 +294,10 @@ def _notes(found: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
     yield f"read {len(found.files)} files: {listed(found.files)}"
     for name, fault in faults.items():
         yield f"not read: {name}: {fault}"
+    for name, fault in found.unread.items():
+        means = meaning(name)
+        if means.is_sure and means.channel not in ("", *found.choices):
+            yield f"{means.channel}: column {name!r} can't be read: {fault}"
     for series in found.series:
         if series.fault:
             count = len(series.pattern.names)

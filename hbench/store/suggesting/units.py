@@ -16,6 +16,8 @@ _SPELLINGS = {
     **dict.fromkeys(("inch", "inches", "zoll"), "in"),
     **dict.fromkeys(("n", "newton"), "N"),
     **dict.fromkeys(("kn", "kilonewton"), "kN"),
+    "dan": "daN",
+    **dict.fromkeys(("kp", "kgf"), "kgf"),
     "lbs": "lbf",
     **dict.fromkeys(("pa", "pascal"), "Pa"),
     **dict.fromkeys(("hpa", "mbar"), "mbar"),
@@ -37,6 +39,7 @@ _SPELLINGS = {
 }
 ANGLES = ("deg", "rad")  # units of a position that have no dimension
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\[\](){}<>]*(?:\([^()]*\))?)\s*[\])}>]\s*$")
+_SQUARE = re.compile(r"\[\s*([^\[\]]{1,20}?)\s*\]\s*$")
 _SLASH = re.compile(r"\s+/\s*(\S+)\s*$|\s*,\s*(\S+)\s*$|\s+in\s+(\S+)\s*$")
 _ENDING = re.compile(r"[\s_.\-]+([^\s_.\-]+|mm?[_/]s)$")
 
@@ -67,6 +70,16 @@ def split_unit(name: str) -> tuple[str, str | None]:
             if unit is not None or pattern is _BRACKETS:
                 return name[: match.start()], unit
     return name, None
+
+
+def unknown_unit(name: str, stated: str = "") -> str:
+    """Return the unit in square brackets behind a name, or ``stated``, if hbench does not know it.
+
+    Otherwise the result is empty.
+    """
+    match = _SQUARE.search(name)
+    text = stated.strip() or (match[1] if match else "")
+    return text if re.search(r"[^\W\d]", text) and unit_in(text) is None else ""
 
 
 def split_ending(name: str) -> tuple[str, str | None]:
