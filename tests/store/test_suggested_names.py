@@ -1,8 +1,11 @@
 """Dialects, columns and file names, as a suggested map understands them."""
 
+from datetime import time
+
 import pytest
 
-from hbench.store.suggesting.dialect import text_dialect
+from hbench.store.formats.date_times import parse_date_time
+from hbench.store.suggesting.dialect import is_date_time, text_dialect
 from hbench.store.suggesting.file_names import name_patterns
 from hbench.store.suggesting.quantities import meaning
 from hbench.store.suggesting.units import unit_in
@@ -196,3 +199,38 @@ def test_numbers_in_file_names_become_fields(case):
 def test_patterns_know_the_values_in_their_names():
     (pattern,) = name_patterns(["a_2,5kN_0.5MPa.csv", "a_-3kN_1MPa.csv"])
     assert pattern.values("a_-3kN_1MPa.csv") == {"load": -3000.0, "pressure": 1e6}
+
+
+def patterns_of(*names):
+    return sorted(pattern.files for pattern in name_patterns(names))
+
+
+def test_a_speed_with_and_without_a_minus_is_one_field():
+    assert patterns_of(*(f"run_{v}mm_s_{t}.csv" for v in (-50, -5, 5, 50) for t in (1, 2))) == [
+        "run_{speed}mm_s_{trial}.csv"
+    ]
+    assert patterns_of(*(f"v{v}_F{f}.csv" for v in (-50, -5, 5, 50) for f in (100, 200))) == [
+        "v{speed}_F{load}.csv"
+    ]
+
+
+def test_numbers_that_count_the_files_from_zero_are_any_characters():
+    assert patterns_of(*(f"LOG{n:04d}.CSV" for n in range(12))) == ["LOG*.CSV"]
+    assert patterns_of(*(f"LOG{n:04d}.CSV" for n in range(1, 12))) == ["LOG{trial}.CSV"]
+
+
+def test_an_empty_column_with_a_name_belongs_to_the_header():
+    dialect = text_dialect(table("t,x,Note,Spare\n", ",", ["0", "1"], ["2", "3"], "ab", ["", ""]))
+    assert dialect.names[:3] == ("t", "x", "Note")
+    assert dialect.layout.header
+
+
+@pytest.mark.parametrize("text", ["9:30:15,250", "09:30:15.25", "2024-05-01 09:30:15.25"])
+def test_a_time_of_day_is_a_date_time(text):
+    assert is_date_time(text)
+    assert parse_date_time(text).time() == time(9, 30, 15, 250_000)
+
+
+@pytest.mark.parametrize("text", ["9:30", "25:00:00", "0:00:61", "1:2:3"])
+def test_what_is_no_time_of_day_is_no_date_time(text):
+    assert not is_date_time(text)

@@ -1,14 +1,24 @@
-"""Date-times as text: ISO 8601, and day first with points, as in ``24.12.2024 18:30:00,5``."""
+"""Date-times as text: ISO 8601, day first with points, and times of day without a date.
+
+Examples are ``24.12.2024 18:30:00,5`` and ``18:30:00.5``.
+"""
 
 import re
 from datetime import datetime
 
 _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]\s*(.+)")
+_TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?")
 
 
 def parse_date_time(text: str) -> datetime:
-    """Return the date-time of a text. Raises ``ValueError``."""
+    """Return the date-time of a text; a time without a date is one of 1970-01-01.
+
+    Raises ``ValueError``.
+    """
     text = text.strip()
+    if _TIME_OF_DAY.fullmatch(text):
+        hour, rest = text.split(":", 1)
+        text = f"1970-01-01T{hour:0>2}:{rest}"
     if match := _DAY_FIRST.fullmatch(text):
         day, month, year, time = match.groups()
         text = f"{year}-{month:0>2}-{day:0>2}T{time}"

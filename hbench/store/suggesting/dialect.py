@@ -3,7 +3,7 @@
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 
 from hbench.config.import_layout import Format
@@ -65,7 +65,7 @@ def rows_dialect(
     last_above = above[-1] if above else None
     if sign:
         above = [row for row in above if not row[1] or not row[1][0].lstrip().startswith(sign)]
-    header, units, skipped = _head(above, width)
+    header, units, skipped = _head(above, {width, len(rows[first][1])})
     layout = dict(marks)
     if sign:
         layout["comment"] = sign
@@ -88,9 +88,9 @@ def is_number(cell: str, decimal: str, thousands: str | None) -> bool:
 
 
 def is_date_time(cell: str) -> bool:
-    """Return whether a cell is a date with a time of day."""
+    """Return whether a cell is a time of day, perhaps with a date."""
     cell = cell.strip()
-    if len(cell) < 14 or ":" not in cell:
+    if cell.count(":") < 2 and (len(cell) < 14 or ":" not in cell):
         return False
     try:
         parse_date_time(cell)
@@ -189,9 +189,12 @@ def _names_in_line(
     return ()
 
 
-def _head(above: Sequence[Row], width: int) -> tuple[Row | None, bool, int]:
-    """Return the header, whether units follow it, and the number of rows below before the data."""
-    last = [row for row in above[-_MOST_HEAD:] if _width(row[1]) == width or len(row[1]) == width]
+def _head(above: Sequence[Row], widths: Container[int]) -> tuple[Row | None, bool, int]:
+    """Return the header, whether units follow it, and the number of rows below before the data.
+
+    ``widths`` are those of the data, with and without an empty last column.
+    """
+    last = [row for row in above[-_MOST_HEAD:] if _width(row[1]) in widths or len(row[1]) in widths]
     if not last or last[-1] is not above[-1]:
         return None, False, 0
     for skipped, row in enumerate(reversed(last)):

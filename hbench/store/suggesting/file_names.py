@@ -3,7 +3,7 @@
 import dataclasses
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -93,6 +93,7 @@ def name_patterns(names: Sequence[str]) -> list[NamePattern]:
     patterns: list[NamePattern] = []
     for group in groups.values():
         patterns += _patterns(group)
+    patterns = list(_with_signs(patterns, names))
     alone = []
     for pattern in patterns:
         if set(_matched(pattern, names)) == set(pattern.names):
@@ -100,6 +101,20 @@ def name_patterns(names: Sequence[str]) -> list[NamePattern]:
         else:
             alone += map(_literal, pattern.names)
     return _labelled([p for p in alone if _matched(p, p.names)])
+
+
+def _with_signs(patterns: Sequence[NamePattern], names: Sequence[str]) -> Iterator[NamePattern]:
+    """Yield the patterns; those that differ in a minus before a number become one."""
+    alike: dict[str, list[NamePattern]] = defaultdict(list)
+    for pattern in patterns:
+        alike[pattern.files.replace("-{", "{")].append(pattern)
+    for files, group in alike.items():
+        whole = next((p for p in group if p.files == files), None)
+        own = [name for pattern in group for name in pattern.names]
+        if whole is not None and len(group) > 1 and set(_matched(whole, names)) == set(own):
+            yield replace(whole, names=tuple(sorted(own)))
+        else:
+            yield from group
 
 
 def _matched(pattern: NamePattern, names: Sequence[str]) -> list[str]:
@@ -132,7 +147,9 @@ def _patterns(names: list[str]) -> Iterator[NamePattern]:
         stars = [
             i
             for i, number in enumerate(found)
-            if i not in fields and varied[i] and len(number.text) > _LONGEST_TRIAL
+            if i not in fields
+            and varied[i]
+            and (len(number.text) > _LONGEST_TRIAL or _counts_from_zero(numbers.values(), i))
         ]
         by_files[_with_fields(name, found, fields, stars)].append(name)
     factors = {field: unit for field, unit in fields.values() if field not in FIELDS}
@@ -213,6 +230,12 @@ def _is_trial(rows: list[list[_Number]], i: int) -> bool:
     """Return whether the numbers at position ``i`` of all names can be numbers of trials."""
     texts = [row[i].text for row in rows]
     return all(t.isdecimal() and len(t) <= _LONGEST_TRIAL and int(t) > 0 for t in texts)
+
+
+def _counts_from_zero(rows: Iterable[list[_Number]], i: int) -> bool:
+    """Return whether the numbers at position ``i`` count all names, beginning with 0."""
+    texts = [row[i].text for row in rows]
+    return all(map(str.isdecimal, texts)) and sorted(map(int, texts)) == list(range(len(texts)))
 
 
 def _with_fields(
