@@ -9,6 +9,7 @@ from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.formats.text import parse_table
+from hbench.store.importing.imported_run import describe_source
 from hbench.store.importing.importer import import_folder
 
 SEMICOLON = {"separator": "semicolon"}
@@ -252,3 +253,42 @@ def test_other_peoples_files_without_a_map_are_refused_with_what_to_do(tmp_path,
     with pytest.raises(DataError, match=r"runs\.csv, runs\.parquet, campaign\.mat") as caught:
         import_folder(tmp_path, tmp_path / "out", None, {}, at(0))
     assert "--map" in caught.value.hint
+
+
+ROWS = "t,x,p,f\nms,mm,psi,kN\n0,0,1,2\n500,20,1,2\n1000,40,1,2\n"
+
+
+@pytest.mark.parametrize("end", ["1500,60", "1500", "--- end ---\n", "End of log\nby bench 3\n"])
+def test_short_lines_at_the_end_are_left_out_with_a_note(bring_in, tmp_path, at, end):
+    run, _ = bring_in(ROWS + end)
+    assert run.t_s.tolist() == [0, 0.5, 1.0]
+    again = import_folder(tmp_path / "logs", tmp_path / "again", tmp_path / "map.yaml", {}, at(0))
+    assert any("rows left out: blank or short (the first is line 6)" in n for n in again.notes)
+
+
+@pytest.mark.parametrize("end", ["5,6\n" * 6, "5,6\n1500,60,1,2\n", "1500,60,1,2,3\n"])
+def test_other_lines_of_another_width_are_refused(bring_in, end):
+    with pytest.raises(DataError, match=r"1.csv: line 6: found [25] columns .*; expected 4"):
+        bring_in(ROWS + end)
+
+
+@pytest.mark.parametrize("charset", ["utf-8", "utf-16", "utf-16-le", "utf-16-be"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", ""])
+def test_a_missing_last_newline_is_reported_in_any_character_set(tmp_path, charset, end):
+    (tmp_path / "a.csv").write_bytes(f"t;Öl\r\n0;1{end}".encode(charset))
+    assert describe_source(tmp_path, "a.csv").is_truncated == (end == "")
+
+
+@pytest.mark.parametrize(("unit", "newton"), [("daN", 10.0), ("kgf", 9.80665), ("N", None)])
+def test_a_unit_in_brackets_may_not_contradict_the_map(bring_in, rules, unit, newton):
+    rules["format"] = {}
+    for channel, stated in {"t_s": "s", "x_m": "mm", "p_tp_pa": "bar", "f_applied_n": unit}.items():
+        rules["columns"][channel]["unit"] = stated
+    column = f"f [{unit if newton else 'daN'}]"
+    rules["columns"]["f_applied_n"]["column"] = column
+    text = f"t,x,p,{column}\n0,0,1,2\n0.5,20,1,2\n1,40,1,2\n"
+    if newton:
+        assert bring_in(text)[0].f_applied_n.tolist() == pytest.approx([2 * newton] * 3)
+    else:
+        with pytest.raises(DataError, match=r"column f \[daN\]: unit in the file .*'daN'.*'N'"):
+            bring_in(text)

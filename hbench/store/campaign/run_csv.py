@@ -28,9 +28,11 @@ def format_run(channels: Mapping[str, np.ndarray]) -> Iterator[bytes]:
 def read_channels(table: Table) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
     """Return the known channels of a table in SI, and the names of its other columns.
 
-    Empty cells are NaN. Raises ``DataError`` naming the line: for cells that are not numbers,
-    for time that does not increase, for gaps in ``t_s`` or ``x_m``, and if one of these is missing.
+    Empty cells are NaN. Raises ``DataError`` naming the line: for short lines, cells that are not
+    numbers, for time that does not increase, for gaps in ``t_s`` or ``x_m``, and if one of these is
+    missing.
     """
+    check_complete(table)
     for name in ALWAYS:
         table.position(name)
     known = [name for name in table.names if name in CHANNELS or name in FLAGS]
@@ -40,6 +42,15 @@ def read_channels(table: Table) -> tuple[dict[str, np.ndarray], tuple[str, ...]]
     check_limits(channels, table)
     check_time(channels["t_s"], table)
     return channels, tuple(name for name in table.names if name not in channels)
+
+
+def check_complete(table: Table) -> None:
+    """Raise ``DataError`` naming the first line that was left out since cells are missing."""
+    for line in table.short_lines:
+        raise DataError(
+            f"{table.source}: line {line}: found fewer columns than in the header; expected "
+            f"{len(table.names)}"
+        )
 
 
 def check_lengths(channels: Mapping[str, np.ndarray], table: Table) -> None:

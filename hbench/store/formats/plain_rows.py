@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import repeat
+from typing import overload
 
 import numpy as np
 
@@ -20,7 +21,13 @@ class PlainRows:
     def __len__(self) -> int:
         return len(self._lines)
 
-    def __getitem__(self, row: int) -> list[str]:
+    @overload
+    def __getitem__(self, row: int) -> list[str]: ...
+    @overload
+    def __getitem__(self, row: slice) -> "PlainRows": ...
+    def __getitem__(self, row: int | slice) -> "list[str] | PlainRows":
+        if isinstance(row, slice):
+            return PlainRows(self._lines[row], self._separator, self._width)
         return self._lines[row].split(self._separator)[: self._width]
 
     def __iter__(self) -> Iterator[list[str]]:

@@ -20,6 +20,7 @@ from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
 _GAPS = ("", "nan", "na", "n/a", "null")
+_MOST_SHORT = 5  # rows at the end with too few cells, which are left out
 _BOMS = {
     codecs.BOM_UTF8: "utf-8-sig",
     codecs.BOM_UTF16_LE: "utf-16",
@@ -208,7 +209,10 @@ def _table(
     width = len(names) or len(rows[0])
     all_lines, lines = lines, lines[len(top) :]
     whole = rows.whole() if isinstance(rows, PlainRows) else rows
-    for row, cells in _unequal(rows, width):
+    unequal = list(_unequal(rows, width))
+    count = len(rows) - _short_at_end(unequal, len(rows), width)
+    short = lines[count:]
+    for row, cells in unequal[: len(unequal) - len(short)]:
         text = _DELIMITERS.get(layout.separator, " ").join(cells)
         raise DataError(
             f"{source}: line {lines[row]}: found {len(cells)} columns in "
@@ -217,7 +221,24 @@ def _table(
         )
     if units and len(units) < width:
         raise DataError(f"{source}: the row of units has {len(units)} columns; expected {width}")
-    return TextTable(names, units, rows, np.array(lines), layout, source)
+    return TextTable(
+        names, units, rows[:count], np.array(lines[:count]), layout, source, tuple(short)
+    )
+
+
+def _short_at_end(unequal: list[tuple[int, list[str]]], count: int, width: int) -> int:
+    """Return how many of ``count`` rows end a table with too few cells.
+
+    A logger that was stopped writes a part of a row, others a remark. Where more rows than
+    ``_MOST_SHORT`` are short, or all, the table is not understood: the result is 0.
+    """
+    end = 0
+    while end < len(unequal):
+        row, cells = unequal[-1 - end]
+        if row != count - 1 - end or len(cells) >= width:
+            break
+        end += 1
+    return end if end <= min(_MOST_SHORT, count - 1) else 0
 
 
 def _unequal(rows: list[list[str]] | PlainRows, width: int) -> Iterator[tuple[int, list[str]]]:

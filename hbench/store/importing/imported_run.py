@@ -76,5 +76,6 @@ def describe_source(folder: Path, name: str) -> SourceFile:
     check_inside(folder, path)
     with open_foreign(path) as (file, file_format):
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-        file.seek(max(0, file.tell() - 1))
-        return SourceFile(name, sha256, file_format.is_text and file.read(1) not in b"\r\n")
+        file.seek(max(0, file.tell() - 2))
+        end = file.read().strip(b"\0")[-1:]  # the zero byte is that of UTF-16
+        return SourceFile(name, sha256, file_format.is_text and end not in b"\r\n")

@@ -22,7 +22,7 @@ from hbench.errors import DataError
 from hbench.records import KINDS, Factors, Outcome, RunPlan, Specimen, kind_names
 from hbench.store.campaign.journal import check_run_id
 from hbench.store.campaign.plan_fields import check_number, read_factors
-from hbench.store.campaign.run_csv import read_channels
+from hbench.store.campaign.run_csv import check_complete, read_channels
 from hbench.store.files.bounded_read import check_inside, read_file
 from hbench.store.formats.arrays import Arrays
 from hbench.store.formats.matlab.mat import read_mat
@@ -145,6 +145,7 @@ def _table_index(folder: Path, name: str) -> _Index:
     else:
         data = read_file(path)
     index = parse_table(data, str(path), Format())
+    check_complete(index)
     return index, lambda _, file_name: open_source(folder, file_name, Format())
 
 
