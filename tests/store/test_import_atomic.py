@@ -5,8 +5,9 @@ import shutil
 import pytest
 import yaml
 
-from hbench.errors import DataError
+from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.lock_file import campaign_lock
 from hbench.store.importing.importer import import_folder
 from tests.support.faults.power_cut import Trace, leftovers, write_tree
 
@@ -64,6 +65,20 @@ def test_what_a_killed_import_left_is_removed(bring_in, tmp_path):
     runs = [f"runs/000{number}.csv" for number in (1, 2, 3)]
     assert below(tmp_path / "out") == ["campaign.yaml", "runs", *runs]
     assert len(list(load_campaign(tmp_path / "out").runs())) == 3
+
+
+def test_a_second_import_to_the_same_folder_is_refused_while_the_first_writes(bring_in, tmp_path):
+    with campaign_lock(tmp_path / "out"):
+        with pytest.raises(ConfigError, match="out: another hbench is writing this campaign"):
+            bring_in(tmp_path / "out")
+    bring_in(tmp_path / "out")
+    assert len(list(load_campaign(tmp_path / "out").runs())) == 3
+
+
+def test_a_file_in_the_place_of_the_campaign_is_refused(bring_in, tmp_path):
+    (tmp_path / "out").write_text("mine")
+    with pytest.raises(ConfigError, match="out: is a file"):
+        bring_in(tmp_path / "out")
 
 
 @pytest.mark.parametrize("name", ["runs", ".runs.part"])

@@ -1,4 +1,4 @@
-"""Lock of a campaign's folder, which excludes other hosts during a measurement."""
+"""Lock of a campaign's folder, which excludes other hosts while one writes to it."""
 
 import errno
 import os
@@ -19,11 +19,11 @@ except ImportError:  # Windows has no such lock
 def campaign_lock(folder: Path) -> Iterator[None]:
     """Lock a campaign's folder, created if missing; the system releases it when the host ends.
 
-    Raises ``ConfigError`` if another host has locked it.
+    Created folders that stay empty are removed. Raises ``ConfigError`` if it is locked.
     """
     if folder.exists() and not folder.is_dir():
         raise ConfigError(f"{folder}: is a file", "Give a folder as the campaign's name.")
-    created = not folder.exists()
+    created = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         make_folder(folder)
         handle = os.open(folder, os.O_RDONLY) if fcntl else None
@@ -36,9 +36,9 @@ def campaign_lock(folder: Path) -> Iterator[None]:
     finally:
         if handle is not None:
             os.close(handle)
-        if created:
-            with suppress(OSError):  # removes an empty folder only
-                folder.rmdir()
+        with suppress(OSError):  # removes empty folders only
+            for path in created:
+                path.rmdir()
 
 
 def _lock(handle: int, folder: Path) -> None:
@@ -47,5 +47,5 @@ def _lock(handle: int, folder: Path) -> None:
     except OSError as error:
         if error.errno in (errno.EAGAIN, errno.EACCES):  # others: a file system without locks
             raise ConfigError(
-                f"{folder}: another hbench is measuring this campaign", "Wait until it has ended."
+                f"{folder}: another hbench is writing this campaign", "Wait until it has ended."
             ) from None

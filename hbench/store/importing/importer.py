@@ -21,6 +21,7 @@ from hbench.errors import ConfigError, DataError
 from hbench.store.campaign import journal
 from hbench.store.campaign.folder import JOURNAL, refuse_existing
 from hbench.store.campaign.journal import Stop
+from hbench.store.campaign.lock_file import campaign_lock
 from hbench.store.campaign.plan_fields import check_plan
 from hbench.store.campaign.run_csv import format_run
 from hbench.store.files.atomic import move_files, new_file, temporary_folder, write_atomic
@@ -55,12 +56,13 @@ def import_folder(
     ``DataError`` naming file and line; then no campaign is written.
     """
     check_source(source)
-    refuse_existing(
-        destination, "Give another folder with -o: an import does not add to a campaign."
-    )
-    check_inside(destination, destination / "runs")
-    with temporary_folder(destination / _PART):
-        return _import(source, destination, map_path, software, at)
+    with campaign_lock(destination):
+        refuse_existing(
+            destination, "Give another folder with -o: an import does not add to a campaign."
+        )
+        check_inside(destination, destination / "runs")
+        with temporary_folder(destination / _PART):
+            return _import(source, destination, map_path, software, at)
 
 
 def _import(
