@@ -104,7 +104,7 @@ class Valve(ConfigSection):
 class EndStop(ConfigSection):
     """The cylinder heads as a stiff spring and damper."""
 
-    stiffness: Annotated[float, q.quantity("N/m", gt=0, le=1e9)]
+    stiffness: Annotated[float, q.quantity("N/m", gt=0, le=1e10)]
     damping: Annotated[float, q.quantity("N s/m", ge=0, le=1e7)]
 
 

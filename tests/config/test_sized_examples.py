@@ -15,6 +15,7 @@ from hbench.config.schedule import parse_schedule
 from hbench.errors import HbenchError
 from hbench.experiment import design_verification
 from hbench.experiment.plan import plan_runs
+from hbench.experiment.steady_demand import steady_demand
 from tests.support import ROOT
 from tests.support.commands import hbench
 
@@ -25,6 +26,11 @@ SIZES = [
     Size(0.100, 0.056, 0.800, 210e5),
     Size(0.063, 0.045, 1.500, 280e5),
     Size(0.200, 0.110, 0.300, 63e5),
+    Size(0.016, 0.008, 0.200, 100e5),
+    Size(0.020, 0.014, 0.100, 40e5),
+    Size(0.300, 0.210, 2.000, 350e5),
+    Size(0.300, 0.030, 2.000, 350e5),
+    Size(0.050, 0.045, 0.250, 100e5),
 ]
 
 
@@ -47,13 +53,40 @@ def test_every_schedule_can_be_planned_on_the_bench_and_limits_are_read(size):
     for name in schedules:
         assert files[name]["bench"] == BENCH_FILE
         try:
-            assert plan_runs(parse_schedule(files[name], name), bench, name).runs
+            runs = plan_runs(parse_schedule(files[name], name), bench, name).runs
+            assert runs
+            steady_demand(runs, bench, name)  # raises if pressures or valves do not suffice
         except HbenchError as error:
             pytest.fail(f"{name}: {error.message}")
     check = parse_schedule(design_verification.schedule(bench), "design")
     assert len(plan_runs(check, bench, "design").runs) > 8
     assert parse_limits(files["limits.yaml"], "limits").limits
     assert parse_limits(files["acceptance-limits.yaml"], "limits").limits
+
+
+@pytest.mark.parametrize(
+    ("bore", "rod", "stroke", "supply", "message"),
+    [
+        (
+            50,
+            47,
+            250,
+            100,
+            "--rod: is 47 mm: .* 2286 N .* leave 40 N .* limit 114 N",
+        ),
+        (16, 15, 100, 350, "--rod: is 15 mm: .* leave 0 N"),
+        (300, 280, 600, 40, "--rod: is 280 mm: .* leave 0 N"),
+        (25, 12, 50, 100, "--stroke: is 50; limits 60 to 2000 mm"),
+    ],
+)
+def test_a_size_whose_schedules_could_not_run_is_refused(
+    tmp_path, bore, rod, stroke, supply, message
+):
+    size = ("--bore", bore, "--rod", rod, "--stroke", stroke, "--supply", supply)
+    done = hbench("init", tmp_path / "b", *size)
+    assert done.returncode == 2
+    assert re.search(message, done.stderr), done.stderr
+    assert not (tmp_path / "b").exists()
 
 
 def test_the_examples_own_size_changes_nothing_but_names_and_comments():

@@ -30,10 +30,11 @@ _FILES = (
     "import-csv.yaml",
 )
 # In SI; the example's physics is no guide to others.
+_LEAST_LOAD = 0.05  # of the force on the rod side: a smaller load is lost in the friction
 _RANGES = {
     "bore": (0.016, 0.3),
     "rod": (0.003, 0.28),
-    "stroke": (0.05, 2.0),
+    "stroke": (0.06, 2.0),
     "supply": (40e5, 350e5),
 }
 
@@ -49,8 +50,7 @@ def init(
     """Write commented example files to edit: a bench, schedules, a fit file, limits, a map.
 
     With --bore, --rod, --stroke and --supply they are scaled for a cylinder of that size, which the
-    virtual rig then simulates: travel, limits, loads and pressures fit each other. Acceptance
-    test and endurance are left out: their loads are for the example's load cell.
+    virtual rig then simulates: travel, limits, loads and pressures fit each other.
 
     Example: hbench init my-bench
     """
@@ -115,4 +115,13 @@ def _size(**given: str | None) -> "Size | None":
     if not 0.1 * si["bore"] <= si["rod"] <= 0.95 * si["bore"]:
         rod_mm, bore_mm = 1e3 * si["rod"], 1e3 * si["bore"]
         raise ConfigError(f"--rod: is {rod_mm:g} mm; limits 10 to 95 % of --bore ({bore_mm:g} mm)")
-    return Size(si["bore"], si["rod"], si["stroke"], si["supply"])
+    size = Size(si["bore"], si["rod"], si["stroke"], si["supply"])
+    load_n, least_n = min(size.moved_n, size.held_n), _LEAST_LOAD * size.rod_force_n
+    if load_n < least_n:
+        raise ConfigError(
+            f"--rod: is {1e3 * size.rod_m:g} mm: the supply gives {size.rod_force_n:.0f} N on "
+            f"the rod side; friction and back pressure leave {max(load_n, 0.0):.0f} N for a load; "
+            f"limit {least_n:.0f} N",
+            "Give a thinner rod or a higher supply pressure, or edit the files of another size.",
+        )
+    return size

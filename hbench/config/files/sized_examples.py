@@ -23,6 +23,11 @@ _LEAST_START_MM = 10.0  # of a travel: braking stays within limits.travel_min
 _LEAST_PISTON_BAR = 3.0  # that p_lr alone causes in P_Lp, above the tank's pressure
 _HIGHEST_ROD = 140 / 150  # of the supply: highest p_lr of the examples
 _LEAST_P_LP_PA = 5.5e5  # that the largest retracting load leaves
+# Of the example's two cylinders: static friction, sliding friction at 200 mm/s, and friction of the
+# seals at the supply pressure.
+_STATIC_N, _COULOMB_N, _VISCOUS_N, _SEALS_N = 710.0, 260.0, 1100.0, 450.0
+_DRIVING = 0.7  # of the supply, on the rod side; the valve needs the rest
+_RETRACTING_N = 5000.0  # largest load of the example's moving runs
 _NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)( .+)")
 _SCALED = "scaled from the example: enter your bench's"
 _HEAD = """\
@@ -93,6 +98,27 @@ class Size:
     def speed(self) -> float:
         """Speeds over those of the example."""
         return min(1.0, self.length)
+
+    @property
+    def friction_n(self) -> float:
+        """Largest friction of both cylinders, scaled from the example."""
+        sliding = max(_STATIC_N, _COULOMB_N + _VISCOUS_N * self.speed)
+        return self.seal * (sliding + _SEALS_N * self.pressure)
+
+    @property
+    def rod_force_n(self) -> float:
+        """Force of the supply pressure on the rod side."""
+        return self.supply_pa * self.rod_m2
+
+    @property
+    def moved_n(self) -> float:
+        """Largest load against which the rod side moves the cylinder, with its friction."""
+        return _DRIVING * self.rod_force_n - self.friction_n
+
+    @property
+    def held_n(self) -> float:
+        """Largest retracting load that leaves P_Lp above the tank pressure at the highest p_lr."""
+        return _HIGHEST_ROD * self.rod_force_n - _LEAST_P_LP_PA * self.piston_m2
 
     @property
     def span_pa(self) -> float:
@@ -167,14 +193,14 @@ def _rounded(value: float, digits: int, rounding: Callable[[float], int] = round
 def _load(value: str, size: Size) -> str:
     """Scale a load by the area that drives against it: of the rod side if it is negative.
 
-    Then no more than what leaves P_Lp above the tank's pressure at the highest p_lr.
+    Then no more than the cylinders hold, and in proportion to what the rod side moves.
     """
     digits = max(2, len(value.split()[0].replace(".", "").strip("-0")))  # as the example
     if not value.startswith("-"):
         return _times(lambda size: size.force, digits)(value, size)
     number, unit = value[1:].split()
-    most_n = _HIGHEST_ROD * size.supply_pa * size.rod_m2 - _LEAST_P_LP_PA * size.piston_m2
-    least = min(float(number) * size.rod_area * size.pressure, most_n / to_si(f"1 {unit}", "N"))
+    factor = min(size.rod_area * size.pressure, size.moved_n / _RETRACTING_N)
+    least = min(float(number) * factor, size.held_n / to_si(f"1 {unit}", "N"))
     return f"-{_rounded(least, digits, math.floor)} {unit}"
 
 
