@@ -1,5 +1,6 @@
 """The import map: rules to convert another bench's files to runs."""
 
+import difflib
 import math
 import re
 from collections.abc import Iterator, Mapping
@@ -242,7 +243,9 @@ class ImportMap(CampaignSettings):
             raise ValueError("series: rotary and linear actuators need maps of their own")
         for name in (*self.columns, *self.constants):
             if name not in CHANNELS:
-                raise ValueError(f"unknown channel '{name}'; known are {', '.join(CHANNELS)}")
+                near = difflib.get_close_matches(name, CHANNELS, n=1)
+                meant = f"did you mean '{near[0]}'" if near else f"known are {', '.join(CHANNELS)}"
+                raise ValueError(f"unknown channel '{name}'; {meant}{'?' * bool(near)}")
         if "x_m" not in self.columns:
             raise ValueError("columns.x_m is missing; the analysis needs it")
         for name, column in self.columns.items():

@@ -59,7 +59,8 @@ def compare(
     if not curves:
         raise DataError(
             f"{a} and {b} have no curves in common: {'; '.join(notes) or 'neither has curves'}",
-            "Measure both at the same kind, direction, load and rod-side pressure.",
+            "Measure both at the same kind, direction, load and rod-side pressure; imported series "
+            "need the same label or factors.",
         )
     return CampaignDifferences(
         (a.resolve().name, b.resolve().name),

@@ -211,6 +211,7 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
         ({"constants": {"p_tr_pa": "0"}}, "constants.p_tr_pa = '0': has no unit"),
         ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa .*columns.*constants"),
         ({"constants": {"p_xx_pa": "0 bar"}}, "unknown channel 'p_xx_pa'"),
+        ({"constants": {"p_tp_bar": "0 bar"}}, "'p_tp_bar'; did you mean 'p_tp_pa'[?]"),
         ({"format": {"decimal": ","}}, "decimal ','.*separator"),
         (
             {"columns": {"t_s": {"column": 0, "unit": "ms"}, "x_m": {"column": 1, "unit": "mm"}}},

@@ -388,3 +388,27 @@ def test_times_that_go_back_are_reported_with_their_values(logs):
     stroke_with(logs, change=lambda row, cells: ["0.25", *cells[1:]] if row == 80 else cells)
     back = re.search(r"'t \[s\]' goes back from (\S+) to 0\.25 in a\.csv", suggest_map(logs).text)
     assert float(back[1]) == pytest.approx(one_stroke(0.05, 2000.0, 1)["t_s"][79], abs=1e-5)
+
+
+def test_a_sign_that_the_balance_of_forces_does_not_determine_is_a_guess(logs):
+    """The rod side has one pressure for each direction, so that friction could be a larger area."""
+    rng = np.random.default_rng(1)
+    for number, load in enumerate((0, 1000, 2000), start=1):
+        run = there_and_back(0.05, load, number)
+        out = np.gradient(run["x_m"]) > 0
+        p_tr = np.where(out, 20e5, 45e5)
+        area_p, area_r = np.pi / 4 * PISTON_M**2, np.pi / 4 * (PISTON_M**2 - 0.025**2)
+        force = run["f_applied_n"] + np.where(out, 300.0, -300.0)
+        columns = {
+            "t [s]": run["t_s"],
+            "Position [mm]": 1e3 * run["x_m"],
+            "pA [bar]": (force + p_tr * area_r) / area_p / 1e5 + rng.normal(0, 0.02, len(out)),
+            "pB [bar]": p_tr / 1e5 + rng.normal(0, 0.02, len(out)),
+            "Load cell [kN]": run["f_applied_n"] / 1e3,
+        }
+        pd.DataFrame(columns).to_csv(logs / f"{number}.csv", index=False)
+    suggestion = suggest_map(logs)
+    assert "the balance of forces does not determine its sign" in " ".join(
+        suggestion.text.replace("\n  #", "").split()
+    )
+    assert any("guesses to check: x_m" in note for note in suggestion.notes)

@@ -215,6 +215,9 @@ def _signed(choices: dict[str, Choice], balance: ForceBalance) -> dict[str, Choi
                 out[channel] = replace(
                     choice, scale=float(sign) * choice.scale, reason=f"{choice.reason}; {why}"
                 )
+    if balance.force_sign and not balance.position_sign and "x_m" in out:
+        unsure = "the balance of forces does not determine its sign"
+        out["x_m"] = replace(out["x_m"], certainty=GUESS, reason=f"{out['x_m'].reason}; {unsure}")
     if balance.chambers_swapped:
         warning = "check: by the balance of forces p_tr_pa acts on the larger area"
         for channel in ("p_tp_pa", "p_tr_pa"):
