@@ -63,7 +63,8 @@ def _sections(data: dict[str, Any], wanted: Mapping[str, tuple[str, ...]]) -> di
         for section, keys in wanted.items()
         if isinstance(data.get(section), dict)
     }
-    return found | ({"effects": data["effects"]} if data.get("effects") else {})
+    found |= {"effects": data["effects"]} if data.get("effects") else {}
+    return found or data  # of another kind of file: its check then names that kind
 
 
 def parse_strokes(data: dict[str, Any], source: str) -> StrokePlant:
