@@ -412,3 +412,13 @@ def test_a_sign_that_the_balance_of_forces_does_not_determine_is_a_guess(logs):
         suggestion.text.replace("\n  #", "").split()
     )
     assert any("guesses to check: x_m" in note for note in suggestion.notes)
+
+
+def test_times_of_day_that_pass_midnight_are_reported(logs):
+    def late(row, cells):
+        seconds = 86_399.0 + float(cells[0])
+        hours, rest = divmod(seconds % 86_400, 3600)
+        return [f"{hours:02.0f}:{rest // 60:02.0f}:{rest % 60:06.3f}", *cells[1:]]
+
+    stroke_with(logs, change=late)
+    assert re.search(r"goes back from \S+T23:59:59\S* to \S+T00:00:0\S* in", suggest_map(logs).text)

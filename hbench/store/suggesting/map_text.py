@@ -368,9 +368,12 @@ def _time_comment(time: TimeChoice) -> str:
 def _no_time(found: SuggestedMap) -> str:
     for column in found.columns:
         for file, t in zip(found.files, column.values, strict=True):
-            if column.meaning.channel == "t_s" and len(back := np.flatnonzero(np.diff(t) < 0)):
-                step = f"from {t[back[0]]:.10g} to {t[back[0] + 1]:.10g}"
-                return f"{column.name!r} goes back {step} in {file}"
+            if column.meaning.channel == "t_s" and len(back := np.flatnonzero(t[1:] < t[:-1])):
+                before, after = (
+                    str(value) if column.is_date_time else f"{value:.10g}"
+                    for value in t[back[0] : back[0] + 2]
+                )
+                return f"{column.name!r} goes back from {before} to {after} in {file}"
     if found.unread:
         few = ", ".join(list(found.unread)[:5])
         return f"no times; neither numbers nor date-times such as 2024-12-24 18:30:00: {few}"
