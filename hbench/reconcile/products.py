@@ -104,15 +104,6 @@ class ColumnProducts:
             out[:, groups[:, None], columns] = values @ beta[columns]
         return out
 
-    def weighted(self, weight: np.ndarray) -> np.ndarray:
-        """Return the sums (p, q, q) over the groups with a weight (g,) of each."""
-        p, _, q = self.shape
-        out = np.zeros((p, q, q))
-        for groups, columns, values in self.blocks:
-            part = np.einsum("k,pkij->pij", weight[groups], values)
-            out[:, columns[:, None], columns] += part
-        return out
-
 
 def column_products(dense: np.ndarray) -> ColumnProducts:
     """Return products (p, g, q, q) as blocks of the groups that the same columns change."""
