@@ -128,7 +128,7 @@ ROWS = {
         source="Merritt (1967), section 2.5; Wylie and Streeter, Fluid Transients (1993), 1.3",
     ),
     "tank_back_pressure": Effect(
-        description="the pressure at the valves' return ports rises with the return flow's square",
+        description="the pressure at the valves' return ports rises with the return flow",
         coefficients={
             "resistance": Coefficient("bar min^2/l^2", 0.005, 0, 10),
             "lag": Coefficient("ms", 0, 1, 1e4, 5),
@@ -139,13 +139,14 @@ ROWS = {
         states=1,
         law="lag dp/dt = resistance Q_0^2 (Q / Q_0)^n - p, p added to the tank's pressure, "
         "Q the return flow, n = exponent (2: turbulent), Q_0 = 10 l/min",
-        signals="Commands and the pressure of the emptying chamber rise with the square of speed.",
+        signals="Commands and the pressure of the emptying chamber rise faster than the speed.",
         confused_with={
             "supply_droop": Separation(
                 "steady", "fast strokes: a droop shows in P_S, a return line does not"
             ),
             "valve_asymmetry": Separation(
-                "steady", "several speeds: the line's pressure grows with the square of the flow"
+                "steady",
+                "several speeds: the share of the flow that a line takes grows with the flow",
             ),
         },
         inspect="the return filter and its by-pass, and the bore and length of the return line",
