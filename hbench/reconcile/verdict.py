@@ -43,7 +43,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             others = " or ".join(candidate.name for candidate in last.ambiguous)
             reason += f" {others} would explain the remaining residuals equally well."
         elif unexplained:
-            reason += f" No effect explains the remaining gaps (in trial scatters): {where}."
+            reason += f" Gaps that remain (in trial scatters): {where}."
         return "named", reason + unnamed
     if last.ambiguous:
         margin = ambiguity_margin(last.ambiguous[0].score)

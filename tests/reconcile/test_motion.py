@@ -102,6 +102,11 @@ def test_a_weight_is_an_offset_of_its_force():
     assert float(written.split()[0]) == pytest.approx(-7.0, rel=0.05)
 
 
+def test_the_law_of_a_driven_mass_names_no_cylinders():
+    page = diagnosis_page(hidden(axis.asymmetry), ())
+    assert "F (1 + k sign v), k that of the mass." in page and "test or load" not in page
+
+
 def test_twice_the_mass_in_addition_is_named_with_its_size():
     found = hidden(axis.more_mass)
     (effect,) = found.effects
@@ -131,7 +136,12 @@ def test_a_better_force_with_a_motion_that_is_no_better_is_reported(seed):
         ((4, 2, 1), (9, 6, 6), ["The effects improve the force without the position"]),
         ((4, 4, 4), (9, 9, 6), ["The effects improve the position without the force"]),
         ((4, 2, 1), (9, 20, 3), ["The refit improves the force without the position"]),
-        ((4, 2, 1), (2, 9, 3), ["The refit improves the force", "Compared with the model as"]),
+        (
+            (4, 2, 1),
+            (2, 9, 3),
+            ["The refit improves the force without the position, also together"],
+        ),
+        ((4, 4, 2), (9, 7, 9), ["The refit improves the position", "Compared with the model as"]),
     ],
 )
 def test_each_step_that_improves_one_error_alone_is_in_the_words(force, position, said):

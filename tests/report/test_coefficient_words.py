@@ -39,11 +39,38 @@ def test_the_law_of_an_effect_is_printed_with_raised_exponents(named):
     assert "Q<sub>0</sub>² (Q / Q<sub>0</sub>)ⁿ − p." in page
 
 
+def test_friction_that_is_larger_in_one_direction_has_the_direction(named):
+    def words(test, load):
+        parameters = {
+            name: FitParameter(value, 1.0, (value - 2, value + 2), None, "%")
+            for name, value in (("test", test), ("load", load))
+        }
+        effect = replace(
+            named.effects[0], name="direction_asymmetry", parameters=parameters,
+            description="dry friction is larger in one direction",
+        )  # fmt: skip
+        return verdict_words(replace(named, effects=(effect,)))
+
+    mean = "than the mean of both directions (test"
+    assert f"dry friction is larger while extending {mean}" in words(12.0, 8.0)
+    assert f"dry friction is larger while retracting {mean}" in words(-12.0, -8.0)
+    assert "larger while extending than" in words(12.0, 1.0)  # one of them may be 0
+    assert "dry friction is larger in one direction (test" in words(12.0, -8.0)
+
+
+def test_an_effect_with_nothing_to_inspect_has_what_to_do_in_the_verdict(named):
+    lag = replace(LEAK, inspect="", repair="Keep it in the model.")
+    assert verdict_words(replace(named, practice=(lag,))).endswith("Keep it in the model.")
+
+
 def test_two_effects_that_are_both_present_are_both_inspected(named):
     other = added("tank_back_pressure", 50.0)
     line = replace(LEAK, name="tank_back_pressure", inspect="the return line", lookalikes=())
     both = replace(named, effects=(*named.effects, other), practice=(LEAK, line))
-    assert "Next, inspect the piston seal and the return line." in verdict_words(both)
+    text = verdict_words(both)
+    assert "Next, inspect the piston seal and the return line." in text
+    assert "The model also does not contain tank back pressure: oil leaks (test" in text
+    assert text.count("in 95 % of the motion") == 1
 
 
 def test_a_coefficient_of_a_power_law_has_the_value_where_its_unit_holds(named):
@@ -53,8 +80,10 @@ def test_a_coefficient_of_a_power_law_has_the_value_where_its_unit_holds(named):
     power = {**effect.parameters, "exponent": FitParameter(0.7, 0.07, (0.56, 0.84), None, "1")}
     curved = replace(effect, law=law, parameters=power)
     assert coefficients_words(curved) == (
-        "test cylinder 0.150 ± 0.010 l/min at 50 bar, i.e. 0.00300 l/min/bar; exponent 0.70 ± 0.14"
+        "test cylinder 0.150 ± 0.010 l/min at 50 bar, exponent 0.70 ± 0.14"
     )
+    own = "0.150 ± 0.010 l/min at 50 bar, i.e. 0.00300 l/min/bar"  # that of model.yaml
+    assert own in ordinary_spaces(diagnosis_page(replace(named, effects=(curved,)), ()))
     share = {"test": FitParameter(0.5, 0.1, (0.3, 0.7), None, "N/bar")}
     seal = replace(effect, law="k P_0 (P / P_0)^n, P_0 = 50 bar", parameters=share)
     assert coefficients_words(seal) == "test cylinder 0.50 ± 0.20 N/bar"
@@ -67,8 +96,8 @@ def test_the_resistance_of_a_line_is_a_pressure_at_the_flow_of_its_law(named):
     parameters = {"resistance": FitParameter(0.014, 0.001, (0.012, 0.016), None, "bar min^2/l^2")}
     law = "lag dp/dt = resistance Q_0^2 (Q / Q_0)^n - p, Q_0 = 10 l/min"
     line = replace(named.effects[0], law=law, parameters=parameters)
-    words = "resistance 1.40 ± 0.20 bar at 10 l/min, i.e. 0.0140 bar min²/l²"
-    assert coefficients_words(line) == words
+    words = "1.40 ± 0.20 bar at 10 l/min, i.e. 0.0140 bar min²/l²"
+    assert coefficients_words(line) == "resistance 1.40 ± 0.20 bar at 10 l/min"
     found = replace(named, effects=(line,))
     assert words in ordinary_spaces(diagnosis_page(found, ()))
     assert diagnosis_text(found).isascii()

@@ -105,6 +105,9 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
         first, _, then = text.partition("To confirm internal leakage, repeat the runs")
         assert "nspect" not in first and "Replace it" not in first
         assert "before that. If they confirm it: inspect the piston seal. Replace it." in then
+    small = replace(LEAK, changes=(Change("force_test", "N", 0.0, None, 4.0, 4.0),))
+    text = summary(replace(worse, practice=(small,)))
+    assert "for an effect of this size; the new model.yaml contains it." in text
     assert "not confirmed by held-out runs." in diagnosis_text(worse).splitlines()[0]
     proposed = replace(worse, next_schedule={"name": "next"})
     assert "To confirm internal leakage, measure next.yaml and" in verdict_words(proposed)
@@ -128,7 +131,10 @@ def test_an_error_of_a_sensor_is_told_as_one_with_what_it_shows_too_much(named):
 def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
     only = replace(LEAK, changes=(Change("force_test", "N", 0.0, None, 20.0, 60.0),))
     text = summary(replace(named, practice=(only,)))
-    assert "), it changes nothing: it acts only while speed or pressure changes" in text
+    assert "), it changes nothing: it acts only while speed or pressure changes." in text
+    bump = replace(named, effects=(added("position_friction", 9.0),),
+                   practice=(replace(only, name="position_friction"),))  # fmt: skip
+    assert "it changes nothing: it acts at other places of the stroke." in summary(bump)
     assert "the friction of the test cylinder by 20 N (root mean square; up to 60 N)" in text
 
 
@@ -176,7 +182,11 @@ def test_the_verdict_of_an_ambiguous_set_says_what_each_effect_means_for_frictio
     )  # fmt: skip
     text = verdict_words(both)
     assert text.startswith("One of these errors of the instruments is present: load cell gain or")
-    assert "The friction of the test cylinder differs by 30 N from case to case." in text
+    assert (
+        "At the working point, load cell gain would mean that the load cell shows 49.8 N too much; "
+        "load cell offset would mean that the load cell shows 20.0 N too much. The friction of the "
+        "test cylinder differs by 30 N from case to case."
+    ) in ordinary_spaces(text)
     each = "with load cell gain it is computed 49.8 N too low; with load cell offset it"
     assert each in summary(both) and each not in text  # once on the page
     assert text.endswith("inspect known weights or the zero.")
@@ -249,8 +259,8 @@ def test_what_the_effects_do_not_explain_is_that_of_the_model_with_them(named, c
         "With the effects, the force of the test cylinder deviates by 40 N RMS (matters above 12 N)"
     )
     assert f"{words} over all runs." in text
-    assert "Balances that the effects do not explain" in diagnosis_page(part, ())
-    assert "Balances that the effects do not explain" not in diagnosis_page(named, ())
+    assert "Deviations that remain with the effects" in diagnosis_page(part, ())
+    assert "Deviations that remain with the effects" not in diagnosis_page(named, ())
 
 
 def test_a_deviation_that_a_correct_model_has_too_is_no_reason_to_distrust_the_model(
@@ -334,7 +344,7 @@ def test_two_effects_share_one_description_of_the_working_point(named):
     text = summary(replace(named, effects=(*named.effects, second), practice=(LEAK, CELL)))
     assert text.count("extending at 80 mm/s") == 1
     assert "Coefficients with 95 % intervals: test cylinder 0.00300" in text
-    assert "There the load cell shows 49.8 N too much" in text
+    assert "At the working point, the load cell shows 49.8 N too much" in text
     both = replace(named, effects=(*named.effects, second), practice=(LEAK, CELL))
     verdict = ordinary_spaces(verdict_words(both))
     assert "0.00300" not in verdict  # brief: the coefficients are below

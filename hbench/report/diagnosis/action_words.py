@@ -151,7 +151,9 @@ def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     if effects and not matters:
         return _TOO_SMALL
     inspect = _joined(_inspections(diagnosis, matters), "and")
-    return f"Next, inspect {inspect}." if inspect else ""
+    if inspect:
+        return f"Next, inspect {inspect}."
+    return " ".join(practice[each.name].repair for each in matters if each.name in practice)
 
 
 def first_step(diagnosis: Diagnosis) -> str:

@@ -42,7 +42,7 @@ CYLINDERS = {
     "force_load": "friction of the load cylinder",
     MOTION_BALANCE: "force against the motion",
 }
-_INERTIA = "added_mass"  # the effect whose force is no friction
+INERTIA = "added_mass"  # the effect whose force is no friction
 
 
 def changes_of(effect: EffectInPractice) -> list[Change]:
@@ -267,7 +267,7 @@ def _along(effect: EffectInPractice) -> list[tuple[str, Change]]:
         [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
     )
     chosen = (max(group, key=lambda change: _rounded(change.along)) for group in groups if group)
-    inertia = effect.name == _INERTIA
+    inertia = effect.name == INERTIA
     return [(_object(change, computed=computed, inertia=inertia), change) for change in chosen]
 
 

@@ -22,6 +22,7 @@ _COEFFICIENTS = {
     **{chamber: f"chamber {chamber.capitalize()}" for chamber in CHAMBERS},
 }  # fmt: skip
 _QUOTED = re.compile(r"coefficient '(\w+)'")
+_ASYMMETRY = "direction_asymmetry"  # positive: larger while extending
 _ZERO = "not distinguishable from 0"
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
@@ -56,6 +57,17 @@ def coefficients_words(effect: AddedEffect) -> str:
     return "; ".join(filter(None, (words, unknown)))
 
 
+def description_words(effect: AddedEffect) -> str:
+    """Return an effect's law in words; of an asymmetry of friction, its direction too."""
+    known = [p for p in effect.parameters.values() if not (p.at_bound or _contains_zero(p))]
+    ways = {p.value > 0 for p in known}
+    if effect.name != _ASYMMETRY or len(ways) != 1:
+        return effect.description
+    way = "extending" if ways.pop() else "retracting"
+    mean = "than the mean of both directions"
+    return effect.description.replace("in one direction", f"while {way} {mean}")
+
+
 def parts_present(effect: AddedEffect) -> list[str]:
     """Return the coefficients of parts of the bench that are not 0 within their intervals.
 
@@ -85,17 +97,26 @@ def parameter_text(parameter: FitParameter, at: str = "") -> str:
 
 
 def coefficient_text(effect: AddedEffect, name: str) -> str:
-    """Write a coefficient with its interval, and whether that contains 0."""
-    note = f" ({_ZERO})" if _contains_zero(effect.parameters[name]) else ""
-    return f"{_size_text(effect, name)}{note}"
+    """Write a coefficient with its interval, as model.yaml has it, and whether that contains 0."""
+    parameter = effect.parameters[name]
+    own = f", i.e. {significant(parameter.value, 3)} {unit_text(parameter.unit)}"
+    scaled = parameter.value and _at_reference(effect, name)
+    note = f" ({_ZERO})" if _contains_zero(parameter) else ""
+    return f"{_size_text(effect, name)}{own if scaled else ''}{note}"
+
+
+def _at_reference(effect: AddedEffect, name: str) -> re.Match[str] | None:
+    """Return the reference value of a coefficient that is written as its law's size there."""
+    known = effect.parameters[name].unit in _AT_REFERENCE and name not in _NOT_OF_POWER
+    return _OF_POWER.search(effect.law) if known else None
 
 
 def _size_text(effect: AddedEffect, name: str) -> str:
     """Write a coefficient with its interval, and the reference value of its law.
 
     A leak or the resistance of a line is written as the flow or the pressure at the reference value
-    of its law, with the coefficient after it. Other coefficients have the reference value where the
-    exponent is fitted too: with another exponent than the textbook's their unit applies only there.
+    of its law. Other coefficients have the reference value where the exponent is fitted too: with
+    another exponent than the textbook's their unit applies only there.
     """
     parameter, reference = effect.parameters[name], _OF_POWER.search(effect.law)
     if reference is None or name in _NOT_OF_POWER:
@@ -104,10 +125,7 @@ def _size_text(effect: AddedEffect, name: str) -> str:
     if parameter.unit not in _AT_REFERENCE:
         return parameter_text(parameter, at if "exponent" in effect.parameters else "")
     unit, power = _AT_REFERENCE[parameter.unit]
-    text = parameter_text(_scaled(parameter, float(reference[1]) ** power, unit), at)
-    if parameter.value:
-        text += f", i.e. {significant(parameter.value, 3)} {unit_text(parameter.unit)}"
-    return text
+    return parameter_text(_scaled(parameter, float(reference[1]) ** power, unit), at)
 
 
 def unit_text(unit: str) -> str:

@@ -12,7 +12,10 @@ SENSOR = (
     "An effect of a sensor is an error of the measurement, not of the bench. Correct the "
     "instrument rather than the model."
 )
-REFITTED = "They are fitted first, so that their errors do not appear as effects."
+REFITTED = (
+    "They are fitted first, and again with each effect, so that their errors do not appear as "
+    "effects."
+)
 REFUSED = (
     "A refit must reduce the gap of runs outside the fit, however little it differs. The whole "
     "page compares the measurement with the model as given{fitted}."
@@ -94,6 +97,7 @@ _SIGNS = (
     "same commands and pressures; the pressure, which is that of the fed chamber, at the same "
     "speed and load.",
 )
+_PARTS_OF_MASS = "= test or load", "that of the mass"  # in a law
 _SIGNS_OF_MASS = ("Signs", "A force is positive against the motion.")
 _COMPUTED = (
     "Error of an instrument",
@@ -121,6 +125,11 @@ _DEVIATION = (
     "Deviation",
     "Root mean square of the residual in the unit of the balance, without the noise of single "
     "windows, but with the scatter from trial to trial. Below the next column it does not matter.",
+)
+_SCATTER_OF_STROKES = (
+    "Trial scatter",
+    "Root mean square over the loads. In a gap the residual at each load counts in the scatter of "
+    "that load, so a load with a small scatter can make it larger than deviation by trial scatter.",
 )
 _DEVIATION_OF_STROKES = (
     "Deviation",
@@ -168,7 +177,7 @@ def _not_fitted(diagnosis: Diagnosis) -> str:
 def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     """Return the definitions of the section on where the model disagrees."""
     if of_strokes(diagnosis):
-        return _ALL_RUNS, _STRUCTURED, _P, _DEVIATION_OF_STROKES
+        return _ALL_RUNS, _STRUCTURED, _P, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
     p_value = _P_OF_MOTION if diagnosis.errors else _P
     edges = (_EDGE,) if any(gap.name in EDGES for gap in diagnosis.where) else ()
     return _ALL_RUNS, _STRUCTURED, p_value, _DEVIATION, _ALLOWED, *edges
@@ -187,9 +196,9 @@ def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:
 def of_laws(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     """Return the law of each effect that was added, by whose symbols its coefficients are meant."""
     return tuple(
-        (f"Law of {in_words(effect.name)}", f"{capital(_as_printed(effect.law))}.")
+        (f"Law of {in_words(effect.name)}", f"{capital(_as_printed(law))}.")
         for effect in diagnosis.effects
-        if effect.law
+        if (law := effect.law.replace(*_PARTS_OF_MASS) if diagnosis.errors else effect.law)
     )
 
 

@@ -16,9 +16,10 @@ from hbench.report.diagnosis.names import (
     p_equation,
     p_words,
     shown,
+    signal,
     steps_of,
 )
-from hbench.report.render.numbers import NONE, number
+from hbench.report.render.numbers import NONE, number, significant
 from hbench.report.render.symbols import listed
 
 CLEARLY_WORSE = 1.1  # gap against another one
@@ -143,10 +144,22 @@ def beyond_balances(diagnosis: Diagnosis) -> str:
         return ""
     return (
         f"The closed-loop simulation shows more: in held-out runs {in_sentence(name)} deviates by "
-        f"{gap_number(gaps[name])} trial scatters, the balances by no more than "
+        f"{gap_number(gaps[name])} trial scatters{_in_a_run(diagnosis, name)}, the balances by no "
+        "more than "
         f"{gap_number(max(balances))}. The balances are means over 0.16 s and do not show faster "
         "motion, such as chatter: see the section Held-out runs, measured and simulated."
     )
+
+
+def _in_a_run(diagnosis: Diagnosis, name: str) -> str:
+    """Return the deviation of a simulated signal in the run that the page shows; empty for none."""
+    shown_runs = [each for each in diagnosis.overlays if each.signal == name]
+    if not shown_runs:
+        return ""
+    error = shown_runs[0].after - shown_runs[0].measured
+    display = signal(name)
+    size = significant(shown(sqrt(float((error**2).mean())), display), 2)
+    return f" ({size} {display.unit} RMS in run {shown_runs[0].run})"
 
 
 def increased(diagnosis: Diagnosis) -> str:
@@ -176,11 +189,20 @@ def poorly_simulated(diagnosis: Diagnosis) -> str:
         return ""
     parts = [f"{in_sentence(name)} by {gap_number(gaps[name])}" for name in poor[:MOST_SIGNALS]]
     more = f" (the worst {MOST_SIGNALS} of {len(poor)} signals above {UNEXPLAINED_GAP:g})"
+    reading = (
+        "The verdict rests on the balances, which need no simulation; do not expect the simulation "
+        "to reproduce these signals, or an oscillation in them, within the repeatability of the "
+        "bench."
+    )
+    if beyond_balances(diagnosis):
+        reading = (
+            "That is far more than the balances show: either the bench moves in a way that the "
+            "model does not contain, such as chatter, or the control loop of the simulation is "
+            "damped differently."
+        )
     return (
         "Simulated in closed loop with the model of model.yaml, held-out runs deviate in "
-        f"{listed(parts)} trial scatters{more if len(poor) > MOST_SIGNALS else ''}. The verdict "
-        "rests on the balances, which need no simulation; do not expect the simulation to "
-        "reproduce these signals, or an oscillation in them, within the repeatability of the bench."
+        f"{listed(parts)} trial scatters{more if len(poor) > MOST_SIGNALS else ''}. {reading}"
     )
 
 
@@ -248,14 +270,15 @@ def undecided_words(diagnosis: Diagnosis) -> str:
     if name is None:
         return ""
     none = "neither" if len(diagnosis.alternatives) == 2 else "none"
-    gap = diagnosis.gap_heldout.balances[name].after
+    gap = gap_number(diagnosis.gap_heldout.balances[name].after)
     sizes = [in_unit(each, each.deviation) for each in diagnosis.where if each.name == name]
     known = [size for size in sizes if size != NONE]
-    size = f"; with the refitted model it is {known[0]} RMS over all runs" if known else ""
+    size = f"in held-out runs by {gap} times the repeatability of the bench"
+    if known:
+        size = f"by {known[0]} RMS over all runs with the refitted model"
     return (
-        f"Until this is decided, model.yaml contains {none} of them, and {in_sentence(name)} in "
-        f"held-out runs deviates from it by {gap_number(gap)} times the repeatability of the "
-        f"bench{size}."
+        f"Until this is decided, model.yaml contains {none} of them, and {in_sentence(name)} "
+        f"deviates {size}."
     )
 
 

@@ -10,10 +10,11 @@ from hbench.report.render.symbols import listed
 
 _EQUAL = 0.02  # of an error: a smaller change is none
 _TEXTS = {"force": "force error", "position": "open-loop position error"}
+_REFIT, _EFFECTS, _BOTH = ("before", "refitted"), ("refitted", "after"), ("before", "after")
 _SUBJECTS = {
-    ("before", "refitted"): "The refit improves",
-    ("before", "after"): "Compared with the model as given, the revised model improves",
-    ("refitted", "after"): "The effects improve",
+    _REFIT: "The refit improves",
+    _EFFECTS: "The effects improve",
+    _BOTH: "Compared with the model as given, the revised model improves",
 }
 _MEANING = {
     "force": "the simulated motion is no better",
@@ -35,12 +36,15 @@ def errors_in_words(diagnosis: Diagnosis) -> str:
 def one_sided_words(diagnosis: Diagnosis) -> str:
     """Return each step from model to model that improves one error without the other."""
     stages = list(steps_of(diagnosis, of_balances=False))
-    steps = [*pairwise(stages), *([("before", "after")] if len(stages) > 2 else [])]
+    steps = [*pairwise(stages), *([_BOTH] if len(stages) > 2 else [])]
+    found = {step: _better(diagnosis.errors, *step) for step in steps}
+    alike = found.get(_BOTH) == found.get(_REFIT)
     return " ".join(
-        f"{_SUBJECTS[start, end]} the {better[0]} without the {other}: {_MEANING[better[0]]}."
-        for start, end in steps
-        for better, other in [_better(diagnosis.errors, start, end)]
-        if other
+        f"{_SUBJECTS[step]} the {better[0]} without the {other}"
+        f"{', also together with the effects' if alike and step == _REFIT else ''}: "
+        f"{_MEANING[better[0]]}."
+        for step, (better, other) in found.items()
+        if other and not (alike and step == _BOTH)
     )
 
 

@@ -20,6 +20,8 @@ from hbench.report.render.symbols import listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, or places, in a sentence
+_OF_PLACE = ("position_friction", "end_cushion")
+_OF_CHANGES = "only while speed or pressure changes."
 _WAYS = {"extend": "extending", "retract": "retracting", "rest": "at rest"}
 
 
@@ -47,9 +49,8 @@ def at_point_words(
         return ""
     changes = main_changes(effect)
     if not changes:
-        return (
-            f"{where_words(point)} it changes nothing: it acts only while speed or pressure "
-            "changes, or at other places of the stroke."
+        return f"{where_words(point)} it changes nothing: it acts " + (
+            "at other places of the stroke." if effect.name in _OF_PLACE else _OF_CHANGES
         )
     if brief:
         changes = [change for change in changes if change.quantity not in ("pressure",)][:2]

@@ -63,6 +63,7 @@ from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 
+_AGAIN = "At the working point,"  # which is described before
 _SIZE, _ALONG, _SENSORS = "Size", "Size over all runs", "Several sensors"
 _RESIDUALS, _FRICTION = "Residuals", "Friction"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
@@ -89,7 +90,7 @@ def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
     where, described, texts = where_words(diagnosis.working_point), False, dict[str, str]()
     for question, sentence in _answers(diagnosis):
         if described:
-            sentence = sentence.replace(where, "There")
+            sentence = sentence.replace(where, _AGAIN)
         described = described or where in sentence
         if sentence:
             texts[question] = " ".join(filter(None, (texts.get(question), sentence)))
@@ -101,7 +102,7 @@ def short_summary(diagnosis: Diagnosis) -> str:
     text = " ".join(filter(None, _short_sentences(diagnosis)))
     where = where_words(diagnosis.working_point)
     before, found, after = text.partition(where)
-    return before + found + after.replace(where, "There")
+    return before + found + after.replace(where, _AGAIN)
 
 
 def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
@@ -205,6 +206,7 @@ def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     if effect.confirmed:
         return then
     first = confirmation(diagnosis, [effect])
+    then = then.replace("model.yaml contains it", "the new model.yaml contains it")
     return f"{first} If they confirm it: {then[:1].lower()}{then[1:]}" if then else first
 
 
@@ -276,7 +278,6 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))
     yield _RESIDUALS, residual_words(diagnosis, list(names))
     yield _RESIDUALS, significant_gaps(diagnosis.where)
-    yield _ACTION, "These runs give no reason to inspect or to repair anything."
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, "Use model.yaml, which has the refitted values."
 

@@ -14,12 +14,14 @@ from hbench.report.diagnosis.action_words import first_step, next_step
 from hbench.report.diagnosis.change_words import (
     friction_words,
     largest_words,
+    main_changes,
     sizes_words,
     wrong_readings,
 )
 from hbench.report.diagnosis.coefficient_words import (
     coefficient_words,
     coefficients_words,
+    description_words,
     parts_present,
 )
 from hbench.report.diagnosis.deviation_words import (
@@ -41,9 +43,9 @@ from hbench.report.diagnosis.names import (
     in_words,
     keys_in_words,
     of_strokes,
-    p_equation,
 )
-from hbench.report.diagnosis.sentences import gap_change, odds_words
+from hbench.report.diagnosis.place_words import change_clauses
+from hbench.report.diagnosis.sentences import doubtful_volume, gap_change, odds_words
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number, significant
@@ -61,17 +63,15 @@ def verdict_words(diagnosis: Diagnosis) -> str:
 
 def _named(diagnosis: Diagnosis) -> Iterator[str]:
     several = len(diagnosis.confirmed) > 1
-    for effect in diagnosis.effects:
-        yield _effect(diagnosis, effect, brief=several and effect.confirmed)
+    for i, effect in enumerate(diagnosis.effects):
+        brief = several and effect.confirmed
+        yield _effect(diagnosis, effect, brief=brief, also=brief and i > 0)
     if diagnosis.errors:
         yield errors_in_words(diagnosis)
     elif several:
         yield _together(diagnosis)
     if diagnosis.alternatives:
-        yield (
-            "A second deviation has several possible causes, which these runs cannot distinguish; "
-            f"at the working point: {sizes_words(diagnosis)}."
-        )
+        yield _second_deviation(diagnosis)
         yield undecided_words(diagnosis)
     if gaps := not_expected(diagnosis):
         yield f"Not explained: {deviations(gaps)}."
@@ -84,17 +84,22 @@ def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield the sentences of a named effect of steady strokes; sizes and tests are below."""
     for effect in diagnosis.effects:
         yield _finding(effect, brief=len(diagnosis.confirmed) > 1 and effect.confirmed)
+        yield _size(diagnosis, effect)
         yield "" if effect.confirmed else _no_improvement(effect)
     if diagnosis.confirmed and diagnosis.held_out_loads:
         yield _force_errors(diagnosis)
     if diagnosis.alternatives:
-        yield (
-            "These runs cannot distinguish the possible causes of a second deviation: "
-            f"{sizes_words(diagnosis)}."
-        )
+        yield _second_deviation(diagnosis)
     if gaps := not_expected(diagnosis):
         yield f"Not explained: {deviations(gaps)}."
     yield first_step(diagnosis)
+
+
+def _second_deviation(diagnosis: Diagnosis) -> str:
+    return (
+        "A second deviation has several possible causes, which these runs cannot distinguish; "
+        f"at the working point: {sizes_words(diagnosis)}."
+    )
 
 
 def _force_errors(diagnosis: Diagnosis) -> str:
@@ -112,27 +117,42 @@ def _force_errors(diagnosis: Diagnosis) -> str:
     )
 
 
-def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool) -> str:
+def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool, also: bool) -> str:
     """State an effect, its largest changes, and what it does to held-out runs.
 
-    In brief, beside another effect, without its coefficients and what it does alone.
+    In brief, beside another effect, without its coefficients and what it does alone; ``also`` after
+    one.
     """
     sure = effect.confirmed
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    changes = largest_words(practice, brief=brief) if practice else ""
-    verb = "changes" if sure else "would change"
-    small = too_small_words(diagnosis, practice) if practice else ""
-    size = f"It {verb} {changes} (in 95 % of the motion). {small}".strip() if changes else small
     evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
     if sure and (brief or diagnosis.errors):
         evidence = ""
-    return " ".join(filter(None, (_finding(effect, brief=brief), size, evidence)))
+    sentences = (
+        _finding(effect, brief=brief, also=also),
+        _size(diagnosis, effect, brief=brief, also=also),
+        evidence,
+    )
+    return " ".join(filter(None, sentences))
 
 
-def _finding(effect: AddedEffect, *, brief: bool) -> str:
+def _size(
+    diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool = False, also: bool = False
+) -> str:
+    """State the largest changes by an effect, and whether they are too small to matter."""
+    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    if practice is None:
+        return ""
+    changes = largest_words(practice, brief=brief)
+    verb = "changes" if effect.confirmed else "would change"
+    extent = "" if also or of_strokes(diagnosis) else " (in 95 % of the motion)"
+    size = f"{'This' if also else 'It'} {verb} {changes}{extent}." if changes else ""
+    return " ".join(filter(None, (size, too_small_words(diagnosis, practice))))
+
+
+def _finding(effect: AddedEffect, *, brief: bool, also: bool = False) -> str:
     """State that an effect is missing, with its law in words and its coefficients."""
     name, sure = in_words(effect.name), effect.confirmed
-    missing = f"The model does not contain {name}"
+    missing = f"The model {'also does' if also else 'does'} not contain {name}"
     if effect.of_sensor:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
     elif not sure:
@@ -141,7 +161,7 @@ def _finding(effect: AddedEffect, *, brief: bool) -> str:
     if brief:
         parts = listed([coefficient_words(name) for name in parts_present(effect)])
         values = f" ({parts})" if parts else ""
-    return f"{missing}: {effect.description}{values}."
+    return f"{missing}: {description_words(effect)}{values}."
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
@@ -167,7 +187,7 @@ def _together(diagnosis: Diagnosis) -> str:
 
 def _no_improvement(effect: AddedEffect) -> str:
     """State the odds of an effect in the runs of the fit, and that held-out runs differ."""
-    return f"The evidence is contradictory. {odds_words(effect)} {gap_change(effect)}"
+    return f"The evidence is contradictory. {odds_words(effect)} {gap_change(effect, brief=True)}"
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
@@ -176,8 +196,24 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
     wrong = all(candidate.name in sensors for candidate in diagnosis.alternatives)
     what = "errors of the instruments is present" if wrong else "effects is missing in the model"
     yield f"One of these {what}: {keys_in_words(finding)}"
+    yield _cases(diagnosis)
     yield friction_words(diagnosis, brief=True)
     yield next_step(diagnosis)
+
+
+def _cases(diagnosis: Diagnosis) -> str:
+    """State the first change at the working point that each effect of an ambiguous set means."""
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    point = diagnosis.working_point
+    if point is None or of_strokes(diagnosis):
+        return ""
+    parts = [
+        f"{in_words(effect.name)} would mean that {clause}"
+        for effect in chosen
+        for clause in change_clauses(effect, main_changes(effect)[:1], point)
+    ]
+    return f"At the working point, {'; '.join(parts)}." if parts else ""
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[str]:
@@ -186,6 +222,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     yield _largest(diagnosis.where)
     yield errors_in_words(diagnosis)
     yield beyond_balances(diagnosis)
+    yield "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
 
@@ -207,8 +244,7 @@ def _largest(gaps: Sequence[Gap]) -> str:
     parts = {
         real: listed(
             [
-                f"{in_sentence(gap.name)} deviates by {deviation} RMS (matters above {limit}; "
-                f"{p_equation(gap.p_value)}, {number(gap.gap, 2)} trial scatters)"
+                f"{in_sentence(gap.name)} deviates by {deviation} RMS (matters above {limit})"
                 for gap in gaps
                 for deviation, limit in [deviation_and_limit(gap)]
             ]
@@ -235,6 +271,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     yield (
         f"No known effect explains how the measurement deviates from the model: {deviations(gaps)}."
     )
+    yield doubtful_volume(diagnosis)
     yield beyond_balances(diagnosis)
     yield errors_in_words(diagnosis)
     yield next_step(diagnosis)

@@ -1,9 +1,10 @@
 """Tables of what effects change at the bench."""
 
-from hbench.records import Diagnosis, WordTable
+from hbench.records import Diagnosis, EffectInPractice, WordTable
 from hbench.report.diagnosis.change_words import (
     CYLINDERS,
     FLOWS,
+    INERTIA,
     changes_of,
     interval,
     wrong_readings,
@@ -21,7 +22,7 @@ def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
             head,
             tuple(
                 (
-                    _row(change.quantity, computed=bool(wrong_readings(effect))),
+                    _row_of(effect, change.quantity),
                     interval(change),
                     f"{significant(change.along, 2)} {change.unit}",
                     f"{significant(change.largest, 2)} {change.unit}",
@@ -50,6 +51,12 @@ def candidates_table(diagnosis: Diagnosis) -> WordTable:
     head = ("at the working point", *(in_words(effect.name) for effect in chosen), "they differ by")
     title = "What each of these effects would change"
     return WordTable(title, head, tuple(rows) if len(chosen) > 1 else ())
+
+
+def _row_of(effect: EffectInPractice, name: str) -> str:
+    """Return the title of a quantity that one effect changes; a mass has no friction."""
+    title = _row(name, computed=bool(wrong_readings(effect)))
+    return title.replace("friction", "inertial force") if effect.name == INERTIA else title
 
 
 def _row(name: str, *, computed: bool) -> str:

@@ -62,9 +62,9 @@ def where_table(diagnosis: Diagnosis) -> WordTable:
 
 
 def rest_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the balances that the effects do not explain; no rows without effects."""
+    """Return the deviations that remain with the effects; no rows without effects."""
     gaps = diagnosis.rest if diagnosis.confirmed else ()
-    return _gaps_table(diagnosis, "Balances that the effects do not explain, all runs", gaps)
+    return _gaps_table(diagnosis, "Deviations that remain with the effects, all runs", gaps)
 
 
 def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTable:
