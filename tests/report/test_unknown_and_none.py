@@ -59,6 +59,10 @@ def test_a_place_is_a_stretch_of_its_axis(compared):
     )
     text = ordinary_spaces(verdict_words(replace(compared, regions=regions)))
     assert "deviates most at a position of 200 to 300 mm (8.0 trial scatters there" in text
+    loads = tuple(replace(each, axis="load_n", gaps={"force_test": 4.0}) for each in regions)
+    loads = (loads[0], replace(loads[1], gaps={"force_test": 7.0}))
+    both = ordinary_spaces(verdict_words(replace(compared, regions=(*regions, *loads))))
+    assert both == text  # the largest alone: the figure has the other
 
 
 def test_an_unknown_effect_has_the_values_that_the_refit_changes_most(compared):

@@ -17,7 +17,7 @@ _SUBJECTS = {
     _BOTH: "Compared with the model as given, the revised model improves",
 }
 _MEANING = {
-    "force": "the simulated motion is no better",
+    "force": "the simulated motion is no better, so use the model for forces, not for positions",
     "position": "errors of the force may cancel in the simulated motion",
 }
 

@@ -98,12 +98,11 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
     places = worst_places(diagnosis, name)
     if not places:
         return ""
-    parts = [
-        f"{each.words} ({number(each.gap, 1)} trial scatters there, "
-        f"{number(each.least, 1)} where it is smallest)"
-        for each in places
-    ]
-    return f"Over all runs, {in_sentence(name)} deviates most {listed(parts)}."
+    worst = places[0]
+    return (
+        f"Over all runs, {in_sentence(name)} deviates most {worst.words} ({number(worst.gap, 1)} "
+        f"trial scatters there, {number(worst.least, 1)} where it is smallest)."
+    )
 
 
 class Place(NamedTuple):
