@@ -14,6 +14,7 @@ from hbench.config.conformity.certificate import Image, completed, parse_certifi
 from hbench.errors import ConfigError
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.conformity.certified import Certified
+from hbench.records.motions import Breakaway, Leakage, Motions, Series
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.page import certificate_page
@@ -168,6 +169,30 @@ def test_a_back_pressure_is_with_a_decision_unless_the_tables_of_results_have_it
         again = replace(made, acceptance=replace(made.acceptance, checks=each))
         rows = content(again).parts["conformity"].tables[0].rows
         assert any("back pressure" in cell for row in rows for cell in row) == shown
+
+
+def test_the_method_states_the_rate_of_the_force_and_the_bulk_modulus(certificate):
+    """Breakaway depends on the rate; a leakage is proportional to 1 / bulk modulus."""
+    series = Series("", 0.0, None)
+    rests = tuple(
+        Breakaway(series, "extend", 60.0, rate, 480.0, 9.0, 90.0, 3, (), 0.006, None, None, 0.0, ())
+        for rate in (200.0, 400.0)
+    )
+    motions = Motions(leakages=(Leakage("", (), (), 7.0e7, ""),), breakaways=rests)
+    values = (
+        Certified("breakaway", Measurement(480.0, 90.0, dwell_s=60.0), 1.96),
+        Certified("leakage", Measurement(2.5e-16, 5e-17), None, leak="across_piston"),
+    )
+    for language, words in (
+        ("en", ("rising force (200–400 N/s) pushes", "bulk modulus of the bench file (700 bar).")),
+        ("de", ("Kraft (200–400 N/s) den", "Kompressionsmodul der Prüfstandsdatei (700 bar).")),
+    ):
+        made = certificate(language=language)
+        results = replace(made.results, motions=motions)
+        text = page_text(replace(made, values=values, results=results))
+        assert all(each in text for each in words)
+        text = page_text(replace(made, values=values))
+        assert "N/s)" not in text and "(700 bar)" not in text and "{" not in text
 
 
 def test_what_a_probability_of_conformity_rests_on_is_beside_it(certificate):

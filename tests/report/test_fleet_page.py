@@ -145,7 +145,7 @@ def test_the_tile_names_the_checks_by_which_the_data_is_not_good(tmp_path):
     rows[2] = replace(rows[2], quality="with care", weak="instruments")
     write_table(tmp_path / TABLE, map(cells_of, rows))
     page = fleet_page(summary_of(tmp_path), ())
-    assert "data: 2 good, 2 with care (checks: instruments 2, drift 1)" in page
+    assert "data: 2 good, 2 with care (because of instruments in 2, drift in 1)" in page
 
 
 def test_where_all_have_failed_the_page_says_why(tmp_path):
@@ -326,6 +326,18 @@ def test_a_campaign_has_its_folders_name_and_a_path_only_where_two_have_the_same
     assert list(names.values()) == ["b/HC-1", "c/HC-1", "HC-2"]
 
 
+def test_the_verdict_names_campaigns_beyond_a_limit_and_what_to_do_about_a_step(shifted):
+    verdict = fleet_verdict(shifted)
+    assert "): check whether the cylinders, the bench or its instruments changed there." in verdict
+    names = ("C-4", "C-7", "C-9", "C-11")
+    charts = (replace(shifted.charts[0], outside=names), *shifted.charts[1:])
+    verdict = fleet_verdict(replace(shifted, charts=charts))
+    assert (
+        f"4 of {shifted.compared} campaigns are beyond a control limit (C-4, C-7, C-9 and 1 more)."
+        in verdict
+    )
+
+
 def test_the_top_of_the_page_has_few_tiles_and_counts_each_change_once(shifted, undrawn):
     (summary, *_) = fleet_document(shifted, ()).sections
     assert 4 <= len(summary.tiles) <= 7
@@ -333,7 +345,7 @@ def test_the_top_of_the_page_has_few_tiles_and_counts_each_change_once(shifted, 
     (changes,) = (tile for tile in summary.tiles if "changed over time" in tile.more)
     trends = sum(one.trend is not None for one in shifted.spreads)
     assert changes.value == f"{len(stepped_numbers(shifted))} of {trends}"
-    assert changes.more == "numbers changed over time: 1 by a step"
+    assert changes.more == "tested numbers changed over time: 1 by a step"
 
 
 def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shifted):

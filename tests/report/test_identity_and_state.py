@@ -65,7 +65,7 @@ def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
     text = page(made)
     assert text.index('class="alarm"') < text.index('class="banner') < text.index("<h2")
     summary = dict(made.sections[0].facts)
-    assert f"{len(small.runs)} runs" in summary["Measured"]
+    assert f"{len(small.runs)} steady runs" in summary["Measured"]
     assert "of which 1 was interrupted" in summary["Measured"]
     fits = next(section for section in made.sections if section.title == "Fitted laws")
     assert all(part.folded for part in fits.parts) and "unfinished" in fits.paragraphs[0]

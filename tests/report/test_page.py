@@ -25,7 +25,12 @@ from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.page_tables import budget_table, cause_table
-from hbench.report.campaign.quality import next_step, quality_table, quality_verdict
+from hbench.report.campaign.quality import (
+    next_step,
+    quality_table,
+    quality_verdict,
+    short_point_table,
+)
 from hbench.report.campaign.reasons import CAUSES
 from hbench.report.render.document import Section, anchor
 from hbench.report.render.document import page as page_of
@@ -294,9 +299,8 @@ def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small)
     other = replace(small, quality=replace(small.quality, checks=tuple(weak)))
     steps = []
     for results in (good, other):
-        summary = report_document(results, ()).sections[0]
-        steps.append(dict(summary.facts).get("Next step", ""))
-    assert steps[0] == "" and steps[1].startswith("Make more trials of each point")
+        steps.append(report_document(results, ()).verdict.partition("Next step: ")[2])
+    assert steps[0] == "" and steps[1].startswith("make more trials of each point")
 
 
 def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_into_account(small):
@@ -312,15 +316,16 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
         document = report_document(
             replace(small, quality=quality), (), decision=section, steps=steps
         )
-        return document.verdict, dict(document.sections[0].facts)["Next step"]
+        verdict, _, step = document.verdict.partition(" Next step: ")
+        return verdict, step
 
     verdict, step = made("instruments")
     assert verdict.startswith("Decision: PASS.")
     assert verdict.endswith("U contains this, so the decision takes it into account.")
-    assert step.startswith("None for the decision; for a smaller U, calibrate the sensors")
+    assert step.startswith("none for the decision; for a smaller U, calibrate the sensors")
     verdict, step = made("instruments", "trials_per_point")
     assert "takes only the part of this into account that U contains" in verdict
-    assert step.startswith("Make at least three trials")
+    assert step.startswith("make at least three trials")
     assert made("trials_per_point")[0].endswith("The decision does not take this into account.")
     assert made("instruments", steps=("FAIL: repeat it",))[1].startswith("FAIL: repeat it. Calib")
     assert "the decision takes" not in report_document(small, ()).verdict
@@ -335,7 +340,7 @@ def test_tolerances_are_stated_in_the_bench_file_or_else_in_the_map_of_an_import
     assert next_step(quality, "").endswith("state their tolerances in the bench file.")
     imported = replace(small, quality=quality)
     imported = replace(imported, provenance=replace(small.provenance, source="imported"))
-    step = dict(report_document(imported, ()).sections[0].facts)["Next step"]
+    step = report_document(imported, ()).verdict
     assert step.endswith("state their tolerances in the map, then import again.")
 
 
@@ -348,8 +353,8 @@ def test_the_next_step_of_poor_data_is_that_of_its_poor_checks_and_refers_to_the
     document = report_document(replace(stribeck, quality=poor), ())
     text = Parsed(page_of(document)).text
     (number,) = re.findall(
-        r"Correct the causes of the rejected runs \(Table (\d+) states what to look for\), then "
-        r"measure again\.(?! Calibrate)",
+        r"Next step: correct the causes of the rejected runs \(Table (\d+) states what to look "
+        r"for\), then measure again\.(?! Calibrate)",
         text,
     )
     assert f"Table {number}. Reasons, and what to look for" in text
@@ -406,6 +411,8 @@ def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_onc
     assert "missing" not in next_step(quality, "")
     assert quality_verdict(quality).count("no accepted trial") == 1
     assert quality_verdict(quality, count_runs=False).count("no accepted trial") == 1
+    words = "Accepted trials are missing: 1 of 2 points has no accepted trial. The data is poor."
+    assert quality_verdict(quality).startswith(words)  # no run is missing: it is not incomplete
     found = [row[2].text for row in quality_table(quality).rows]
     assert found == [
         "8 of 8 planned runs were completed; 1 point has no accepted trial",
@@ -455,6 +462,33 @@ def test_a_parameter_without_an_interval_and_a_failed_fit_are_flagged(small):
     results = replace(small, curves=(replace(small.curves[1], fits=(fit,)),))
     text = Parsed(page_html(results, ())).text
     assert "not determined" in text and "not converged" in text
+
+
+def test_runs_of_one_kind_are_counted_with_their_speeds(small):
+    accepted = replace(small, runs=tuple(run for run in small.runs if run.accepted))
+    measured = dict(report_document(accepted, ()).sections[0].facts)["Measured"]
+    count = len(accepted.runs)
+    assert measured == f"{count} steady runs at 1–200 mm/s, 2 loads of 500–5000 N, both directions."
+
+
+def test_points_without_enough_trials_are_in_the_order_of_series_and_speed():
+    made = (("retract", -500.0, -0.1), ("extend", 5000.0, 0.1), ("extend", 500.0, 0.2))
+    points = [
+        PointTrials("steady", "", side, load, None, None, v, 0, 3)
+        for side, load, v in (*made, ("extend", 500.0, 0.1))
+    ]
+    rows = [[str(getattr(c, "text", c)) for c in row] for row in short_point_table(points).rows]
+    assert [row[-2] for row in rows] == ["100.0", "200.0", "100.0", "−100.0"]
+    assert [row[0] for row in rows] == ["extending"] * 3 + ["retracting"]
+
+
+def test_bands_have_their_table_where_too_few_speeds_have_no_figure(seals):
+    """The tile of the half band is a number of this table."""
+    document = report_document(seals, ())
+    text = Parsed(page_of(document)).text
+    assert any("half of the friction band" in tile.more for tile in document.sections[0].tiles)
+    assert "Too few speeds for a curve" in text and "Half band (N)" in text
+    assert all(with_interval(b.half_n, b.half_ci95_n) in text for b in seals.bands)
 
 
 def test_the_seals_page_tables_friction_against_pressure(seals, undrawn):

@@ -87,7 +87,9 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     if none:
         messages.append(f"not significant at the 95 % level: {_listed(none)}")
     if rounded:
-        messages.append(f"one code of the converter sets the interval: {_listed(rounded)}")
+        messages.append(
+            f"the interval is the resolution of the converter (one code): {_listed(rounded)}"
+        )
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(

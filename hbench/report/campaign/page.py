@@ -19,7 +19,7 @@ from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import decision_reserve, quality_verdict
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
-from hbench.report.campaign.summary import headline_words, summary_section
+from hbench.report.campaign.summary import headline_words, next_step_words, summary_section
 from hbench.report.drift import drift_reserve
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
@@ -84,8 +84,8 @@ def report_document(
     """Return the report, with the sections ``more`` before the rejected runs.
 
     ``folder`` is the name of the campaign's folder, which distinguishes campaigns of one schedule.
-    ``decision`` is the section of an acceptance; its first paragraph begins the verdict. ``steps``
-    are the next steps after it.
+    ``decision`` is the section of an acceptance; its paragraphs begin the verdict and are not
+    repeated. ``steps`` are the next steps after it.
     """
     label, results = common_label(results), without_common_label(results)
     figures: dict[str, tuple[Drawing, ...]] = {}
@@ -98,8 +98,8 @@ def report_document(
     day = imported + provenance.started[:10]
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
     sections = (
-        summary_section(results, steps if decision else None),
-        *((decision,) if decision else ()),
+        summary_section(results),
+        *((replace(decision, paragraphs=()),) if decision else ()),
         _friction(results, figures.get("friction", ())),
         *_fits(results),
         *temperature_section(results, figures.get("temperature", ())),
@@ -126,6 +126,7 @@ def report_document(
                     quality_verdict(results.quality, not alarm),
                     decision_reserve(results.quality) if decision else "",
                     drift_reserve(results.drift),
+                    next_step_words(results, steps if decision else None),
                 ),
             )
         ),
@@ -146,16 +147,18 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
             else "No run was accepted, so there is no friction to show."
         )
         return Section("Friction", (none,))
-    if not drawings:
-        return Section("Friction", ("Too few speeds for a curve. [[points]] contains the points.",))
+    few = "Too few speeds for a curve. [[points]] contains the points."
     tables = (
-        *_titled(page_tables.band_table(results), "Against pressure"),
+        *_titled(
+            page_tables.band_table(results),
+            "Friction against pressure, with the intervals of the trials",
+        ),
         *_titled(page_tables.trend_table(results), "Lines over pressure"),
         *_titled(
             page_tables.balance_table(results), "Coulomb and viscous friction from both directions"
         ),
     )
-    return Section("Friction", drawings=drawings, tables=tables)
+    return Section("Friction", () if drawings else (few,), drawings=drawings, tables=tables)
 
 
 def _fits(results: Results) -> tuple[Section, ...]:

@@ -52,9 +52,7 @@ _STEPS = {
     "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
     "and state their tolerances in the {file}",
 }
-_CONTINUE = (
-    "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged"
-)
+_CONTINUE = "Continue the campaign with its command and --resume, bench file and schedule unchanged"
 _HEAD = ("Check", "Verdict", "Found", "Limits")
 _NAMED = 3  # points in a sentence
 _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
@@ -142,9 +140,18 @@ def quality_table(quality: Quality) -> Table:
 def short_point_table(points: Sequence[PointTrials]) -> Table:
     """Return the operating points with fewer accepted trials than planned."""
     rows = [
-        (*who(point), _reference(point), f"{point.accepted} of {point.planned}") for point in points
+        (*who(point), _reference(point), f"{point.accepted} of {point.planned}")
+        for point in sorted(points, key=_in_order)
     ]
     return table((*WHO, "Reference (mm/s)", "Accepted trials"), rows)
+
+
+def _in_order(point: PointTrials) -> tuple:
+    """Return the place of a point in a table: by series, then by speed."""
+    load, pressure, speed = (
+        abs(v or 0.0) for v in (point.f_load_n, point.p_lr_ref_pa, point.v_ref_m_s)
+    )
+    return point.kind, point.label, point.direction, load, pressure, speed, point.dwell_s or 0.0
 
 
 def _reference(point: PointTrials) -> str:
@@ -200,7 +207,8 @@ def incomplete_words(complete: Completeness) -> str:
     """Report planned runs that were not completed and points without a trial; empty without any."""
     missing = missing_words(complete)
     resume = " Continue it with --resume." if complete.not_completed else ""
-    return f"The campaign is incomplete: {missing}.{resume}" if missing else ""
+    what = "The campaign is incomplete" if complete.not_completed else "Accepted trials are missing"
+    return f"{what}: {missing}.{resume}" if missing else ""
 
 
 def missing_words(complete: Completeness) -> str:

@@ -18,10 +18,7 @@ _NO_REASON = (
     "The campaign's journal contains no reason for the stop: hbench run is still running, was "
     "interrupted between two runs, or was ended by force."
 )
-_OF_COMPLETED = (
-    "All numbers on this page are those of the completed runs. To continue the campaign, repeat "
-    "its command with --resume."
-)
+_OF_COMPLETED = "All numbers on this page are those of the completed runs."
 
 
 def identity_facts(results: Results, label: str = "") -> tuple[tuple[str, str], ...]:

@@ -60,11 +60,8 @@ _FLAGS = {
 }
 
 
-def summary_section(results: Results, decided: Sequence[str] | None = None) -> Section:
-    """Return tiles, a row for each direction and load, and the checks of the data.
-
-    ``decided`` are the next steps after an acceptance, if there was one.
-    """
+def summary_section(results: Results) -> Section:
+    """Return tiles, a row for each direction and load, and the checks of the data."""
     series = results.headline.series
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
@@ -78,16 +75,6 @@ def summary_section(results: Results, decided: Sequence[str] | None = None) -> S
     parts = "[[uncertainty]]" if budget.rows else ""
     facts = (
         ("Measured", _measured(results)),
-        (
-            "Next step",
-            next_step(
-                results.quality,
-                _largest(results, parts),
-                bool(aborted_words(results)),
-                results.provenance.source == "imported",
-                decided,
-            ),
-        ),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
         ("Load", _LOAD if _differs_from_load(series, load_cell_n) else ""),
@@ -112,6 +99,23 @@ def summary_section(results: Results, decided: Sequence[str] | None = None) -> S
             *drift_sections(results.drift),
         ),
     )
+
+
+def next_step_words(results: Results, decided: Sequence[str] | None = None) -> str:
+    """Return what to do next; empty if nothing is.
+
+    ``decided`` are the next steps after an acceptance, if there was one.
+    """
+    parts = "[[uncertainty]]" if friction_budget_table(results).rows else ""
+    step = next_step(
+        results.quality,
+        _largest(results, parts),
+        bool(aborted_words(results)),
+        results.provenance.source == "imported",
+        decided,
+    )
+    begin = step[:1].lower() if step[1:2].islower() else step[:1]  # not of NOT TESTED or FAIL
+    return f"Next step: {begin}{step[1:]}" if step else ""
 
 
 def headline_words(results: Results) -> str:
@@ -387,12 +391,16 @@ def _measured(results: Results) -> str:
     """Return runs, speeds, loads and directions in a sentence."""
     kinds = Counter(KINDS[run.run.plan.kind].display_name for run in results.runs)
     counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"
-    runs = f"{len(results.runs)} runs ({counts})"
+    runs = f"{len(results.runs)} runs ({counts})" if len(kinds) != 1 else f"{counts} runs"
     made, phrases = _not_accepted(results), []
     curves = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
     points = [point for curve in curves for point in curve.points]
     if points:
-        phrases.append(f"steady at {span([1e3 * abs(p.v_m_s) for p in points])} mm/s")
+        speeds = f"at {span([1e3 * abs(p.v_m_s) for p in points])} mm/s"
+        if len(kinds) == 1 and not made:
+            runs += f" {speeds}"
+        else:
+            phrases.append(f"steady {speeds}")
         loads = {abs(c.f_load_n) for c in curves if c.f_load_n is not None}
         if loads:
             count = "1 load" if len(loads) == 1 else f"{len(loads)} loads"

@@ -45,11 +45,16 @@ def headline(differences: CampaignDifferences) -> str:
     found = [band_verdict(differences)]
     if not found[0]:
         found = [_verdict(differences), _efficiency_verdict(differences)]
-    return " ".join(filter(None, (*found, _drift(differences), _warmer(differences), care)))
+    sure, drift = _drift(differences)
+    return " ".join(filter(None, (sure, *found, drift, _warmer(differences), care)))
 
 
-def _drift(differences: CampaignDifferences) -> str:
-    """State the largest drift that the order of the runs does not separate; empty without one."""
+def _drift(differences: CampaignDifferences) -> tuple[str, str]:
+    """Return a significant difference in which a drift cancels, and the drift of the others.
+
+    That is a drift which the order of the runs does not separate; both are empty without one. The
+    first is also empty where no drift accounts for the differences of the curves.
+    """
     mixed = [
         check.drift
         for quality in differences.qualities
@@ -57,20 +62,23 @@ def _drift(differences: CampaignDifferences) -> str:
         if check.drift is not None and check.grade != "good" and not check.drift.separated
     ]
     if not mixed:
-        return ""
+        return "", ""
     in_u = any(drift.significant for drift in mixed)
     effects = [each.drift_n for each in differences.curves if each.drift_n is not None]
     if not effects:
-        return f"{_unknown_part(differences, mixed)} {_REMEDY}"
+        return "", f"{_unknown_part(differences, mixed)} {_REMEDY}"
     largest = f"{half_width(max(each.largest_n for each in effects))} N"
     part = f"may account for up to {largest} of the difference of a curve"
     part += "" if in_u else " and is not part of U"
     if not any_significant(differences):
-        return f"A drift may hide a difference: it {part}. {_REMEDY}"
+        return "", f"A drift may hide a difference: it {part}. {_REMEDY}"
     if _all_beyond_drift(differences):
-        return f"A drift {part}; the differences are larger."
-    words = f"The order of the runs mixes the cylinders with a drift, which {part}."
-    return f"{words} {_over_curves(differences)} {_REMEDY}"
+        return "", f"A drift {part}; the differences are larger."
+    words = f"A drift {part}: the order of the runs does not separate the two."
+    over, sure = _over_curves(differences)
+    if sure:
+        return over, f"{words} {_REMEDY}"
+    return "", " ".join(filter(None, (words, over, _REMEDY)))
 
 
 def _unknown_part(differences: CampaignDifferences, mixed: Sequence[Drift]) -> str:
@@ -95,21 +103,26 @@ def _all_beyond_drift(differences: CampaignDifferences) -> bool:
     )
 
 
-def _over_curves(differences: CampaignDifferences) -> str:
-    """State the difference over all curves, in which a drift cancels; or that it shows none."""
+def _over_curves(differences: CampaignDifferences) -> tuple[str, bool]:
+    """State the difference over all curves, in which a drift cancels; and if it is significant.
+
+    Empty where it is not known.
+    """
     mean = differences.mean_of_curves
     if mean is None:
-        return ""
+        return "", False
     way = "higher" if mean.value_n > 0 else "lower"
     count = sum(each.drift_n is not None for each in differences.curves)
     most = mean.drift_n.largest_n
     drift = "cancels" if most < _NOTHING * mean.half_n else f"is at most {half_width(most)} N"
+    a, b = differences.names
     words = (
-        f"In the mean over all {count} curves a linear drift {drift}; there, friction of B is "
-        f"{significant(abs(mean.value_n), 2)} N {way} (U at most {half_width(mean.half_n)} N)"
+        f"In the mean over all {count} curves, in which a linear drift {drift}, friction of {b} is "
+        f"{significant(abs(mean.value_n), 2)} N {way} than that of {a} "
+        f"(U at most {half_width(mean.half_n)} N)"
     )
     beyond = abs(mean.value_n) > mean.half_n + most
-    return f"{words}." if beyond else f"{words}, which is not significant."
+    return (f"{words}." if beyond else f"{words}; this is not significant."), beyond
 
 
 def any_significant(differences: CampaignDifferences) -> bool:

@@ -53,8 +53,8 @@ def decision_section(
     words = f"Decision: {decision} (by the last hbench accept).{_which(decision, checks)}"
     known = [check.probability for check in checks if check.probability is not None]
     if known:
-        each = "" if len(known) == len(checks) else " that is known"
-        words += f" The lowest probability of conformity{each} is {probability_words(min(known))}, "
+        each = "" if len(known) == len(checks) else "known "
+        words += f" The lowest {each}probability of conformity is {probability_words(min(known))}, "
         words += "with the uncertainty U taken into account."
     words = " ".join(filter(None, (words, _margin_words(decision, checks, rule))))
     items = [f"limits: {limits}"] if limits else []
@@ -70,7 +70,8 @@ def _which(decision: str, checks: Sequence[ConformityCheck]) -> str:
         return ""
     decisive = [check for check in checks if check.decision == decision]
     names = dict.fromkeys(requirement_words(check.requirement, None) for check in decisive)
-    count = f"{len(decisive)} of {len(checks)} checks"
+    verb = "has" if len(decisive) == 1 else "have"
+    count = f"{len(decisive)} of {len(checks)} checks {verb} this decision"
     return f" {count}: {'; '.join(names)}." if names else ""
 
 

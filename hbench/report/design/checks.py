@@ -12,7 +12,9 @@ LIMITS = (
     "Margins are the smallest over all operating points. The closed loop is simulated with the "
     "firmware on the bench as its file states it, and on two others. The softer one has 20 % less "
     "bulk modulus and viscous friction and 20 % more mass; the stiffer one has the opposite, and "
-    "valves of 20 % more gain and 20 % less bandwidth."
+    "valves of 20 % more gain and 20 % less bandwidth. The limits of the mean speed error and of "
+    "the speed ripple are those of the screening and depend on the speed; the table has the run "
+    "that is nearest to its limit or farthest beyond it."
 )
 POINT_LIMITS = (
     "Margins of the present gains on the board at the operating point below. With --propose, "

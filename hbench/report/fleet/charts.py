@@ -22,6 +22,7 @@ from hbench.report.render.numbers import finer, significant, with_ends, with_int
 from hbench.report.render.symbols import capital
 from hbench.units import from_si
 
+CHECK_WHAT = "check whether the cylinders, the bench or its instruments changed there"
 _NAMED = 5  # campaigns in a sentence
 _AMOUNTS = {
     "distance_m": ("distance", "km", 1e-3),
@@ -47,7 +48,7 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             f"From {at} on the mean has changed (p at most {significant(largest[at], 2)}): "
             f"{'; '.join(changes[:_NAMED])}"
             f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''}. "
-            "Check what changed there: the cylinders, the bench or its instruments."
+            f"{capital(CHECK_WHAT)}."
         )
     beyond: dict[str, list[str]] = {}
     for chart in fleet.charts:
@@ -55,7 +56,7 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             beyond.setdefault(name, []).append(_side_of_limits(chart, name))
     if beyond:
         names = [f"{name} ({'; '.join(sides)})" for name, sides in beyond.items()]
-        yield f"Campaigns beyond the control limits: {_named(tuple(names)[:_NAMED], len(beyond))}."
+        yield f"Campaigns beyond the control limits: {named(tuple(names)[:_NAMED], len(beyond))}."
     for trend in fleet.wear:
         if trend.real:
             yield (
@@ -76,7 +77,7 @@ def chart_table(fleet: Fleet) -> WordTable:
                 str(chart.n),
                 significant(scale * chart.centre, 4),
                 f"{low} to {high}",
-                _named(chart.outside, chart.beyond),
+                named(chart.outside, chart.beyond),
                 str(chart.moved),
             )
         )
@@ -87,7 +88,7 @@ def chart_table(fleet: Fleet) -> WordTable:
 def signal_table(fleet: Fleet) -> WordTable:
     """Return each rule that signals on a control chart, with the first campaigns."""
     rows = tuple(
-        (name_of(chart), signal.rule, str(signal.count), _named(signal.names, signal.count))
+        (name_of(chart), signal.rule, str(signal.count), named(signal.names, signal.count))
         for chart in fleet.charts
         for signal in chart.signals
     )
@@ -200,7 +201,8 @@ def _side_of_limits(chart: ControlChart, name: str) -> str:
     return f"{number}: {'above' if value > chart.centre else 'below'}"
 
 
-def _named(names: tuple[str, ...], count: int) -> str:
+def named(names: tuple[str, ...], count: int) -> str:
+    """Return the first names of so many, and how many more there are."""
     more = f" and {count - len(names)} more" if count > len(names) else ""
     return (", ".join(names) or "none") + more
 

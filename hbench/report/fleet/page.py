@@ -174,8 +174,8 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
         about.append(f"decisions: {decision_words(fleet)}")
     if fleet.qualities:
         grades = ", ".join(f"{count} {grade}" for grade, count in fleet.qualities)
-        why = ", ".join(f"{name} {count}" for name, count in fleet.weak_checks)
-        about.append(f"data: {grades}{f' (checks: {why})' if why else ''}")
+        why = ", ".join(f"{name} in {count}" for name, count in fleet.weak_checks)
+        about.append(f"data: {grades}{f' (because of {why})' if why else ''}")
     yield Tile(f"{good} of {fleet.campaigns}", "campaigns", "; ".join(about))
     if fleet.outliers:
         caption = f"{'outlier' if fleet.outliers == 1 else 'outliers'} among the campaigns"
@@ -186,7 +186,7 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
         of = len(trends) + len(stepped)
         parts = [f"{len(stepped)} by a step"] if stepped else []
         parts += [f"{drifting} by a steady drift"] if drifting else []
-        changed = f"numbers changed over time{': ' * bool(parts)}{', '.join(parts)}"
+        changed = f"tested numbers changed over time{': ' * bool(parts)}{', '.join(parts)}"
         how = "method-change-points" if stepped else "method-trends"
         yield Tile(f"{len(stepped) + drifting} of {of}", "", changed, how)
     for spread in main_spreads(fleet):

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from hbench.records import Fleet, Quantity, Side, Spread, Suspect, Trend
-from hbench.report.fleet.charts import change_sentences, step_size
+from hbench.report.fleet.charts import CHECK_WHAT, change_sentences, named, step_size
 from hbench.report.fleet.names import (
     WORKING_SPEED,
     folder_name,
@@ -95,11 +95,13 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
             sizes.setdefault(title, f"{title}{of_side(chart.direction)}, by {size}")
     for at, sizes in list(steps.items())[:_NAMED]:
         first = next(iter(sizes.values()))
-        yield capital(f"{' and '.join(sizes)} changed from {at} on ({first}).")
-    beyond = len({name for chart in fleet.charts for name in chart.outside})
+        yield capital(f"{' and '.join(sizes)} changed from {at} on ({first}): {CHECK_WHAT}.")
+    beyond = tuple(dict.fromkeys(name for chart in fleet.charts for name in chart.outside))
     if beyond:
-        verb = "is" if beyond == 1 else "are"
-        yield f"{beyond} of {fleet.compared} campaigns {verb} beyond a control limit."
+        verb = "is" if len(beyond) == 1 else "are"
+        which = named(beyond[:_NAMED], len(beyond))
+        count = f"{len(beyond)} of {fleet.compared} campaigns"
+        yield f"{count} {verb} beyond a control limit ({which})."
     if fleet.outliers:
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."

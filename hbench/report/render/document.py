@@ -112,14 +112,19 @@ def document(
 def numbered(document: Document, on_paper: bool = False) -> Document:
     """Return ``document`` with a number before the title of each figure and table, in their order.
 
-    A table without a title has that of its section. ``[[anchor]]`` in the text of a section becomes
-    the number of the first table in the section with this anchor, or without one its title.
+    A table without a title has that of its section. ``[[anchor]]`` in the verdict or in the text of
+    a section becomes the number of the first table in the section with this anchor, or without one
+    its title.
     Parts that are not printed have no numbers, and are left out ``on_paper``, so that the numbers
     of a page are those of its print.
     """
     counted = _Numbers(on_paper)
     sections = tuple(counted.numbered(section, "", True) for section in document.sections)
-    return replace(document, sections=tuple(map(counted.referred, sections)))
+    return replace(
+        document,
+        sections=tuple(map(counted.referred, sections)),
+        verdict=counted.resolved(document.verdict),
+    )
 
 
 def _dotted(number: str, title: str) -> str:
@@ -155,12 +160,12 @@ class _Numbers:
     def referred(self, section: Section) -> Section:
         return replace(
             section,
-            paragraphs=tuple(map(self._resolved, section.paragraphs)),
-            facts=tuple((name, self._resolved(text)) for name, text in section.facts),
+            paragraphs=tuple(map(self.resolved, section.paragraphs)),
+            facts=tuple((name, self.resolved(text)) for name, text in section.facts),
             parts=tuple(map(self.referred, section.parts)),
         )
 
-    def _resolved(self, text: str) -> str:
+    def resolved(self, text: str) -> str:
         return _REFERENCE.sub(lambda found: self.name_of.get(found[1], found[0]), text)
 
 

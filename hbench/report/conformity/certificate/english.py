@@ -95,10 +95,10 @@ ENGLISH = {
     "divided by the area that drives the motion. Each value is the mean of the accepted trials.",
     "method_efficiency": "The hydro-mechanical efficiency is the mechanical power delivered "
     "divided by that taken up; leakage is not part of it.",
-    "method_breakaway": "Breakaway is the largest friction while a slowly rising force pushes "
-    "the piston after the longest rest under load.",
+    "method_breakaway": "Breakaway is the largest friction while a slowly rising force{rate} "
+    "pushes the piston after the longest rest under load.",
     "method_leakage": "Leakage is laminar and follows from the decay of the chamber pressures "
-    "with all valves closed, with the bulk modulus of the bench file.",
+    "with all valves closed, with the bulk modulus of the bench file{bulk_modulus}.",
     "method_speed_ripple": "The speed ripple is the standard deviation of the mean speeds over "
     "0.1 s, divided by the mean speed. Its U is that of the trials alone.",
     "method_drift": "The drift is the relative change of friction from the first run to the "

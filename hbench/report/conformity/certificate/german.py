@@ -92,9 +92,9 @@ GERMAN = {
     "method_efficiency": "Der hydraulisch-mechanische Wirkungsgrad ist die abgegebene "
     "mechanische Leistung geteilt durch die aufgenommene, ohne Leckage.",
     "method_breakaway": "Die Losbrechkraft ist die größte Reibung, während nach der "
-    "längsten Ruhezeit unter Last eine langsam steigende Kraft den Kolben schiebt.",
+    "längsten Ruhezeit unter Last eine langsam steigende Kraft{rate} den Kolben schiebt.",
     "method_leakage": "Die Leckage ist laminar und folgt aus dem Abfall der Kammerdrücke bei "
-    "geschlossenen Ventilen, mit dem Kompressionsmodul der Prüfstandsdatei.",
+    "geschlossenen Ventilen, mit dem Kompressionsmodul der Prüfstandsdatei{bulk_modulus}.",
     "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der mittleren "
     "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit. Ihr U ist das "
     "der Wiederholungen allein.",

@@ -10,7 +10,7 @@ from hbench.report.conformity.certificate.layout import (
     localized,
     without_empty,
 )
-from hbench.report.render.numbers import NONE, number, short, with_interval
+from hbench.report.render.numbers import NONE, number, short, span, with_interval
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 
@@ -29,7 +29,7 @@ def method_part(certificate: Certificate) -> Part:
         *([word("procedure", method=file.method)] if file.method else []),
         *([word("method_steady")] if measured & {"friction", "efficiency"} else []),
         *(
-            word(f"method_{key}")
+            word(f"method_{key}", **_settings(certificate))
             for key in ("efficiency", "breakaway", "leakage")
             if key in measured
         ),
@@ -41,6 +41,22 @@ def method_part(certificate: Certificate) -> Part:
     if provenance.source == "imported":
         paragraphs.append(word("imported"))
     return Part("method", word("method"), paragraphs=tuple(paragraphs))
+
+
+def _settings(certificate: Certificate) -> dict[str, str]:
+    """Return the settings that breakaway and leakage depend on, each in parentheses if known."""
+    motions = certificate.results.motions
+    values = {
+        "rate": ([each.rate_n_s for each in motions.breakaways], "N/s"),
+        "bulk_modulus": (
+            [from_si(each.bulk_modulus_pa, "bar") for each in motions.leakages],
+            "bar",
+        ),
+    }
+    return {
+        name: f" ({localized(certificate, span(each))} {unit})" if each else ""
+        for name, (each, unit) in values.items()
+    }
 
 
 def result_parts(certificate: Certificate) -> Iterator[Part]:
