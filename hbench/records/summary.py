@@ -169,6 +169,7 @@ class QualityCheck:
         "runs_accepted",
         "trials_per_point",
         "repeatability",
+        "load_spread",
         "drift",
         "zeros",
         "zero_drift",

@@ -9,7 +9,9 @@ import scipy.stats
 from hbench.analysis.curves.average import curves, student_interval
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.summary.quality import quality
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
+from hbench.report.campaign.quality import quality_verdict
 
 
 @pytest.fixture
@@ -111,3 +113,22 @@ def test_rod_side_pressures_of_the_load_are_curves_of_their_own(trial):
     assert [(c.p_lr_ref_pa, len(c.points)) for c in found] == [(15e5, 1), (60e5, 1), (None, 1)]
     assert [c.points[0].friction_n for c in found] == pytest.approx([400, 600, 500])
     assert [efficiency_curve(curve, None).p_lr_ref_pa for curve in found] == [15e5, 60e5, None]
+
+
+def test_runs_of_different_loads_without_a_nominal_load_make_the_data_poor(make_run, rules):
+    def verdict(*loads_n, nominal=False):
+        runs = []
+        for number, load_n in enumerate(loads_n, start=1):
+            run = make_run(f_applied_n=load_n, trial=number)
+            f_load_n = load_n if nominal else None
+            plan = replace(run.plan, run=f"{number:04d}", f_load_n=f_load_n)
+            runs.append(screen(replace(run, plan=plan), rules))
+        return quality(runs, curves(runs))
+
+    (mixed,) = [c for c in verdict(2000, 2000, 6000).checks if c.name == "load_spread"]
+    assert (mixed.grade, mixed.count, mixed.of) == ("poor", 1, 1)
+    assert mixed.value == pytest.approx(100 * 4000 / 6000, rel=1e-6)
+    words = quality_verdict(verdict(2000, 2000, 6000))
+    assert "at 1 of 1 points runs of different loads are averaged" in words and "66.7 %" in words
+    for same in (verdict(2000, 2050, 1990), verdict(-30, 5, 9), verdict(2000, 6000, nominal=True)):
+        assert not any(check.name == "load_spread" for check in same.checks)

@@ -118,7 +118,11 @@ def test_values_are_replaced_in_place():
 
 def test_a_small_cylinder_is_measured_on_the_virtual_rig(tmp_path):
     """A short stroke: eight runs of the demo schedule, all accepted."""
-    done = hbench("init", tmp_path / "b", "--bore", 25, "--rod", "12 mm", "--stroke", 100)
+    size = ("--bore", 25, "--rod", "12 mm", "--stroke", 100)
+    done = hbench("init", tmp_path / "sized", *size, "--supply", 100)
+    assert "nothing checked that the scaled gains suit this size" in done.stderr
+    assert "hbench design" in done.stderr and "--propose --write" in done.stderr
+    done = hbench("init", tmp_path / "b", *size)
     assert done.returncode == 2 and "--supply" in done.stderr
     for name, text in EXAMPLES.items():
         text = sized(text, SIZES[1])

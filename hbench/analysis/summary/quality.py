@@ -33,6 +33,8 @@ _COMPLETE_GOOD, _COMPLETE_POOR = 100.0, 80.0  # % of the planned runs
 _ACCEPTED_GOOD, _ACCEPTED_POOR = 95.0, 80.0  # % of the runs
 _TRIALS_GOOD, _TRIALS_POOR = 3, 1  # of the point with the fewest
 _SCATTER_GOOD, _SCATTER_POOR = 5.0, 15.0  # half of the 95 % interval, % of friction, median
+# Difference of the measured loads of a point, % of the load or of friction, whichever is larger.
+_LOAD_GOOD, _LOAD_POOR = 10.0, 50.0
 _INSTRUMENTS_GOOD = 10.0  # half of the instruments' 95 % interval, % of friction, median
 
 
@@ -80,6 +82,7 @@ def _checks(
         value = median(scatter)
         grade = _grade(value, _SCATTER_GOOD, _SCATTER_POOR)
         yield QualityCheck("repeatability", grade, value, "%", _SCATTER_GOOD, _SCATTER_POOR)
+    yield from _load_spread(runs, points)
     yield _plausible_signs(implausible, len(points))
     yield _instruments(points)
 
@@ -153,6 +156,31 @@ def _zeros(checks: Sequence[ZeroCheck]) -> Iterator[QualityCheck]:
 
 def _errors(channels: Iterable[Sequence[Zero]]) -> Iterator[tuple[Zero, list[float]]]:
     return ((zeros[0], [zero.error for zero in zeros]) for zeros in channels)
+
+
+def _load_spread(
+    runs: Sequence[ScreenedRun], points: Sequence[CurvePoint]
+) -> Iterator[QualityCheck]:
+    """Grade the largest difference of the loads of a point's runs, where it is not small.
+
+    Only runs without a nominal load can have different loads unnoticed: it separates the others.
+    """
+    loads = {
+        run.run.plan.run: run.means.f_applied_n
+        for run in runs
+        if run.run.plan.f_load_n is None and run.means and run.means.f_applied_n is not None
+    }
+    spreads = []
+    for point in points:
+        of_point = [loads[run] for run in point.runs if run in loads]
+        if len(of_point) > 1:
+            scale = max(abs(point.friction_n), *map(abs, of_point))
+            spreads.append(100 * (max(of_point) - min(of_point)) / (scale or 1.0))
+    mixed = sum(spread > _LOAD_GOOD for spread in spreads)
+    if mixed:
+        grade = _grade(max(spreads), _LOAD_GOOD, _LOAD_POOR)
+        limits = _LOAD_GOOD, _LOAD_POOR
+        yield QualityCheck("load_spread", grade, max(spreads), "%", *limits, mixed, len(points))
 
 
 def _plausible_signs(implausible: Sequence[ImplausiblePoint], points: int) -> QualityCheck:

@@ -85,6 +85,12 @@ def init(
     if size is None:
         then = f"run hbench run {schedule} --check"
     else:
+        typer.echo(
+            "note: nothing checked that the scaled gains suit this size: the board may stop runs "
+            "(speed_error) or screening reject them until `hbench design` has written gains that "
+            "pass its checks",
+            err=True,
+        )
         then = f"hbench design {bench_file} --propose --write, then hbench run {schedule} --check"
     typer.echo(f"next: enter your bench's data in {directory / bench}, then {then}", err=True)
 

@@ -19,6 +19,7 @@ _NAMES = {
     "runs_accepted": "Runs accepted",
     "trials_per_point": "Trials per point",
     "repeatability": "Repeatability",
+    "load_spread": "One load per point",
     "drift": "Drift",
     "zeros": "Zeros of the sensors",
     "zero_drift": "Drift of the zeros",
@@ -31,6 +32,7 @@ _LIMITS = {
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
     "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
+    "load_spread": "good to {good:g} % of the load or of friction, poor above {poor:g} %",
     "drift": "good to {good:g} % or not significant; if not separated from speed, with care where "
     "more than {poor:g} % is possible, poor where a significant drift is larger",
     "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
@@ -45,6 +47,9 @@ _STEPS = {
     "for), then measure again",
     "trials_per_point": "make at least three trials of each point",
     "repeatability": "make more trials of each point, or find what changes between them",
+    "load_spread": "separate the loads: in the map, write {{load}} in 'files' where the names of "
+    "the files have it, or make a series of each load with a label of its own; in runs.csv, fill "
+    "in f_load_n. Then import again",
     "drift": "warm the bench up first, and measure in random order",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
@@ -290,6 +295,12 @@ def _value(check: QualityCheck) -> str:
         return drift_words(check.drift)
     if check.name == "plausible_signs":
         return _signs(check)
+    if check.name == "load_spread":
+        return (
+            f"at {check.count} of {check.of} points runs of different loads are averaged: no "
+            f"nominal load separates them, and those measured differ by up to "
+            f"{number(check.value)} %"
+        )
     if check.name in ("zeros", "zero_drift"):
         if check.value is None:
             return "a sensor shows its lowest value: the whole error of its zero is not known"

@@ -37,13 +37,11 @@ def open_file(path: Path, largest: int, hint: str = "") -> Iterator[BufferedRead
         raise DataError(f"{path}: {error.strerror or error}", hint) from None
 
 
-def check_size(file: BinaryIO, source: str, largest: int) -> None:
+def check_size(file: BinaryIO, source: str, largest: int, hint: str = _TOO_LARGE) -> None:
     """Raise ``DataError`` for an open file of more than ``largest`` bytes."""
     size = os.fstat(file.fileno()).st_size
     if size > largest:
-        raise DataError(
-            f"{source}: is {size / 1e6:.6g} MB large; limit {largest / 1e6:g} MB", _TOO_LARGE
-        )
+        raise DataError(f"{source}: is {size / 1e6:.6g} MB large; limit {largest / 1e6:g} MB", hint)
 
 
 def read_whole(file: BinaryIO, source: str, largest: int = LARGEST_LOG) -> bytes:

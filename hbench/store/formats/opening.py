@@ -61,6 +61,10 @@ FORMATS = (
     FileFormat("text", (), open_text, is_text=True),
 )
 _HEAD = 4096
+_TOO_LARGE = (
+    "Split the log, lower its sampling rate, or save it as TDMS, MDF or MATLAB 7.3, which may have "
+    f"{LARGEST_BINARY / 1e6:g} MB."
+)
 _LARGEST = max(row.largest for row in FORMATS)
 
 
@@ -81,7 +85,7 @@ def open_foreign(path: Path) -> Iterator[tuple[BufferedReader, FileFormat]]:
     """Open a file and determine its format. Raises ``DataError``."""
     with open_file(path, _LARGEST) as file:
         file_format = format_of(file, path.name)
-        check_size(file, str(path), file_format.largest)
+        check_size(file, str(path), file_format.largest, _TOO_LARGE)
         yield file, file_format
 
 

@@ -100,7 +100,8 @@ def _samples(
         try:
             sample = read_sample(folder, name)
         except HbenchError as error:
-            faults[name] = error.message
+            message = error.message.removeprefix(f"{folder / name}: ")
+            faults[name] = f"{message}. {error.hint}" if error.hint else message
             continue
         if sample is None:
             faults[name] = "contains no table of numbers"
@@ -215,9 +216,12 @@ def _signed(choices: dict[str, Choice], balance: ForceBalance) -> dict[str, Choi
                 out[channel] = replace(
                     choice, scale=float(sign) * choice.scale, reason=f"{choice.reason}; {why}"
                 )
-    if balance.force_sign and not balance.position_sign and "x_m" in out:
-        unsure = "the balance of forces does not determine its sign"
-        out["x_m"] = replace(out["x_m"], certainty=GUESS, reason=f"{out['x_m'].reason}; {unsure}")
+    if {"x_m", "p_tp_pa", "f_applied_n"} <= out.keys():
+        for sign, channel in ((balance.position_sign, "x_m"), (balance.force_sign, "f_applied_n")):
+            choice = out[channel]
+            if not sign and choice.column.name != channel:
+                reason = f"{choice.reason}; the balance of forces does not determine its sign"
+                out[channel] = replace(choice, certainty=GUESS, reason=reason)
     if balance.chambers_swapped:
         warning = "check: by the balance of forces p_tr_pa acts on the larger area"
         for channel in ("p_tp_pa", "p_tr_pa"):
