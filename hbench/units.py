@@ -2,7 +2,8 @@
 
 A unit is a factor to SI and the exponents of (m, kg, s, V, K). Expressions combine unit
 names with ``*`` or a space, ``/``, ``^`` and parentheses: ``N s/m``, ``V/(Pa s)``, ``m^2/V`` or
-``m²/V``. A temperature in degC has a zero of its own, so that it is no part of an expression.
+``m²/V``. A temperature in degC or degF has a zero of its own, so that it is no part of an
+expression.
 """
 
 import math
@@ -18,7 +19,7 @@ class Unit(NamedTuple):
 
     factor: float
     dimension: Dimension
-    zero: float = 0.0  # of degC alone, which is therefore no factor of other units
+    zero: float = 0.0  # of degC and degF, which are therefore no factors of other units
 
     def to_si(self, number: Any) -> Any:
         """Convert a number or an array."""
@@ -77,6 +78,7 @@ UNITS: dict[str, Unit] = {
     "mV": _unit(1e-3, v=1),
     "K": _unit(1.0, k=1),
     "degC": Unit(1.0, (0, 0, 0, 0, 1), 273.15),
+    "degF": Unit(5 / 9, (0, 0, 0, 0, 1), 459.67 * 5 / 9),
     "cSt": _unit(1e-6, m=2, s=-1),
 }
 

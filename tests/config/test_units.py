@@ -38,6 +38,8 @@ from hbench.units import UNITS, from_si, to_si
         ("1 psi", "bar", 6894.757293168361),
         ("40 degC", "degC", 313.15),
         ("-10 °C", "degC", 263.15),
+        ("212 degF", "degC", 373.15),
+        ("-40 °F", "degC", 233.15),
         ("300 K", "degC", 300.0),
         ("46 cSt", "mm^2/s", 46e-6),
     ],

@@ -31,6 +31,7 @@ _SPELLINGS = {
     **dict.fromkeys(("cmps", "cm_s", "cm/s"), "cm/s"),
     **dict.fromkeys(("in/s", "ips", "in_s"), "in/s"),
     **dict.fromkeys(("degc", "°c", "deg_c", "celsius", "gradcelsius"), "degC"),
+    **dict.fromkeys(("degf", "°f", "deg_f", "fahrenheit"), "degF"),
     **dict.fromkeys(("deg", "°", "degree", "degrees", "grad"), "deg"),
     **dict.fromkeys(("deg/s", "°/s"), "deg/s"),
     **dict.fromkeys(("rad/s", "1/s"), "rad/s"),
