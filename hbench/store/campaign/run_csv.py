@@ -40,6 +40,7 @@ def read_channels(table: Table) -> tuple[dict[str, np.ndarray], tuple[str, ...]]
     channels = {name: table.numbers(name, gaps=name not in ALWAYS) for name in known}
     check_lengths(channels, table)
     check_limits(channels, table)
+    _check_flags(channels, table)
     check_time(channels["t_s"], table)
     return channels, tuple(name for name in table.names if name not in channels)
 
@@ -79,6 +80,18 @@ def check_limits(channels: Mapping[str, np.ndarray], table: Table) -> None:
                 f"{table.source}: {table.where(row)}: {name} is {values[row]:.6g} {unit}; "
                 f"limit {limit:g} {unit}",
                 "Check the unit.",
+            )
+
+
+def _check_flags(channels: Mapping[str, np.ndarray], table: Table) -> None:
+    """Raise ``DataError`` naming the line of a flag that is not between 0 and 1, a mean of both."""
+    for name in FLAGS:
+        values = channels.get(name, np.zeros(0))
+        beyond = np.flatnonzero((values < 0) | (values > 1))
+        if len(beyond):
+            row = beyond[0]
+            raise DataError(
+                f"{table.source}: {table.where(row)}: {name} is {values[row]:.6g}; expected 0 or 1"
             )
 
 
