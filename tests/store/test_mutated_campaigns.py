@@ -178,8 +178,8 @@ CLASSES = {
 }
 # What tells nobody that it was changed: foreign files as they come, without a hash.
 UNSIGNED = ("foreign tables", "foreign index", "foreign bench", "mapped tables", "map")
-# Mutations after which such a file may hold other numbers that nothing speaks against; a file cut at
-# the end of a line, or without the column of a flag, is a whole file as well.
+# Mutations after which such a file may hold other numbers that nothing speaks against. A file that
+# was cut at the end of a line, or has lost the column of a flag, is a whole file as well.
 PLAUSIBLE = {"typed", "flipped", "lines_changed", "cell_replaced", "index_cell"}
 PLAUSIBLE |= {"truncated", "column_removed"}
 
