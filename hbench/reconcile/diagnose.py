@@ -30,7 +30,7 @@ from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.nuisance import standard_deviation, zero_tolerances
+from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
 from hbench.reconcile.search import CampaignSearch, silent
@@ -207,6 +207,7 @@ def assembled(
         ranking=tuple(each.candidate for each in result.steps[0].evaluated),
         threshold=result.steps[0].evaluated[0].candidate.threshold,
         refitted=factors,
+        refit_priors={path: FACTORS[path] for path in factors},
         residuals_before=residual_map(refitted.gap_map, held_out_points),
         residuals_after=residual_map(balances.maps[-1], held_out_points),
         overlays=overlaid,

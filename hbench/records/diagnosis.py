@@ -351,6 +351,8 @@ class Diagnosis:
     errors: tuple[HeldOutError, ...] = ()  # of the motion of a driven mass
     within_tolerance: tuple[str, ...] = ()  # errors that every bench has, in the revised model
     held_out_loads: tuple[HeldOutLoad, ...] = ()  # where strokes are compared
+    # Assumed standard deviation of the logarithm of each refitted factor, by dotted path.
+    refit_priors: dict[str, FloatOrNan] = field(default_factory=dict)
     # Largest offset of each sensor within its tolerance, by reading, in a bench's unit.
     zero_tolerances: dict[str, FloatOrNan] = field(default_factory=dict)
 

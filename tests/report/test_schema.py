@@ -34,6 +34,7 @@ BY_NAME += (
     "signals",
     "open_loop",
     "refitted",
+    "refit_priors",
     "gaps",
     "not_tried",
     "next_schedule",

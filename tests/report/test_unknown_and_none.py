@@ -21,6 +21,10 @@ from hbench.report.diagnosis.verdict import verdict_words
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import NAN, summary
 
+CHANGED_MOST = (
+    "Values of the model that the refit changes most for their assumed accuracy, with the factor: "
+)
+
 
 def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best_explains(compared):
     text = summary(compared)
@@ -67,21 +71,25 @@ def test_a_place_is_a_stretch_of_its_axis(compared):
 
 def test_an_unknown_effect_has_the_values_that_the_refit_changes_most(compared):
     """They may be a hint: a value takes up what no effect of the catalogue explains."""
-    path = "cylinders.load.dead_volume_rod"
+    path = "load_cylinder.dead_volume_rod"
     factor = FitParameter(1.47, 0.1, (1.28, 1.67), None, "1")
-    text = summary(replace(compared, refitted={path: factor}))
-    assert "Largest factors on values of the model: dead volume, rod side, load" in text
+    text = summary(replace(compared, refitted={path: factor}, refit_priors={path: 0.3}))
+    assert f"{CHANGED_MOST}dead volume, rod side, load" in text
     assert "An implausible one may be a trace of the missing effect." in text
-    assert "Largest factors" not in summary(compared)
+    assert CHANGED_MOST not in summary(compared)
 
 
 def test_a_dead_volume_far_from_the_models_is_a_hint_where_the_flow_to_its_chamber_deviates(
     compared,
 ):
-    def verdict(value, name="flow_lr", **changes):
+    def verdict(value, name="flow_lr", prior=0.3, **changes):
         (rest,) = compared.rest
-        factors = {"load_cylinder.dead_volume_rod": FitParameter(value, 0.1, None, None, "1")}
-        found = replace(compared, rest=(replace(rest, name=name),), refitted=factors, **changes)
+        path = "load_cylinder.dead_volume_rod"
+        factors = {path: FitParameter(value, 0.1, None, None, "1")}
+        found = replace(
+            compared, rest=(replace(rest, name=name),), refitted=factors,
+            refit_priors={path: prior}, **changes,
+        )  # fmt: skip
         return verdict_words(found)
 
     hint = (
@@ -91,6 +99,8 @@ def test_a_dead_volume_far_from_the_models_is_a_hint_where_the_flow_to_its_chamb
     assert "(Lr) 0.60 times" in verdict(0.6)
     for other in (verdict(1.2), verdict(1.47, "flow_lp"), verdict(1.47, refit_refused="No.")):
         assert "A hint" not in other
+    # ln 1.2 = 0.18 and ln 1.47 = 0.39: the accuracy is that of the diagnosis.
+    assert "A hint" in verdict(1.2, prior=0.1) and "A hint" not in verdict(1.47, prior=0.4)
 
 
 def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first(compared):
@@ -203,18 +213,20 @@ def test_an_agreement_states_what_the_refit_changes_and_what_is_fitted_with_the_
         "oil.bulk_modulus": factor(1.04, 1.03, 1.05),
         "friction.test.coulomb": factor(0.5, 0.4, 0.6),
     }
+    priors = dict.fromkeys(refitted, 0.1) | {"friction.test.coulomb": 0.8, "supply.tank": 0.3}
     sizes = (DetectableSize("load_friction", "test", 1.0, 2.0, "N", "evidence"),)
+    agreed = replace(compared, verdict="none", rest=(), refitted=refitted, refit_priors=priors)
     text = summary(
-        replace(compared, verdict="none", rest=(), refitted=refitted,
-                separability=Separability(sizes, ()), not_tried={"valve_trim": FITTED})
-    )  # fmt: skip
+        replace(agreed, separability=Separability(sizes, ()), not_tried={"valve_trim": FITTED})
+    )
+    # Logarithms by accuracies: ln 1.7 / 0.3 = 1.8, ln 2 / 0.8 = 0.87, ln 1.05 / 0.1 = 0.5.
     assert (
-        "Largest factors on values of the model: Coulomb friction, test cylinder 0.50 ± 0.10; "
-        "tank pressure 1.70 ± 0.30; valve gain 0.950 ± 0.010." in text
+        f"{CHANGED_MOST}tank pressure 1.70 ± 0.30; Coulomb friction, test cylinder 0.50 ± 0.10; "
+        "valve gain 0.950 ± 0.010." in text
     )
     assert "would show 1 of 1 known effects at a typical size. Valve trim is fitted with" in text
-    refused = replace(compared, verdict="none", rest=(), refitted=refitted, refit_refused="No.")
-    assert "Largest factors" not in summary(refused)
+    refused = replace(agreed, refit_refused="No.")
+    assert CHANGED_MOST not in summary(refused)
 
 
 def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):

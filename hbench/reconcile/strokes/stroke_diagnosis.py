@@ -22,6 +22,7 @@ from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.nuisance import FACTORS
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.strokes.leave_one_out import (
     gap_floor,
@@ -221,6 +222,7 @@ def _assembled(
         ranking=result.steps[0].evaluated,
         threshold=result.steps[0].evaluated[0].threshold,
         refitted=factors,
+        refit_priors={path: FACTORS[path] for path in factors},
         residuals_before=residual_map(before, points),
         residuals_after=residual_map(after, points),
         overlays=(),

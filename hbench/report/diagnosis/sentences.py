@@ -32,7 +32,6 @@ _DEAD_VOLUMES = {
     "flow_lp": "load_cylinder.dead_volume_piston",
     "flow_lr": "load_cylinder.dead_volume_rod",
 }  # values of the model file, by the balance of their chamber
-_ACCURACY_OF_VOLUME = 0.3  # assumed of the model file, as a standard deviation of the logarithm
 _MOST_FACTORS = 3  # refitted values in a sentence
 
 
@@ -222,21 +221,24 @@ def _worse(
 def refit_words(diagnosis: Diagnosis) -> str:
     """Return the values of the model that the refit changes most; empty without any.
 
-    Those count whose 95 % interval does not contain 1.
+    Those count whose 95 % interval does not contain 1, in relation to their assumed accuracy.
     """
     changed = {
         path: factor
         for path, factor in diagnosis.refitted.items()
         if factor.ci95 is not None and not factor.ci95[0] <= 1 <= factor.ci95[1]
     }
-    largest = sorted(changed, key=lambda path: -abs(log(changed[path].value)))[:_MOST_FACTORS]
+    largest = sorted(changed, key=lambda path: -_priors_off(diagnosis, path))[:_MOST_FACTORS]
     parts = [f"{value_words(path)} {parameter_text(changed[path])}" for path in largest]
     if not parts or diagnosis.refit_refused:
         return ""
     then = "If one is implausible, correct the model file and reconcile again."
     if diagnosis.verdict == "unknown":
         then = "An implausible one may be a trace of the missing effect."
-    return f"Largest factors on values of the model: {'; '.join(parts)}. {then}"
+    return (
+        "Values of the model that the refit changes most for their assumed accuracy, with the "
+        f"factor: {'; '.join(parts)}. {then}"
+    )
 
 
 def doubtful_volume(diagnosis: Diagnosis) -> str:
@@ -246,8 +248,9 @@ def doubtful_volume(diagnosis: Diagnosis) -> str:
     """
     parts = []
     for gap in diagnosis.rest:
-        factor = diagnosis.refitted.get(_DEAD_VOLUMES.get(gap.name, ""))
-        if factor and abs(log(factor.value)) > _ACCURACY_OF_VOLUME:
+        path = _DEAD_VOLUMES.get(gap.name, "")
+        factor = diagnosis.refitted.get(path)
+        if factor and _priors_off(diagnosis, path) > 1:
             place = CHAMBERS[gap.name.removeprefix("flow_")]
             parts.append(f"at {place} {number(factor.value, 2)} times")
     if not parts or diagnosis.refit_refused:
@@ -256,6 +259,11 @@ def doubtful_volume(diagnosis: Diagnosis) -> str:
         f"A hint: the refit gives a dead volume {listed(parts)} that of the model file; compare it "
         "with the hoses, fittings and blocks there."
     )
+
+
+def _priors_off(diagnosis: Diagnosis, path: str) -> float:
+    """Return how many assumed standard deviations a refitted value is off the model's."""
+    return abs(log(diagnosis.refitted[path].value)) / diagnosis.refit_priors[path]
 
 
 def title(name: str) -> str:

@@ -90,6 +90,7 @@ def diagnosis(hidden=LEAK, found=FOUND) -> Diagnosis:
             "friction.test.viscous": FitParameter(0.96, 0.011, (0.938, 0.982), None, "1"),
             "moving_mass.test": FitParameter(0.55, None, None, "lower", "1"),
         },
+        refit_priors={"valve.gain": 0.15, "friction.test.viscous": 0.8, "moving_mass.test": 0.2},
         residuals_before=_map(lacked, held),
         residuals_after=_map(lacks, held),
         overlays=_overlays(measured, refitted, after, heldout_runs),
