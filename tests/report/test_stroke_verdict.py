@@ -61,10 +61,10 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     assert "Tolerances allow" not in page
     verdict = verdict_words(found)
     assert (
-        "It changes friction in both directions by up to 10 N. A second deviation has several "
-        "possible causes, which these runs cannot distinguish; at the working point: direction "
-        "asymmetry (mean force of both directions −3.50 N) or load cell gain (mean force of both "
-        "directions −3.90 N)."
+        "It changes friction in both directions by up to 10 N, and at the working point by 7.80 N. "
+        "A second deviation has several possible causes, which these runs cannot distinguish; at "
+        "the working point: direction asymmetry (mean force of both directions −3.50 N) or load "
+        "cell gain (mean force of both directions −3.90 N)."
     ) in ordinary_spaces(verdict)
     assert "Not explained: friction deviates by 3.6 trial scatters (0.72 N)." in verdict
     assert "model as given" not in verdict

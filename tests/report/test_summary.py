@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml
-from hbench.report.diagnosis.summary import short_summary
+from hbench.report.diagnosis.summary import answers, short_summary
 from hbench.report.diagnosis.tables.change_tables import changes_tables
 from hbench.report.diagnosis.tables.separability_tables import lookalikes_tables
 from hbench.report.diagnosis.text import diagnosis_text
@@ -49,7 +49,8 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
 
 
 def test_odds_are_those_of_the_held_out_likelihood_and_not_overdone(named):
-    for nats, says in ((0.7, "2.0 to 1"), (3.0, "20 to 1"), (8.0, "more than 1000 to 1")):
+    odds = ((0.7, "2.0 to 1"), (3.0, "20 to 1"), (6.315, "550 to 1"), (8.0, "more than 1000 to 1"))
+    for nats, says in odds:  # exp(6.315) = 553
         text = summary(replace(named, effects=(added("internal_leakage", nats),)))
         assert f"by odds of {says}." in text
     alone = summary(replace(named, effects=(added("internal_leakage", None),)))
@@ -73,7 +74,8 @@ def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_
     worse = replace(named, effects=(replace(effect, gap_before=1.02, gap_after=1.04),))
     assert f"{plain}1.02 without it and 1.04 with it" in short_summary(worse)
     page = ordinary_spaces(diagnosis_page(worse, ()))
-    assert f"{plain}1.02" in page[: page.index("<nav")]  # in the verdict
+    words = "held-out runs do not confirm it (gap 1.02 without it, 1.04 with it)."
+    assert words in page[: page.index("<nav")]  # in the verdict
     assert "does not reduce" not in summary(named) + diagnosis_page(named, ())
 
 
@@ -91,9 +93,9 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
     order = (
         "Internal leakage may be missing in the model: oil leaks (test cylinder 0.00300 ± 0.00020",
         "It would change the flow",
-        "The evidence is contradictory. In the runs of the fit, the cross-validation favours it",
-        "by odds of more than 1000 to 1; held-out runs do not confirm it.",
-        "1.02 without it and 1.04 with it",
+        "The evidence is contradictory: in the runs of the fit, the cross-validation favours it",
+        "by odds of more than 1000 to 1, but held-out runs do not confirm it (gap 1.02",
+        "without it, 1.04 with it). So model.yaml does not contain it.",
         "To confirm internal leakage, repeat the runs and reconcile again; replace or adjust",
     )
     places = [verdict.index(part) for part in order]
@@ -106,7 +108,10 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
         assert "nspect" not in first and "Replace it" not in first
         assert "before that. If they confirm it: inspect the piston seal. Replace it." in then
     small = replace(LEAK, changes=(Change("force_test", "N", 0.0, None, 4.0, 4.0),))
+    brief = verdict_words(replace(worse, practice=(small,)))
+    assert "(gap 1.02 without it, 1.04 with it). So" in brief and "odds" not in brief
     text = summary(replace(worse, practice=(small,)))
+    assert "by odds of more than 1000 to 1; held-out runs" in text
     assert "for an effect of this size; the new model.yaml contains it." in text
     assert "not confirmed by held-out runs." in diagnosis_text(worse).splitlines()[0]
     proposed = replace(worse, next_schedule={"name": "next"})
@@ -149,7 +154,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
         "The model does not contain internal leakage: oil leaks (",
         "It changes the flow to the piston side of the test cylinder (Tp) by up to 0.35 l/min, "
         "the speed by up to 4.6 mm/s and the friction of the load cylinder by up to 9.0 N (in 95 % "
-        "of the motion).",
+        "of the motion), and at the working point by −0.180 l/min, −2.40 mm/s and 0 N.",  # 1e-4 N
         "falls from 16.7 to 1.60 times the repeatability of the bench, in runs that were not used",
         "Next, inspect the piston seal.",
     )
@@ -166,6 +171,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     text = verdict(replace(sensor, practice=(CELL,)))
     assert text.startswith("The instruments have an error, load cell gain: oil leaks (test ")
     assert "the computed friction of the test cylinder by up to 100 N" in text
+    assert "and at the working point by 49.8 N and −49.8 N." in text
 
 
 def test_the_verdict_of_an_ambiguous_set_says_what_each_effect_means_for_friction(compared):
@@ -276,10 +282,13 @@ def test_a_deviation_that_a_correct_model_has_too_is_no_reason_to_distrust_the_m
 
     close = found(2.73, 2.43)
     verdict, text = ordinary_spaces(verdict_words(close)), summary(close)
+    brief = "The remaining deviation of the force of the test cylinder is mostly due to the uncer"
+    assert brief in verdict and "40 N RMS" not in verdict  # once on the page
     words = "mostly due to the uncertainty of the model's values: the force of the test cylinder"
-    assert f"The remaining deviation is {words} deviates by 40 N RMS" in verdict
+    assert f"The remaining deviation is {words} deviates by 40 N RMS" in ordinary_spaces(text)
     # 7.3 N times the root of 2.73² less 2.43²
-    assert "In held-out runs 9.1 N of it is beyond that uncertainty, which is too small" in verdict
+    beyond = "In held-out runs 9.1 N of it is beyond that uncertainty, which is too small"
+    assert beyond in ordinary_spaces(text)
     assert "has a gap of 2.73, where a correct model whose values are as uncertain" in text
     assert "That is no evidence of a further cause: the values of" in text
     assert "mostly due to the uncertainty" in diagnosis_text(close).splitlines()[0]
@@ -348,10 +357,25 @@ def test_two_effects_share_one_description_of_the_working_point(named):
     both = replace(named, effects=(*named.effects, second), practice=(LEAK, CELL))
     verdict = ordinary_spaces(verdict_words(both))
     assert "0.00300" not in verdict  # brief: the coefficients are below
-    assert verdict.count("in runs that were not used for the fit") == 1
-    assert (
-        "With both effects, the model's deviation in all quantities falls from 9.50 to" in verdict
+    assert verdict.startswith(
+        "The model does not contain internal leakage (test cylinder). The instruments have an "
+        "error: load cell gain. Internal leakage changes the flow to the test piston side by "
+        "−0.180 l/min at the working point (up to 0.35 l/min), load cell gain the reading of the "
+        "load cell by 49.8 N (up to 100 N). "
     )
+    assert "With both, runs outside the fit deviate by 9.50 instead of 9.50 times" in verdict
+    assert verdict.endswith("Inspect first the piston seal and known weights.")
+    rows = [question for question, _ in answers(both)]
+    assert rows[:6] == [
+        f"{name}: {question}"
+        for name in ("Internal leakage", "Load cell gain")
+        for question in ("size", "evidence", "what to do")
+    ]
+    assert "Oil leaks. Coefficients" in text  # what the verdict leaves out
+    tiny = replace(CELL, changes=(Change("force_test", "N", 0.0, None, 4.0, 4.0),))
+    small = verdict_words(replace(both, practice=(LEAK, tiny)))
+    assert "Load cell gain: that is too small to matter (limit" in small
+    assert "Next, inspect the piston seal." in small
 
 
 def test_the_terminal_begins_with_the_verdict_and_the_paragraph_in_short(named):

@@ -1,5 +1,6 @@
 """What to do next in words: what to measure, and what to inspect."""
 
+import re
 from collections.abc import Iterator, Sequence
 
 from hbench.records import (
@@ -150,7 +151,11 @@ def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     ]
     if effects and not matters:
         return _TOO_SMALL
-    inspect = _joined(_inspections(diagnosis, matters), "and")
+    parts = _inspections(diagnosis, matters)
+    if len(parts) > 1:  # the others, and how, are in the answers
+        first = [re.split(r"[:,]", part)[0] for part in parts]
+        return f"Inspect first {listed(first)}."
+    inspect = "".join(parts)
     if inspect:
         return f"Next, inspect {inspect}."
     return " ".join(practice[each.name].repair for each in matters if each.name in practice)

@@ -160,7 +160,7 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
     chosen = []
     for names in _GROUPS:
         group = [change for change in changes_of(effect) if change.quantity in names]
-        group = [c for c in group if abs(c.at_point) > _LEAST * max(c.largest, c.along)]
+        group = list(filter(_at_the_point, group))
         if group:
             chosen.append(max(group, key=lambda change: _rounded(change.at_point)))
     return chosen
@@ -243,21 +243,54 @@ def along_words(effect: EffectInPractice) -> str:
     )
 
 
-def largest_words(effect: EffectInPractice, *, brief: bool = False) -> str:
-    """Return the largest changes over all measured motion, as objects of a sentence.
-
-    In brief, the first and the last of the groups alone: of an error, the reading and the friction.
-    """
-    every = _along(effect)
-    chosen = [every[0], every[-1]] if brief and len(every) > 2 else every
-    if brief and (readings := wrong_readings(effect)) > 1:
-        chosen = [(f"the readings of {readings} sensors", chosen[0][1]), *chosen[1:]]
+def largest_words(effect: EffectInPractice) -> str:
+    """Return the largest changes over all measured motion, as objects of a sentence."""
     return listed(
         [
             f"{thing} by up to {significant(change.largest, 2)} {change.unit}"
-            for thing, change in chosen
+            for thing, change in _along(effect)
         ]
     )
+
+
+def steady_words(effect: EffectInPractice) -> str:
+    """Return the changes of the quantities of ``largest_words`` at the working point."""
+    changes = [change for _, change in _along(effect)]
+    if not any(map(_at_the_point, changes)):
+        return "but nothing in steady motion at the working point"
+    return f"and at the working point by {listed([_at_point(change) for change in changes])}"
+
+
+def each_change(effects: Sequence[EffectInPractice]) -> str:
+    """Return what each of several effects changes first, as one sentence; empty without any.
+
+    A quantity that the effect before changes too is not repeated.
+    """
+    parts: list[str] = []
+    before = ""
+    for effect in effects:
+        thing, change = next(iter(_along(effect)), ("", None))
+        if change is None:
+            continue
+        verb, place = ("", "") if parts else ("changes ", " at the working point")
+        thing = in_sentence(change.quantity) if change.quantity in BALANCE_NAMES else thing
+        changed = "" if thing == before else f"{thing} "
+        largest = f"up to {significant(change.largest, 2)} {change.unit}"
+        name = in_words(effect.name)
+        words = f"{verb}{changed}by {_at_point(change)}{place} ({largest})"
+        parts.append(f"{name if parts else capital(name)} {words}")
+        before = thing
+    return f"{', '.join(parts)}." if parts else ""
+
+
+def _at_point(change: Change) -> str:
+    value = change.at_point if _at_the_point(change) else 0.0
+    return f"{significant(value, 3)} {change.unit}"
+
+
+def _at_the_point(change: Change) -> bool:
+    """Return whether a quantity changes at the working point, not only elsewhere."""
+    return abs(change.at_point) > _LEAST * max(change.largest, change.along)
 
 
 def _along(effect: EffectInPractice) -> list[tuple[str, Change]]:

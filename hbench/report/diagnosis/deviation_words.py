@@ -82,11 +82,20 @@ def _beyond_expected(diagnosis: Diagnosis, gap: Gap) -> float:
     return sqrt(max(held_out.after**2 - held_out.floor**2, 0.0)) * gap.scatter
 
 
-def expected_words(diagnosis: Diagnosis) -> str:
-    """Return the unexplained gaps that a correct model has too; empty without any."""
+def expected_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
+    """Return the unexplained gaps that a correct model has too; empty without any.
+
+    In brief, without their sizes.
+    """
     gaps = as_expected(diagnosis)
     if not gaps:
         return ""
+    if brief:
+        names = listed([in_sentence(gap.name) for gap in gaps[:_FEW]])
+        return (
+            f"The remaining deviation of {names} is mostly due to the uncertainty of the model's "
+            "values."
+        )
     beyond = listed([in_unit(gap, _beyond_expected(diagnosis, gap)) for gap in gaps[:_FEW]])
     return (
         "The remaining deviation is mostly due to the uncertainty of the model's values: "

@@ -35,11 +35,8 @@ _DEAD_VOLUMES = {
 _MOST_FACTORS = 3  # refitted values in a sentence
 
 
-def gap_change(effect: AddedEffect, *, brief: bool = False) -> str:
-    """Return how an effect changes the gap of held-out runs, also where it does not reduce it.
-
-    In brief, without the unit of a gap.
-    """
+def gap_change(effect: AddedEffect) -> str:
+    """Return how an effect changes the gap of held-out runs, also where it does not reduce it."""
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     where = "in the balances that it touches"
     if effect.confirmed:
@@ -47,10 +44,9 @@ def gap_change(effect: AddedEffect, *, brief: bool = False) -> str:
             f"It reduces the gap of held-out runs {where} from {before} to {after}, where 1 is the "
             "repeatability of the bench."
         )
-    unit = "" if brief else ", where 1 is the repeatability of the bench"
     return (
         f"It does not reduce the gap of held-out runs {where}: {before} without it and {after} "
-        f"with it{unit}. So model.yaml does not contain it."
+        "with it, where 1 is the repeatability of the bench. So model.yaml does not contain it."
     )
 
 
@@ -59,17 +55,21 @@ def odds_words(effect: AddedEffect) -> str:
 
     Where held-out runs do not confirm the effect, the sentence states that too.
     """
-    rival = effect.runner_up
-    if rival is None or not isfinite(rival.margin):
-        words = "no other effect of the catalogue that is possible here explains these residuals"
-    else:
-        words = (
-            "the cross-validation favours it over the next best explanation, "
-            f"{in_words(rival.name)}, by {_ratio(rival.margin)}"
-        )
+    words = favoured(effect)
     if effect.confirmed:
         return f"{capital(words)}."
     return f"In the runs of the fit, {words}; held-out runs do not confirm it."
+
+
+def favoured(effect: AddedEffect) -> str:
+    """Return by which odds the runs of the fit favour an effect over the next best one."""
+    rival = effect.runner_up
+    if rival is None or not isfinite(rival.margin):
+        return "no other effect of the catalogue that is possible here explains these residuals"
+    return (
+        "the cross-validation favours it over the next best explanation, "
+        f"{in_words(rival.name)}, by {_ratio(rival.margin)}"
+    )
 
 
 def ruled_out_words(diagnosis: Diagnosis) -> str:
@@ -99,7 +99,7 @@ def _ratio(nats: float) -> str:
     odds = exp(min(max(nats, 0.0), 700.0))
     if odds > _MOST_ODDS:
         return f"odds of more than {_MOST_ODDS:.0f} to 1"
-    return f"odds of {significant(odds, 2)} to 1"
+    return f"odds of {significant(float(f'{odds:.1e}'), 2)} to 1"
 
 
 def best_candidate(diagnosis: Diagnosis) -> str:

@@ -23,10 +23,11 @@ from hbench.report.diagnosis.change_words import (
     friction_words,
     main_changes,
 )
-from hbench.report.diagnosis.coefficient_words import coefficients_words
+from hbench.report.diagnosis.coefficient_words import coefficients_words, description_words
 from hbench.report.diagnosis.deviation_words import (
     deviations,
     expected_gaps,
+    expected_words,
     increased,
     largest_deviation,
     not_expected,
@@ -139,6 +140,7 @@ def _remaining(diagnosis: Diagnosis) -> Iterator[Answer]:
     if gaps := unreliable(diagnosis):
         names = listed([in_sentence(gap.name) for gap in gaps])
         yield _NOT_EXPLAINED, f"Do not rely on model.yaml for {names} until this is explained."
+    yield _EXPECTED, expected_words(diagnosis)
     yield _EXPECTED, expected_gaps(diagnosis)
 
 
@@ -179,16 +181,19 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
 
 def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    if len(diagnosis.confirmed) > 1 and effect.confirmed:
+    several = len(diagnosis.confirmed) > 1 and effect.confirmed
+    if several:
+        yield _SIZE, f"{capital(description_words(effect))}."
         yield _SIZE, f"Coefficients with 95 % intervals: {coefficients_words(effect)}."
     if practice:
         yield _SIZE, _condition(effect)
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
         if along := along_words(practice):
-            yield _ALONG, f"Over all runs it changes {along}."
+            yield _SIZE if several else _ALONG, f"Over all runs it changes {along}."
         yield _SENSORS, common_error(practice)
-    yield _EVIDENCE, odds_words(effect) if effect.confirmed else _NO_GAIN
-    if len(diagnosis.confirmed) > 1 and effect.confirmed:
+    yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
+    yield _EVIDENCE, odds_words(effect)
+    if several:
         yield _EVIDENCE, gap_change(effect)
     yield _EVIDENCE, ruled_out_words(diagnosis)
     yield _ACTION, _what_to_do(diagnosis, effect)

@@ -12,10 +12,12 @@ from hbench.records.diagnosis import UNEXPLAINED_GAP
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.action_words import first_step, next_step
 from hbench.report.diagnosis.change_words import (
+    each_change,
     friction_words,
     largest_words,
     main_changes,
     sizes_words,
+    steady_words,
     wrong_readings,
 )
 from hbench.report.diagnosis.coefficient_words import (
@@ -45,7 +47,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
 )
 from hbench.report.diagnosis.place_words import change_clauses
-from hbench.report.diagnosis.sentences import doubtful_volume, gap_change, odds_words
+from hbench.report.diagnosis.sentences import doubtful_volume, favoured
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number, significant
@@ -63,9 +65,11 @@ def verdict_words(diagnosis: Diagnosis) -> str:
 
 def _named(diagnosis: Diagnosis) -> Iterator[str]:
     several = len(diagnosis.confirmed) > 1
-    for i, effect in enumerate(diagnosis.effects):
-        brief = several and effect.confirmed
-        yield _effect(diagnosis, effect, brief=brief, also=brief and i > 0)
+    if several:
+        yield from _several(diagnosis)
+    for effect in diagnosis.effects:
+        if not (several and effect.confirmed):
+            yield _effect(diagnosis, effect)
     if diagnosis.errors:
         yield errors_in_words(diagnosis)
     elif several:
@@ -76,16 +80,39 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
     if gaps := not_expected(diagnosis):
         yield f"Not explained: {deviations(gaps)}."
         yield increased(diagnosis)
-    yield expected_words(diagnosis)
+    yield expected_words(diagnosis, brief=True)
     yield next_step(diagnosis)
+
+
+def _several(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield which confirmed effects are present, and what each changes most."""
+    of_bench = [_with_parts(effect) for effect in diagnosis.confirmed if not effect.of_sensor]
+    errors = [in_words(effect.name) for effect in diagnosis.confirmed if effect.of_sensor]
+    if of_bench:
+        yield f"The model does not contain {listed(of_bench)}."
+    if errors:
+        number_of = "an error" if len(errors) == 1 else "errors"
+        yield f"The instruments have {number_of}: {listed(errors)}."
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    known = [practice[each.name] for each in diagnosis.confirmed if each.name in practice]
+    yield each_change(known)
+    for effect in known:
+        if words := too_small_words(diagnosis, effect):
+            yield f"{capital(in_words(effect.name))}: {words[:1].lower()}{words[1:]}"
+
+
+def _with_parts(effect: AddedEffect) -> str:
+    """Return an effect's name with the parts of the bench where it is present."""
+    parts = listed([coefficient_words(name) for name in parts_present(effect)])
+    return f"{in_words(effect.name)} ({parts})" if parts else in_words(effect.name)
 
 
 def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield the sentences of a named effect of steady strokes; sizes and tests are below."""
     for effect in diagnosis.effects:
-        yield _finding(effect, brief=len(diagnosis.confirmed) > 1 and effect.confirmed)
+        yield _finding(effect)
         yield _size(diagnosis, effect)
-        yield "" if effect.confirmed else _no_improvement(effect)
+        yield "" if effect.confirmed else _no_improvement(diagnosis, effect)
     if diagnosis.confirmed and diagnosis.held_out_loads:
         yield _force_errors(diagnosis)
     if diagnosis.alternatives:
@@ -117,50 +144,36 @@ def _force_errors(diagnosis: Diagnosis) -> str:
     )
 
 
-def _effect(diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool, also: bool) -> str:
-    """State an effect, its largest changes, and what it does to held-out runs.
-
-    In brief, beside another effect, without its coefficients and what it does alone; ``also`` after
-    one.
-    """
-    sure = effect.confirmed
-    evidence = _improvement(diagnosis, effect) if sure else _no_improvement(effect)
-    if sure and (brief or diagnosis.errors):
-        evidence = ""
-    sentences = (
-        _finding(effect, brief=brief, also=also),
-        _size(diagnosis, effect, brief=brief, also=also),
-        evidence,
-    )
-    return " ".join(filter(None, sentences))
+def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
+    """State an effect, its largest changes, and what it does to held-out runs."""
+    evidence = _no_improvement(diagnosis, effect)
+    if effect.confirmed:
+        evidence = "" if diagnosis.errors else _improvement(diagnosis, effect)
+    return " ".join(filter(None, (_finding(effect), _size(diagnosis, effect), evidence)))
 
 
-def _size(
-    diagnosis: Diagnosis, effect: AddedEffect, *, brief: bool = False, also: bool = False
-) -> str:
+def _size(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State the largest changes by an effect, and whether they are too small to matter."""
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    if practice is None:
+    changes = largest_words(practice) if practice else ""
+    if practice is None or not changes:
         return ""
-    changes = largest_words(practice, brief=brief)
     verb = "changes" if effect.confirmed else "would change"
-    extent = "" if also or of_strokes(diagnosis) else " (in 95 % of the motion)"
-    size = f"{'This' if also else 'It'} {verb} {changes}{extent}." if changes else ""
-    return " ".join(filter(None, (size, too_small_words(diagnosis, practice))))
+    extent = "" if of_strokes(diagnosis) else " (in 95 % of the motion)"
+    small = too_small_words(diagnosis, practice)
+    point = "" if small else f", {steady_words(practice)}"
+    return " ".join(filter(None, (f"It {verb} {changes}{extent}{point}.", small)))
 
 
-def _finding(effect: AddedEffect, *, brief: bool, also: bool = False) -> str:
+def _finding(effect: AddedEffect) -> str:
     """State that an effect is missing, with its law in words and its coefficients."""
     name, sure = in_words(effect.name), effect.confirmed
-    missing = f"The model {'also does' if also else 'does'} not contain {name}"
+    missing = f"The model does not contain {name}"
     if effect.of_sensor:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
     elif not sure:
         missing = f"{capital(name)} may be missing in the model"
     values = f" ({coefficients_words(effect)}; 95 % intervals)"
-    if brief:
-        parts = listed([coefficient_words(name) for name in parts_present(effect)])
-        values = f" ({parts})" if parts else ""
     return f"{missing}: {description_words(effect)}{values}."
 
 
@@ -177,17 +190,27 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 def _together(diagnosis: Diagnosis) -> str:
     """State what several effects do to the deviation of the model in held-out runs."""
     total, laws = diagnosis.gap_heldout.total, " and the unnamed laws" if diagnosis.unnamed else ""
-    effects = "both effects" if len(diagnosis.confirmed) == 2 else "these effects"
+    effects = "both" if len(diagnosis.confirmed) == 2 else "these effects"
     return (
-        f"With {effects}{laws}, the model's deviation in all quantities falls from "
-        f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability of the "
-        f"bench, {_HELD_OUT}."
+        f"With {effects}{laws}, runs outside the fit deviate by {gap_number(total.after)} instead "
+        f"of {gap_number(total.refitted)} times the repeatability."
     )
 
 
-def _no_improvement(effect: AddedEffect) -> str:
-    """State the odds of an effect in the runs of the fit, and that held-out runs differ."""
-    return f"The evidence is contradictory. {odds_words(effect)} {gap_change(effect, brief=True)}"
+def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
+    """State that held-out runs do not confirm an effect, and its odds in the runs of the fit.
+
+    The odds of an effect that is too small to matter are below.
+    """
+    before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
+    gaps = f"confirm it (gap {before} without it, {after} with it). So model.yaml does not contain"
+    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    if practice and too_small_words(diagnosis, practice):
+        return f"Held-out runs do not {gaps} it."
+    return (
+        f"The evidence is contradictory: in the runs of the fit, {favoured(effect)}, but held-out "
+        f"runs do not {gaps} it."
+    )
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
