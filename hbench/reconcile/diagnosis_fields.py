@@ -43,10 +43,15 @@ class ModelledData(Protocol):
         """Sections of the model's file."""
 
 
-def residual_map(differences: GapMap, held_out: frozenset[Hashable]) -> ResidualMap:
-    """Return the residuals of balances in scatters; ``held_out`` are operating points."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        value = differences.difference / differences.scatter
+def residual_map(differences: GapMap, held_out: frozenset[Hashable], unit: str = "") -> ResidualMap:
+    """Return the residuals of balances; ``held_out`` are operating points.
+
+    They are in scatters, or in the ``unit`` of all balances.
+    """
+    value = differences.difference
+    if not unit:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = value / differences.scatter
     is_held_out = np.array([point in held_out for point in differences.points])
     return ResidualMap(
         differences.names,
@@ -56,6 +61,7 @@ def residual_map(differences: GapMap, held_out: frozenset[Hashable]) -> Residual
         differences.x_m,
         differences.t_s,
         is_held_out[differences.point],
+        unit,
     )
 
 

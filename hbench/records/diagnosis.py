@@ -51,15 +51,16 @@ class Region:
 
 @dataclass(frozen=True)
 class ResidualMap:
-    """Residuals of c balances at w windows, in units of the trials' scatter."""
+    """Residuals of c balances at w windows."""
 
     names: tuple[str, ...]
-    value: np.ndarray  # (w, c) signed; nan where not compared
+    value: np.ndarray  # (w, c) signed, in ``unit``; nan where not compared
     v_m_s: np.ndarray  # (w,) signed
     load_n: np.ndarray  # (w,)
     x_m: np.ndarray  # (w,)
     t_s: np.ndarray  # (w,) since the run's start
     held_out: np.ndarray  # (w,) bool
+    unit: str = ""  # empty: the trials' scatter
 
 
 @dataclass(frozen=True)
@@ -309,6 +310,7 @@ class HeldOutLoad:
     refitted: FloatOrNan
     after: FloatOrNan  # with the effects
     also: dict[str, FloatOrNan]  # with one more effect of the ambiguous set, by its name
+    scatters: dict[str, FloatOrNan]  # N: of the trials, by balance
 
 
 @dataclass(frozen=True)

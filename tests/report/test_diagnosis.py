@@ -18,12 +18,24 @@ from hbench.model.effects.catalogue import read_effects
 from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
 from hbench.reconcile.measured.balances import BALANCE_UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
-from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance, Region
+from hbench.records import (
+    BeforeAfter,
+    FitParameter,
+    GapTable,
+    HeldOutLoad,
+    Provenance,
+    Region,
+)
 from hbench.report.diagnosis import names as words
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
 from hbench.report.diagnosis.figures.all_figures import draw_diagnosis
 from hbench.report.diagnosis.figures.colour_scales import GAPS, RESIDUALS
-from hbench.report.diagnosis.figures.gap_figures import gap_figures, ranking_figure, region_figure
+from hbench.report.diagnosis.figures.gap_figures import (
+    gap_figures,
+    loads_figure,
+    ranking_figure,
+    region_figure,
+)
 from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
 from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure
 from hbench.report.diagnosis.page import diagnosis_page
@@ -231,21 +243,58 @@ def test_the_shape_is_every_window_of_the_map_in_the_units_of_its_axes(unknown):
 
 
 def test_pairs_of_strokes_are_drawn_by_themselves_and_without_a_position(named):
-    """A pair has no direction of its own, and its load is the only held-out one."""
+    """A pair has no direction of its own, and its load is the only held-out one.
+
+    Its residuals are in newtons: one load may repeat much better than the others.
+    """
     side = named.residuals_before
     nowhere = np.full_like(side.x_m, np.nan)
+    names = "force_middle", *side.names[1:]
     maps = {
-        key: replace(getattr(named, key), x_m=nowhere, names=("force_middle", *side.names[1:]))
+        key: replace(getattr(named, key), x_m=nowhere, names=names, unit="N")
         for key in ("residuals_before", "residuals_after")
     }
     gap = replace(named.where[0], name="force_middle")
-    figure = shape_figure(replace(named, where=(gap,), **maps), "force_middle")
+    strokes = replace(named, where=(gap,), **maps)
+    figure = shape_figure(strokes, "force_middle")
+    assert {axes.get_ylabel() for axes in figure.axes[:4] if axes.get_ylabel()} == {
+        "Residual before\n(N)", "Residual after\n(N)"
+    }  # fmt: skip
+    assert not any("scatter" in axes.get_title(loc="right") for axes in figure.axes)
+    scatters = shape_figure(named, named.where[0].name)
+    assert any("1 scatter = " in axes.get_title(loc="right") for axes in scatters.axes)
     below = [axes.get_xlabel() for axes in figure.axes if axes.get_xlabel()]
     assert below == ["Velocity (mm/s)", "Time in the run (s)", "Load (kN)"]
     lines = [line.get_label() for axes in figure.axes for line in axes.lines]
     assert not [label for label in lines if "medians" in label]
     grey, coloured = figure.axes[0].collections
     assert len(coloured.get_offsets()) == len(side.x_m) and not len(grey.get_offsets())
+
+
+def test_strokes_have_a_figure_of_force_errors_by_load_in_place_of_gaps_and_regions(named, undrawn):
+    """A region of them is a single load, and a gap in scatters hides the newtons."""
+    also = {"load_cell_gain": 0.4}
+    loads = tuple(
+        HeldOutLoad(load, 3.0, 4.0, 1.5, also, {"force_middle": 0.1}) for load in (50.0, 150.0)
+    )
+    gap = replace(named.where[0], name="force_middle")
+    side = replace(
+        named.residuals_before, names=("force_middle", *named.residuals_before.names[1:])
+    )
+    strokes = replace(
+        named, where=(gap,), held_out_loads=loads, residuals_before=side, residuals_after=side,
+        ranking=(), refitted={}, overlays=(),
+    )  # fmt: skip
+    assert [each.name for each in draw_diagnosis(strokes)] == ["shape-force-middle", "loads"]
+    (axes,) = loads_figure(strokes).axes
+    drawn = {line.get_label(): list(line.get_xdata()) for line in axes.lines}
+    assert drawn == {
+        "as given": [3.0, 3.0],
+        "refitted": [4.0, 4.0],
+        "with the effects": [1.5, 1.5],
+        "with the effects and load cell gain": [0.4, 0.4],
+    }
+    assert axes.get_xlabel() == "Force error (N)" and axes.get_xlim()[0] == 0
 
 
 def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):

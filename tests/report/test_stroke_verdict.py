@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.tables.gap_tables import loads_table
-from hbench.report.diagnosis.text import diagnosis_text
+from hbench.report.diagnosis.text import diagnosis_text, gap_line
 from hbench.report.diagnosis.verdict import verdict_words
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import summary
@@ -49,7 +49,7 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     )  # fmt: skip
     page = ordinary_spaces(diagnosis_page(found, ()))
     text = summary(found)
-    assert "friction deviates by 3.6 trial scatters (0.72 N) over all runs" in text
+    assert "friction deviates by 0.72 N (3.6 trial scatters) over all runs" in text
     assert (
         "Friction, half the difference of both directions, differs by no more than 0.16 N" in text
     )
@@ -62,11 +62,11 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     verdict = verdict_words(found)
     assert (
         "It changes friction in both directions by up to 10 N, and at the working point by 7.80 N. "
-        "A second deviation has several possible causes, which these runs cannot distinguish; at "
-        "the working point: direction asymmetry (mean force of both directions −3.50 N) or load "
-        "cell gain (mean force of both directions −3.90 N)."
+        "A second deviation may be due to direction asymmetry (mean force of both directions "
+        "−3.50 N at the working point) or load cell gain (−3.90 N); these runs cannot distinguish "
+        "them."
     ) in ordinary_spaces(verdict)
-    assert "Not explained: friction deviates by 3.6 trial scatters (0.72 N)." in verdict
+    assert "Not explained: friction deviates by 0.72 N (3.6 trial scatters)." in verdict
     assert "model as given" not in verdict
     assert verdict.endswith("Next, inspect the seal.")
     tests = "inspect part direction_asymmetry or part load_cell_gain"
@@ -75,8 +75,8 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
 
 def test_models_of_strokes_have_their_force_error_at_each_held_out_load(named):
     loads = (
-        HeldOutLoad(50.0, 3.0, 4.52, 1.53, {"load_cell_gain": 1.12}),
-        HeldOutLoad(149.0, 2.0, 3.60, 2.45, {"load_cell_gain": 0.75}),
+        HeldOutLoad(50.0, 3.0, 4.52, 1.53, {"load_cell_gain": 1.12}, {"force_middle": 0.02}),
+        HeldOutLoad(149.0, 2.0, 3.60, 2.45, {"load_cell_gain": 0.75}, {"force_middle": 0.0066}),
     )
     strokes = replace(named, where=STROKES, regions=(), gap_runs=(), held_out_loads=loads)
     table = loads_table(strokes)
@@ -88,6 +88,14 @@ def test_models_of_strokes_have_their_force_error_at_each_held_out_load(named):
     # The root of the mean of 4.52² and 3.60² is 4.1, that of 1.53² and 2.45² is 2.0.
     verdict = ordinary_spaces(verdict_words(strokes))
     assert "outside the fit falls from 4.1 N (2.5 N as given) to 2.0 N RMS." in verdict
+    line = (
+        "Force error at held-out loads, root mean square: 2.5 N as given, 4.1 N refitted, 2.0 N "
+        "with the effects, 0.95 N with the effects and load cell gain."
+    )
+    assert gap_line(strokes) == line and "trial scatters" not in line
+    page = ordinary_spaces(diagnosis_page(strokes, ()))
+    assert line in page and '<h2 id="the-force-error-before-and-after">' in page
+    assert "At 149 N the mean force of both directions repeats within 0.0066 N, so that" in page
     better = tuple(replace(load, before=9.0) for load in loads)
     assert "as given" not in verdict_words(replace(strokes, held_out_loads=better))
     assert "for hbench reconcile." in diagnosis_page(strokes, ())

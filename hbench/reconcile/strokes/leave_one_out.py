@@ -90,6 +90,7 @@ def held_out_loads(
             load_n=float(maps["after"].load_n[0]),
             **{stage: _force_error(maps[stage]) for stage in ("before", "refitted", "after")},
             also={name: _force_error(more[i]["after"]) for name, more in also.items()},
+            scatters=dict(zip(maps["after"].names, maps["after"].scatter[0].tolist(), strict=True)),
         )
         for i, maps in enumerate(stages)
     )

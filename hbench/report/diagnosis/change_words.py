@@ -89,17 +89,19 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     return f"Friction of the test cylinder at the working point: {'; '.join(parts)}."
 
 
-def sizes_words(diagnosis: Diagnosis) -> str:
-    """Return the effects of the ambiguous set, each with its main change at the working point."""
+def second_deviation(diagnosis: Diagnosis) -> str:
+    """Return the possible causes of a deviation beside named effects, with their main changes."""
     practice = {effect.name: effect for effect in diagnosis.practice}
-    parts = []
+    parts, before = [], ""
     for candidate in diagnosis.alternatives:
-        effect = practice.get(candidate.name)
-        main = main_changes(effect)[-1:] if effect else []
-        sizes = [f"{quantity(change.quantity)} {interval(change)}" for change in main]
-        words = f" ({listed(sizes)})" if sizes else ""
-        parts.append(f"{in_words(candidate.name)}{words}")
-    return " or ".join(parts)
+        effect, size = practice.get(candidate.name), ""
+        for change in main_changes(effect)[-1:] if effect else ():
+            changed = "" if change.quantity == before else f"{quantity(change.quantity)} "
+            place = "" if before else " at the working point"
+            size, before = f" ({changed}{interval(change)}{place})", change.quantity
+        parts.append(f"{in_words(candidate.name)}{size}")
+    causes = " or ".join(parts)
+    return f"A second deviation may be due to {causes}; these runs cannot distinguish them."
 
 
 def readings_words(effect: EffectInPractice) -> str:
@@ -284,8 +286,9 @@ def each_change(effects: Sequence[EffectInPractice]) -> str:
 
 
 def _at_point(change: Change) -> str:
-    value = change.at_point if _at_the_point(change) else 0.0
-    return f"{significant(value, 3)} {change.unit}"
+    """Return a change at the working point with the digits of its interval, and without it."""
+    value = interval(change).split()[0] if _at_the_point(change) else "0"
+    return f"{value} {change.unit}"
 
 
 def _at_the_point(change: Change) -> bool:

@@ -3,6 +3,7 @@
 from hbench.records import Diagnosis
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 from hbench.report.diagnosis.change_words import wrong_readings
+from hbench.report.diagnosis.error_words import scatter_words
 from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
 from hbench.report.render.symbols import capital
 
@@ -50,8 +51,9 @@ WHICH: tuple[Fact, ...] = (
 )  # fmt: skip
 _GAP = (
     "Root mean square of measurement less model, in units of the scatter of repeated trials. 1 is "
-    "the repeatability of the bench. Gaps below 0.3 are drawn at 0.3."
+    "the repeatability of the bench."
 )
+_DRAWN = "Gaps below 0.3 are drawn at 0.3."
 _BALANCES = (
     "Laws that the measured signals must obey: the oil that flows into each of the four chambers, "
     "the forces of either cylinder, position against velocity, and the supply. They are evaluated "
@@ -129,7 +131,8 @@ _DEVIATION = (
 _SCATTER_OF_STROKES = (
     "Trial scatter",
     "Root mean square over the loads. In a gap the residual at each load counts in the scatter of "
-    "that load, so a load with a small scatter can make it larger than deviation by trial scatter.",
+    "that load, so a load with a small scatter can make it larger than deviation by trial scatter: "
+    "judge by the deviation.",
 )
 _DEVIATION_OF_STROKES = (
     "Deviation",
@@ -161,7 +164,7 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     strokes = of_strokes(diagnosis)
     held_out = _LEAVE_ONE_OUT if strokes else _not_fitted(diagnosis)
     return (
-        ("Gap", _GAP),
+        ("Gap", f"{_GAP} {scatter_words(diagnosis) or _DRAWN}"),
         ("Balances", _MOTION if diagnosis.errors else _STROKES if strokes else _BALANCES),
         *([("Signals", _SIGNALS)] if diagnosis.gap_heldout.signals else []),
         *([] if diagnosis.refit_refused else [("Refitted", _REFITTED_STAGE)]),

@@ -36,9 +36,9 @@ def deviations(gaps: Sequence[Gap]) -> str:
         if isfinite(gap.material):
             size = "{} RMS (matters above {})".format(*deviation_and_limit(gap))
         elif isfinite(gap.deviation):
-            size += f" ({in_unit(gap, gap.deviation)} RMS)"
+            size = f"{in_unit(gap, gap.deviation)} RMS ({size})"
         elif isfinite(gap.scatter):
-            size += f" ({in_unit(gap, gap.gap * gap.scatter)})"
+            size = f"{in_unit(gap, gap.gap * gap.scatter)} ({size})"
         parts.append(f"{in_sentence(gap.name)} deviates by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
     return f"{'; '.join(parts)}{more}"

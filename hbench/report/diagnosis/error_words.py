@@ -1,11 +1,12 @@
-"""Errors of held-out runs of a driven mass in words: of force and of open-loop position."""
+"""Errors of held-out data in their units: of a driven mass, and of strokes at each load."""
 
 from collections.abc import Sequence
 from itertools import pairwise
+from math import sqrt
 
 from hbench.records import Diagnosis, HeldOutError
-from hbench.report.diagnosis.names import steps_of
-from hbench.report.render.numbers import significant
+from hbench.report.diagnosis.names import also_words, in_sentence, steps_of
+from hbench.report.render.numbers import number, significant
 from hbench.report.render.symbols import listed
 
 _EQUAL = 0.02  # of an error: a smaller change is none
@@ -31,6 +32,36 @@ def errors_in_words(diagnosis: Diagnosis) -> str:
         for error in diagnosis.errors
     ]
     return f"In held-out runs {'; '.join(parts)}." if parts else ""
+
+
+def load_errors(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return the force error of strokes over all held-out loads by the words of each model.
+
+    Those with one more effect of an ambiguous set come last. Empty without held-out loads.
+    """
+    loads = diagnosis.held_out_loads
+    steps = steps_of(diagnosis, of_balances=False)
+    errors = {title: [getattr(load, step) for load in loads] for step, title in steps.items()}
+    for name in loads[0].also if loads else ():
+        errors[also_words(diagnosis, name)] = [load.also[name] for load in loads]
+    return {
+        title: f"{significant(sqrt(sum(error**2 for error in each) / len(each)), 2)} N"
+        for title, each in errors.items()
+        if each
+    }
+
+
+def scatter_words(diagnosis: Diagnosis) -> str:
+    """Return at which held-out load a balance of strokes repeats best; empty without any."""
+    loads = diagnosis.held_out_loads
+    known = [(size, name, load) for load in loads for name, size in load.scatters.items()]
+    if not known:
+        return ""
+    least, name, load = min(known, key=lambda each: each[0])
+    return (
+        f"At {number(load.load_n, 0)} N {in_sentence(name)} repeats within {significant(least, 2)} "
+        "N, so that a deviation of a few newtons is a large gap there."
+    )
 
 
 def one_sided_words(diagnosis: Diagnosis) -> str:

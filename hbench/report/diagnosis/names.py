@@ -223,6 +223,12 @@ def added_words(diagnosis: Diagnosis) -> str:
     return " and ".join(parts)
 
 
+def also_words(diagnosis: Diagnosis, name: str) -> str:
+    """Return the model with one more effect of the ambiguous set."""
+    and_effects = "the effects and " if diagnosis.confirmed else ""
+    return f"with {and_effects}{in_words(name)}"
+
+
 def compared_model(diagnosis: Diagnosis) -> str:
     """Return the model whose residuals were searched: the given one if its refit was refused."""
     return "unchanged model" if diagnosis.refit_refused else "refitted model"

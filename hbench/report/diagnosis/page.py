@@ -46,7 +46,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         drawings=drawn("unnamed"),
     )
     gap = Section(
-        "The gap before and after" if added_words(diagnosis) else "The gap",
+        _title_of_gaps(diagnosis),
         (gap_line(diagnosis),),
         drawings=drawn("gap"),
         tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
@@ -124,6 +124,11 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     )
 
 
+def _title_of_gaps(diagnosis: Diagnosis) -> str:
+    what = "force error" if diagnosis.held_out_loads else "gap"
+    return f"The {what} before and after" if added_words(diagnosis) else f"The {what}"
+
+
 def _answer(diagnosis: Diagnosis) -> Section:
     """Return the first section: the engineer's answers, and the files beside the page."""
     known = tuple(
@@ -165,7 +170,7 @@ def _files(diagnosis: Diagnosis) -> str:
 
 def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
     """Return the residuals of each balance: all where they are the answer, else the first."""
-    if diagnosis.verdict == "unknown":
+    if diagnosis.verdict == "unknown" or of_strokes(diagnosis):
         return Section("Shape of the residuals", drawings=drawings)
     others = Section("Residuals of the other balances", drawings=drawings[1:], folded=True)
     parts = (replace(others, printed=False),) if others.drawings else ()

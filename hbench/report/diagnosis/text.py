@@ -14,7 +14,7 @@ from hbench.report.diagnosis.deviation_words import (
     not_expected,
     undecided_balance,
 )
-from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
+from hbench.report.diagnosis.error_words import errors_in_words, load_errors, one_sided_words
 from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import BALANCE_NAMES, gap_number, in_sentence, steps_of
 from hbench.report.diagnosis.summary import short_summary
@@ -42,7 +42,8 @@ _UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    unit = _UNIT_OF_GAP if diagnosis.gap_heldout.balances else ""
+    in_scatters = diagnosis.gap_heldout.balances and not diagnosis.held_out_loads
+    unit = _UNIT_OF_GAP if in_scatters else ""
     blocks = [
         f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}",
         f"{gap_line(diagnosis)} {unit}".strip(),
@@ -113,6 +114,10 @@ def gap_line(diagnosis: Diagnosis) -> str:
     total = diagnosis.gap_heldout.total
     if not diagnosis.gap_heldout.balances:
         return ""
+    if errors := load_errors(diagnosis):
+        sizes = ", ".join(f"{error} {title}" for title, error in errors.items())
+        line = f"Force error at held-out loads, root mean square: {sizes}."
+        return " ".join(filter(None, (line, _most_in(diagnosis))))
     steps = ", ".join(
         f"{gap_number(getattr(total, step))} {title}"
         for step, title in steps_of(diagnosis).items()
@@ -134,7 +139,7 @@ def _most_in(diagnosis: Diagnosis) -> str:
     if name is None:
         return ""
     return (
-        f"Most of the last gap is in {in_sentence(name)}: of its possible causes, which these runs "
+        f"Most of what remains is in {in_sentence(name)}: of its possible causes, which these runs "
         "cannot distinguish, none is added to the model."
     )
 

@@ -5,7 +5,6 @@ in the tables.
 """
 
 from collections.abc import Iterator, Sequence
-from math import sqrt
 
 from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.diagnosis import UNEXPLAINED_GAP
@@ -16,7 +15,7 @@ from hbench.report.diagnosis.change_words import (
     friction_words,
     largest_words,
     main_changes,
-    sizes_words,
+    second_deviation,
     steady_words,
     wrong_readings,
 )
@@ -37,7 +36,7 @@ from hbench.report.diagnosis.deviation_words import (
     too_small_words,
     undecided_words,
 )
-from hbench.report.diagnosis.error_words import errors_in_words
+from hbench.report.diagnosis.error_words import errors_in_words, load_errors
 from hbench.report.diagnosis.names import (
     deviation_and_limit,
     gap_number,
@@ -50,7 +49,7 @@ from hbench.report.diagnosis.place_words import change_clauses
 from hbench.report.diagnosis.sentences import doubtful_volume, favoured
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
-from hbench.report.render.numbers import number, significant
+from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
 _HELD_OUT = "in runs that were not used for the fit"
@@ -75,7 +74,7 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
     elif several:
         yield _together(diagnosis)
     if diagnosis.alternatives:
-        yield _second_deviation(diagnosis)
+        yield second_deviation(diagnosis)
         yield undecided_words(diagnosis)
     if gaps := not_expected(diagnosis):
         yield f"Not explained: {deviations(gaps)}."
@@ -116,31 +115,20 @@ def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.confirmed and diagnosis.held_out_loads:
         yield _force_errors(diagnosis)
     if diagnosis.alternatives:
-        yield _second_deviation(diagnosis)
+        yield second_deviation(diagnosis)
     if gaps := not_expected(diagnosis):
         yield f"Not explained: {deviations(gaps)}."
     yield first_step(diagnosis)
 
 
-def _second_deviation(diagnosis: Diagnosis) -> str:
-    return (
-        "A second deviation has several possible causes, which these runs cannot distinguish; "
-        f"at the working point: {sizes_words(diagnosis)}."
-    )
-
-
 def _force_errors(diagnosis: Diagnosis) -> str:
     """State what the effects of steady strokes do to the force error, over all held-out loads."""
-    loads = diagnosis.held_out_loads
-    errors = {
-        stage: sqrt(sum(getattr(load, stage) ** 2 for load in loads) / len(loads))
-        for stage in ("before", "refitted", "after")
-    }
-    sizes = {stage: f"{significant(error, 2)} N" for stage, error in errors.items()}
-    given = f" ({sizes['before']} as given)" if errors["before"] < errors["refitted"] else ""
+    given, refitted, after, *_ = load_errors(diagnosis).values()
+    better = sum(load.before**2 - load.refitted**2 for load in diagnosis.held_out_loads) < 0
+    also = f" ({given} as given)" if better else ""
     return (
-        f"With it, the force error at loads outside the fit falls from {sizes['refitted']}{given} "
-        f"to {sizes['after']} RMS."
+        f"With it, the force error at loads outside the fit falls from {refitted}{also} "
+        f"to {after} RMS."
     )
 
 

@@ -12,6 +12,7 @@ from hbench.report.diagnosis.figures.gap_figures import (
     CLOSED_LOOP,
     OPEN_LOOP,
     gap_figures,
+    loads_figure,
     ranking_figure,
     refitted_figure,
     region_figure,
@@ -52,9 +53,9 @@ _GAPS = {
         "follows the measured commands without feedback."
     ),
 }
-_GAPS_OF_STROKES = (
-    "Root mean square of measurement less model in each balance, each load predicted with values "
-    "fitted to the other loads. Line at 1: scatter of repeated trials."
+_LOADS = (
+    "Root mean square of measured less predicted force in both directions. Each load is predicted "
+    "with values that were fitted to the other loads."
 )
 _REGIONS = (
     "Gap of each balance by region of operation, all runs: root mean square of measurement less "
@@ -63,14 +64,18 @@ _REGIONS = (
 )
 _MAPS = (
     "Residuals of the worst balances over {over}, all runs, in units of the trials' "
-    "scatter. A dot is the mean of neighbouring {windows}; its size grows with their "
-    "number. All panels share the colour scale."
+    "scatter. A dot is the mean of neighbouring windows; its size grows with their number. All "
+    "panels share the colour scale."
 )
 _SHAPE = (
     "Residuals of this balance, all runs, in units of the trials' scatter (grey band: ±1). A point "
-    "is a {window}.{medians} Points beyond the axis are drawn at its edge."
+    "is a window of 0.16 s. Triangles: medians of equal numbers of points, extending (▶) and "
+    "retracting (◀). Points beyond the axis are drawn at its edge."
 )
-_MEDIANS = " Triangles: medians of equal numbers of points, extending (▶) and retracting (◀)."
+_SHAPE_OF_STROKES = (
+    "Residuals of this balance: measured less modelled force. A point is the mean of the pairs of "
+    "strokes at one load."
+)
 _LAW = (
     "A table that was fitted to what no effect of the catalogue explains, with 95 % intervals of "
     "its values. It is linear between its points and constant beyond them. It predicts held-out "
@@ -115,6 +120,7 @@ def draw_diagnosis(diagnosis: Diagnosis) -> tuple[Drawing, ...]:
 
 def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]]:
     """Yield each figure with its section, name, title and caption."""
+    strokes = of_strokes(diagnosis)
     for i, law in enumerate(diagnosis.unnamed):
         title = f"Unnamed law: {law_title(law)}"
         yield "unnamed", f"law {i} {law.adds_to}", title, _LAW, law_figure(diagnosis, law)
@@ -122,22 +128,21 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         stages = _stages(diagnosis)
         over = "velocity and load" if has_loads(diagnosis) else "velocity and position"
         title = f"Residuals over {over}"
-        strokes = of_strokes(diagnosis)
-        maps = _MAPS.format(over=over, windows="pairs of strokes" if strokes else "windows")
-        yield "where", "maps", title, maps + stages, maps_figure(diagnosis)
-        shape = _SHAPE.format(
-            window="mean of the pairs of strokes at one load" if strokes else "window of 0.16 s",
-            medians="" if strokes else _MEDIANS,
-        )
-        shape += stages + (_HELD_OUT if diagnosis.confirmed and not strokes else "")
+        if strokes:
+            shape = _SHAPE_OF_STROKES + stages
+        else:
+            maps = _MAPS.format(over=over) + stages
+            yield "where", "maps", title, maps, maps_figure(diagnosis)
+            shape = _SHAPE + stages + (_HELD_OUT if diagnosis.confirmed else "")
         for name in _shapes(diagnosis):
             title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
-    if diagnosis.where and diagnosis.regions:
+    if diagnosis.where and diagnosis.regions and not strokes:  # those of strokes are its loads
         yield "where", "regions", "Gap by region, all runs", _REGIONS, region_figure(diagnosis)
-    for title, figure in gap_figures(diagnosis).items():
-        caption = _GAPS_OF_STROKES if of_strokes(diagnosis) else _GAPS[title]
-        yield "gap", f"gap {title}", f"Gaps: {title.lower()}", caption, figure
+    if diagnosis.held_out_loads:
+        yield "gap", "loads", "Force error at each held-out load", _LOADS, loads_figure(diagnosis)
+    for title, figure in ({} if strokes else gap_figures(diagnosis)).items():
+        yield "gap", f"gap {title}", f"Gaps: {title.lower()}", _GAPS[title], figure
     plans = {run_gap.plan.run: run_gap.plan for run_gap in diagnosis.gap_runs}
     for run, figure in overlay_figures(diagnosis).items():
         title = f"Run {run}: {plan_words(plans[run])}" if run in plans else f"Run {run}"

@@ -15,6 +15,7 @@ from hbench.report.diagnosis.figures.colour_scales import GAPS
 from hbench.report.diagnosis.names import (
     AXES,
     DisplayName,
+    also_words,
     balance,
     compared_model,
     in_words,
@@ -83,6 +84,30 @@ def _gaps(
     _rows(axes, [mathtext(display_name(name).title) for name in values])
     style.head(axes, title, diagnosis)
     style.legend_above(figure, axes, columns=2)
+    return figure
+
+
+def loads_figure(diagnosis: Diagnosis) -> Figure:
+    """Draw the force errors of the models of strokes at each held-out load."""
+    loads = diagnosis.held_out_loads
+    steps = steps_of(diagnosis, of_balances=False)
+    also = list(loads[0].also)
+    figure = style.new_figure(height_in=_HEAD_IN + 1.6 * _ROW_IN * len(loads))
+    axes = figure.subplots()
+    rows = np.arange(len(loads))
+    for step, label in steps.items():
+        errors = [getattr(load, step) for load in loads]
+        axes.plot(errors, rows, linestyle="none", label=label, **_LOOKS[step])
+    for name, marker, colour in zip(also, "^vPX", style.COLOURS[2:], strict=False):
+        look = {"linestyle": "none", "marker": marker, "color": colour}
+        axes.plot(
+            [load.also[name] for load in loads], rows, label=also_words(diagnosis, name), **look
+        )
+    axes.set_xlim(left=0)
+    axes.set_xlabel("Force error (N)")
+    _rows(axes, [f"held-out load {number(load.load_n, 0)} N" for load in loads])
+    style.head(axes, "Force error at each load", diagnosis)
+    style.legend_above(figure, axes, columns=1)
     return figure
 
 

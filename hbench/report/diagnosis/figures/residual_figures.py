@@ -1,6 +1,7 @@
 """Figures of the residuals of balances over velocity, load, position and time."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -39,6 +40,7 @@ _COLOURS = {"load_n": "viridis", "x_m": "viridis", "v_m_s": "plasma"}
 _EDGE = "#9ca3af"  # of a point that stands alone, seen on a light and on a dark page
 _DARK = 0.9  # of a colour scale, whose light end can't be seen on white
 _TITLES = ("before", "after")
+_SCATTERS = "trial scatters"
 
 
 def maps_figure(diagnosis: Diagnosis) -> Figure:
@@ -62,7 +64,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
                 1e3 * v, shown(up, axis), c=value, s=size, norm=norm, cmap=RESIDUALS,
                 edgecolors="#6b7280", linewidths=0.4, label=f"_{balance(name).title}, {title}",
             )  # fmt: skip
-            behind(dots, {"Residual (trial scatters)": value, "windows": count})
+            behind(dots, {f"Residual ({_SCATTERS})": value, "windows": count})
         label = f"{axis.title.capitalize()} ({axis.unit})"
         panel_row[0].set_ylabel(f"{title.capitalize()}\n{label}" if len(sides) > 1 else label)
     for axes, name in zip(panels[0], names, strict=True):
@@ -70,7 +72,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("Velocity (mm/s)")
     bar = figure.colorbar(
-        ScalarMappable(norm, RESIDUALS), ax=panels, label="Residual (trial scatters)", pad=0.01
+        ScalarMappable(norm, RESIDUALS), ax=panels, label=f"Residual ({_SCATTERS})", pad=0.01
     )
     style.simulated(bar.ax, diagnosis)
     return figure
@@ -85,22 +87,23 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
     values = [side.value[:, side.names.index(name)] for side in sides]
     strokes = of_strokes(diagnosis)
     only_held_out = bool(diagnosis.confirmed) and not strokes
-    limits = _limits(np.concatenate(values))
+    unit = sides[0].unit
+    limits = _limits(np.concatenate(values), 0.0 if unit else _LEAST)
     for row, side, value, title in zip(panels, sides, values, _TITLES, strict=False):
         for axes, (across, colour) in zip(row, columns, strict=True):
             _points(axes, side, value, across, colour, limits, only_held_out, strokes)
         _windows(row[0], side, value, title, columns)
-        row[0].set_ylabel(f"Residual {title if len(sides) > 1 else ''}\n(trial scatters)")
+        row[0].set_ylabel(f"Residual {title if len(sides) > 1 else ''}\n({unit or _SCATTERS})")
         row[0].set_ylim(*limits)
     for axes, (across, _) in zip(panels[-1], columns, strict=True):
         axis = AXES[across]
         axes.set_xlabel(f"{axis.title.capitalize()} ({axis.unit})")
     _colour_bars(figure, panels, sides[0], columns)
     style.head(panels[0, 0], balance(name).title, diagnosis, panels[0, -1])
-    (scatter,) = (in_unit(gap, gap.scatter) for gap in diagnosis.where if gap.name == name)
-    panels[0, len(columns) - 2].set_title(
-        f"1 scatter = {scatter}", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
-    )
+    if not unit:
+        (scatter,) = (in_unit(gap, gap.scatter) for gap in diagnosis.where if gap.name == name)
+        look: dict[str, Any] = {"color": style.QUIET, "fontsize": 10, "fontweight": "normal"}
+        panels[0, len(columns) - 2].set_title(f"1 scatter = {scatter}", loc="right", **look)
     return figure
 
 
@@ -111,9 +114,9 @@ def _panels(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     return tuple(each for each in columns if np.isfinite(getattr(side, each[0])).any())
 
 
-def _limits(values: np.ndarray) -> tuple[float, float]:
+def _limits(values: np.ndarray, least: float) -> tuple[float, float]:
     low, high = np.nanpercentile(values, [100 - _SEEN, _SEEN])
-    low, high = min(float(low), -_LEAST), max(float(high), _LEAST)
+    low, high = min(float(low), -least), max(float(high), least)
     room = 0.06 * (high - low)
     return low - room, high + room
 
@@ -173,7 +176,8 @@ def _points(
     known = np.isfinite(value) & np.isfinite(x)
     coloured = known & (side.held_out if only_held_out else True)
     inside = np.clip(value, *limits)
-    axes.axhspan(-1, 1, color="#e5e7eb", zorder=0)
+    if not side.unit:
+        axes.axhspan(-1, 1, color="#e5e7eb", zorder=0)
     axes.axhline(0, color="#374151", linewidth=0.8, zorder=1)
     grey = known & ~coloured
     axes.scatter(

@@ -6,11 +6,11 @@ from hbench.records import BeforeAfter, Diagnosis, Gap, GapTable, WordTable
 from hbench.report.diagnosis.names import (
     EDGES,
     DisplayName,
+    also_words,
     balance,
     compared_model,
     deviation_and_limit,
     in_unit,
-    in_words,
     of_strokes,
     p_words,
     signal,
@@ -41,8 +41,7 @@ def loads_table(diagnosis: Diagnosis) -> WordTable:
     loads = diagnosis.held_out_loads
     steps = steps_of(diagnosis, of_balances=False)
     also = [name for load in loads[:1] for name in load.also]
-    and_effects = "the effects and " if diagnosis.confirmed else ""
-    head = ("load", *steps.values(), *(f"with {and_effects}{in_words(name)}" for name in also))
+    head = ("load", *steps.values(), *(also_words(diagnosis, name) for name in also))
     rows = tuple(
         (
             f"{number(load.load_n, 0)} N",
