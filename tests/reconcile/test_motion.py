@@ -20,6 +20,7 @@ from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml
 from hbench.report.diagnosis.text import diagnosis_text
+from hbench.report.diagnosis.verdict import verdict_words
 from tests.support import driven_axis as axis
 from tests.support.commands import hbench
 
@@ -152,6 +153,9 @@ def test_each_step_that_improves_one_error_alone_is_in_the_words(force, position
     assert words.count("without the") >= len(said) and (said or "without the" not in words)
     assert f"{force[2]:.2f} N with the effects" in words
     assert f"{position[0]:.2f} mm as given" in words
+    force_alone = force[2] < force[0] and position[2] >= position[0]
+    use = "Use the model for forces, not for positions."
+    assert (use in verdict_words(found)) == force_alone
 
 
 @pytest.mark.parametrize("size", [1e-3, 1e3])

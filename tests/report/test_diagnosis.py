@@ -25,6 +25,7 @@ from hbench.records import (
     HeldOutLoad,
     Provenance,
     Region,
+    Rival,
 )
 from hbench.report.diagnosis import names as words
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
@@ -40,6 +41,7 @@ from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
 from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
+from hbench.report.diagnosis.tables.effect_tables import effects_table
 from hbench.report.diagnosis.tables.gap_tables import edges_table
 from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv
 from hbench.report.diagnosis.text import diagnosis_tables, diagnosis_text, gap_line
@@ -92,6 +94,13 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     assert text.startswith("ambiguous: internal_leakage or external_leakage;")
     assert ambiguous.next_experiment in text
     assert ambiguous.missing[0] in text
+
+
+def test_the_score_of_the_next_best_effect_is_that_of_the_candidates(named):
+    """41.86 and 25.14 are 16.72 apart, and printed as 41.9 and 25.1 they seem 16.8 apart."""
+    effect = replace(named.effects[0], score=41.86, runner_up=Rival("load_cell_offset", 16.72))
+    table = effects_table(replace(named, effects=(effect,)))
+    assert table.rows[0][-2:] == ("41.9", "load_cell_offset, 25.1")
 
 
 def test_a_coefficient_at_its_bound_is_left_to_the_table(named):

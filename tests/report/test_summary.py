@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hbench.records import (
@@ -9,7 +10,9 @@ from hbench.records import (
     Candidate,
     Change,
     EffectInPractice,
+    HeldOutError,
     Lookalike,
+    Overlay,
 )
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml
@@ -20,6 +23,8 @@ from hbench.report.diagnosis.text import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import CELL, LEAK, added, summary
+
+OVERLAY = Overlay("0001", "x", "m", *(np.array([0.0, 0.1]),) * 4)
 
 
 def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(named):
@@ -312,6 +317,10 @@ def test_a_gap_that_remains_with_the_effects_is_compared_with_that_of_a_correct_
 
     words = "With the effects, a gap of 2.06 remains in held-out runs, where a correct model would"
     assert words in text(2.06) and "have 1.17 on average. No single balance" in text(2.06)
+    errors = tuple(HeldOutError(name, "N", 4.0, 2.0, 1.0) for name in ("force", "position"))
+    assert "A gap of up to 2 over all runs, or one that is not significant" in text(
+        1.78, errors=errors, overlays=(OVERLAY,)
+    )
     assert "remains" not in text(1.2)
     assert "remains" not in text(2.06, rest=named.where[:1])  # it is listed as not explained
 

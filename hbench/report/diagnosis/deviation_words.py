@@ -130,11 +130,19 @@ def remainder(diagnosis: Diagnosis) -> str:
     listed_elsewhere = diagnosis.rest or diagnosis.alternatives or not diagnosis.confirmed
     if listed_elsewhere or not total.after > CLEARLY_WORSE * total.floor:
         return ""
+    none = (
+        "No single balance has a deviation that is significant, large enough to matter and more "
+        f"than {UNEXPLAINED_GAP:g} trial scatters over all runs."
+    )
+    if diagnosis.errors:  # of the only balance
+        none = (
+            f"A gap of up to {UNEXPLAINED_GAP:g} over all runs, or one that is not significant, is "
+            "not reported as a further effect."
+        )
     return (
         f"With the {added_words(diagnosis)}, a gap of {gap_number(total.after)} remains in "
         f"held-out runs, where a correct model would have {gap_number(total.floor)} on average. "
-        "No single balance has a deviation that is significant, large enough to matter and more "
-        f"than {UNEXPLAINED_GAP:g} trial scatters over all runs."
+        f"{none}"
     )
 
 

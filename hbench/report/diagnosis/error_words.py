@@ -18,7 +18,7 @@ _SUBJECTS = {
     _BOTH: "Compared with the model as given, the revised model improves",
 }
 _MEANING = {
-    "force": "the simulated motion is no better, so use the model for forces, not for positions",
+    "force": "the simulated motion is no better",
     "position": "errors of the force may cancel in the simulated motion",
 }
 
@@ -32,6 +32,14 @@ def errors_in_words(diagnosis: Diagnosis) -> str:
         for error in diagnosis.errors
     ]
     return f"In held-out runs {'; '.join(parts)}." if parts else ""
+
+
+def use_words(diagnosis: Diagnosis) -> str:
+    """Return that the final model improves the force alone, compared with the given one."""
+    *_, last = steps_of(diagnosis, of_balances=False)
+    improved = _better(diagnosis.errors, "before", last)
+    only_force = improved == (["force"], "position")
+    return "Use the model for forces, not for positions." if only_force else ""
 
 
 def load_errors(diagnosis: Diagnosis) -> dict[str, str]:

@@ -36,7 +36,7 @@ from hbench.report.diagnosis.deviation_words import (
     too_small_words,
     undecided_words,
 )
-from hbench.report.diagnosis.error_words import errors_in_words, load_errors
+from hbench.report.diagnosis.error_words import errors_in_words, load_errors, use_words
 from hbench.report.diagnosis.names import (
     deviation_and_limit,
     gap_number,
@@ -71,6 +71,7 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
             yield _effect(diagnosis, effect)
     if diagnosis.errors:
         yield errors_in_words(diagnosis)
+        yield use_words(diagnosis)
     elif several:
         yield _together(diagnosis)
     if diagnosis.alternatives:

@@ -7,7 +7,7 @@ from hbench.report.diagnosis.coefficient_words import (
     parameter_text,
 )
 from hbench.report.diagnosis.names import share
-from hbench.report.render.numbers import NONE, number, short
+from hbench.report.render.numbers import NONE, number
 
 _RANK_HEAD = ("candidate", "score (nats)", "must exceed", "explains", "size", "tried")
 Rows = tuple[tuple[str, ...], ...]
@@ -17,14 +17,15 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
     """Return a row for each coefficient, with what its effect does to held-out runs."""
     rows = []
     for added in diagnosis.effects:
-        rival = (
-            f"{added.runner_up.name}, {short(added.runner_up.margin)}" if added.runner_up else NONE
-        )
+        rival = NONE
+        if added.runner_up:
+            score = added.score - added.runner_up.margin
+            rival = f"{added.runner_up.name}, {number(score + 0.0, 1)}"
         gains = (
             number(added.gap_before, 2),
             number(added.gap_after, 2),
             "yes" if added.confirmed else "no",
-            short(added.score),
+            number(added.score + 0.0, 1),
             rival,
         )
         for i, name in enumerate(added.parameters):
@@ -33,7 +34,7 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
     head = ("effect", "coefficient", "value with 95 % interval", "gap without it", "with it")
     return WordTable(
         "Effects, and gaps of held-out runs in the balances that they touch",
-        (*head, "in model.yaml", "score (nats)", "next best, below by (nats)"),
+        (*head, "in model.yaml", "score (nats)", "next best, its score"),
         tuple(rows),
     )
 
