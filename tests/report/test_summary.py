@@ -241,13 +241,16 @@ def test_offsets_are_separated_by_a_zero_check_with_what_each_sensor_shows_then(
         "with pressure offset, P_Tp 1.8 ± 1.0 bar and P_Tr 2.0 ± 1.0 bar. The other sensors show "
         "zero within their tolerances"
     )
-    for text in (summary(offsets), short_summary(offsets)):
-        assert f"{check} {expected}." in ordinary_spaces(text)
+    assert f"{check} {expected}." in ordinary_spaces(short_summary(offsets))
+    rows = {question: ordinary_spaces(text) for question, text in answers(offsets)}
+    assert rows["What to do"].startswith(f"{check} Zero the sensor that is off")
+    assert rows["Expected readings"] == f"W{expected.removeprefix('Expected readings: w')}."
     verdict = ordinary_spaces(verdict_words(offsets))
     assert check in verdict and expected not in verdict  # once on the page
     known = replace(offsets, zero_tolerances={"p_tp": 1.2, "p_s": 0.8, "f_applied": 69.3})
     limits = "(±1.2 bar for pressures and ±69 N for the load cell)."
-    assert f"{expected} {limits}" in ordinary_spaces(summary(known))
+    assert f"{expected} {limits}" in ordinary_spaces(short_summary(known))
+    assert limits in ordinary_spaces(dict(answers(known))["Expected readings"])
     assert "There is no next.yaml, since a zero check is no run." in summary(offsets)
     planned = replace(offsets, next_schedule={"name": "next"}, next_experiment="Measure it.")
     assert "zero check" not in verdict_words(planned) + summary(planned)

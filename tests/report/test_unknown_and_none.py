@@ -34,9 +34,9 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "), the refitted model is off by 38 N (force of test cylinder)." in text
     largest = (
         "Over all runs, the force of the test cylinder deviates most while "
-        "retracting (9.0 trial scatters there, 2.0 where it is smallest). Next, inspect the seals "
+        "retracting (about 66 N RMS there, 15 N where it is smallest). Next, inspect the seals "
         "and guides of the test cylinder, the load cell and"
-    )
+    )  # 9.0 and 2.0 scatters of 7.3 N
     assert largest in ordinary_spaces(verdict_words(compared))  # all speeds are about alike
     assert (
         "Load friction is the closest of the 2 effects that were tried and would explain 80 %"
@@ -45,7 +45,7 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "It is not named: its size of 0.22 times a typical one is too small" in text
     assert "Take it as a hint" in text and "chance" not in text
     assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
-    assert "more steady runs where its gap is largest, while retracting, and" in text
+    assert "more steady runs where the deviation is largest, while retracting, and" in text
 
 
 def test_each_balance_that_no_effect_explains_has_its_parts_to_inspect(compared):
@@ -56,13 +56,28 @@ def test_each_balance_that_no_effect_explains_has_its_parts_to_inspect(compared)
     assert "For the" not in verdict_words(compared)
 
 
+def test_a_limit_that_two_deviations_share_is_written_once(compared):
+    first = compared.where[0]
+    second = replace(first, name="force_load", deviation=20.0)
+
+    def text(*gaps):
+        return ordinary_spaces(verdict_words(replace(compared, rest=gaps)))
+
+    shared = (
+        "40 N RMS; the force of the load cylinder deviates by 20 N RMS (each matters above 12 N)."
+    )
+    assert f"the force of the test cylinder deviates by {shared}" in text(first, second)
+    own = text(first, replace(second, material=9.0))
+    assert "40 N RMS (matters above 12 N); the force" in own and "20 N RMS (matters above 9" in own
+
+
 def test_a_place_is_a_stretch_of_its_axis(compared):
     regions = tuple(
         Region("position_m", "", low, low + 0.1, 99, {"force_test": gap})
         for low, gap in ((0.05, 2.0), (0.2, 8.0))
     )
     text = ordinary_spaces(verdict_words(replace(compared, regions=regions)))
-    assert "deviates most at a position of 200 to 300 mm (8.0 trial scatters there" in text
+    assert "deviates most at a position of 200 to 300 mm (about 58 N RMS there" in text
     loads = tuple(replace(each, axis="load_n", gaps={"force_test": 4.0}) for each in regions)
     loads = (loads[0], replace(loads[1], gaps={"force_test": 7.0}))
     both = ordinary_spaces(verdict_words(replace(compared, regions=(*regions, *loads))))
@@ -134,7 +149,11 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "mass and rest time (not tried): these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
-    assert "no reason to inspect or to repair anything. These runs would" in verdict_words(none)
+    lead = "repair anything. These runs would not show added mass and rest time (not tried) at a"
+    assert f"no reason to inspect or to {lead} typical size." in verdict_words(none)
+    many = replace(none, not_tried={f"effect_{i}": "no breakaway" for i in range(6)})
+    assert "would not show 7 of 8 known effects at a typical size." in verdict_words(many)
+    assert next(iter(answers(compared)))[0] == "What to do"  # before the evidence
     assert "no reason to inspect" not in text  # once on the page
     assert "too small to matter" not in text  # 40 N matter
     close = replace(compared.where[0], deviation=11.64, material=12.04)
@@ -188,7 +207,10 @@ def test_a_signal_that_deviates_far_more_than_the_balances_is_in_the_verdict(com
     def of_simulation(gap):
         return dict(answers(found(gap)))["Simulation"]
 
-    words = "the velocity deviates by 11.7 trial scatters, the balances by no more than 2.10."
+    words = (
+        "the velocity deviates by 11.7 trial scatters, the balances, which are means over 0.16 s, "
+        "by 2.10. Look for faster motion, such as chatter, in the section"
+    )
     assert words in verdict("unknown", 11.7) and words in verdict("none", 11.7)
     # The row on the simulation does not call the same signal of no consequence.
     assert "either the bench moves in a way" in of_simulation(11.7)
@@ -198,7 +220,7 @@ def test_a_signal_that_deviates_far_more_than_the_balances_is_in_the_verdict(com
     measured, simulated = np.array([0.01, 0.02]), np.array([0.013, 0.024])  # 3 and 4 mm/s off
     run = Overlay("0042", "v", "m/s", np.arange(2), measured, measured, simulated)
     text = ordinary_spaces(verdict_words(found(11.7, overlays=(run,))))
-    assert "by 11.7 trial scatters (3.5 mm/s RMS in run 0042), the balances" in text
+    assert "by 11.7 trial scatters (3.5 mm/s RMS in run 0042), the balances," in text
     assert "simulation shows more" not in verdict_words(compared)  # nothing was simulated
 
 

@@ -63,7 +63,7 @@ def separation(diagnosis: Diagnosis) -> Iterator[str]:
 
 
 def zero_check(diagnosis: Diagnosis) -> list[str]:
-    """Return how a zero check separates the ambiguous set, and what each sensor shows then.
+    """Return how a zero check separates the ambiguous set, and what to do then.
 
     Empty where another run separates the set, or where next.yaml is proposed.
     """
@@ -72,19 +72,29 @@ def zero_check(diagnosis: Diagnosis) -> list[str]:
         return []
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    inspect = [effect.inspect for effect in chosen if readings_words(effect) and effect.inspect]
+    return [
+        f"Next step: a zero check with the supply off. Read {listed(inspect)}.",
+        "Zero the sensor that is off, or enter its offset in the bench file, and measure again.",
+        _ZEROS,
+    ]
+
+
+def zero_readings(diagnosis: Diagnosis) -> str:
+    """Return what each sensor shows in the zero check; empty where none separates the set."""
+    if not zero_check(diagnosis):
+        return ""
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
     errors = {effect.name: readings_words(effect) for effect in chosen}
-    inspect = [effect.inspect for effect in chosen if errors[effect.name] and effect.inspect]
     shown = [
         f"with {in_words(name)}, {words or 'every sensor'} {'' if words else 'shows zero'}".strip()
         for name, words in errors.items()
     ]
-    return [
-        f"Next step: a zero check with the supply off. Read {listed(inspect)}.",
-        f"Expected readings: {'; '.join(shown)}. The other sensors show zero within their "
-        f"tolerances{_tolerances(diagnosis)}.",
-        "Zero the sensor that is off, or enter its offset in the bench file, and measure again.",
-        _ZEROS,
-    ]
+    return (
+        f"{'; '.join(shown)}. The other sensors show zero within their "
+        f"tolerances{_tolerances(diagnosis)}."
+    )
 
 
 def _tolerances(diagnosis: Diagnosis) -> str:

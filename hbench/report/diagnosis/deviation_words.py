@@ -30,11 +30,16 @@ _FEW = 2  # balances, or unexplained gaps, in a sentence
 
 def deviations(gaps: Sequence[Gap]) -> str:
     """Return gaps in their units, with the limits below which they do not matter."""
-    parts = []
-    for gap in gaps[:_FEW]:
+    limits = [deviation_and_limit(gap)[1] for gap in gaps[:_FEW]]
+    one_limit = len(set(limits)) < len(limits)
+    parts: list[str] = []
+    for gap, limit in zip(gaps, limits, strict=False):
         size = f"{number(gap.gap, 1)} trial scatters"
-        if isfinite(gap.material):
-            size = "{} RMS (matters above {})".format(*deviation_and_limit(gap))
+        if isfinite(gap.material) and one_limit:
+            each = f" (each matters above {limit})" if parts else ""
+            size = f"{deviation_and_limit(gap)[0]} RMS{each}"
+        elif isfinite(gap.material):
+            size = f"{deviation_and_limit(gap)[0]} RMS (matters above {limit})"
         elif isfinite(gap.deviation):
             size = f"{in_unit(gap, gap.deviation)} RMS ({size})"
         elif isfinite(gap.scatter):
@@ -161,10 +166,9 @@ def beyond_balances(diagnosis: Diagnosis) -> str:
         return ""
     return (
         f"The closed-loop simulation shows more: in held-out runs {in_sentence(name)} deviates by "
-        f"{gap_number(gaps[name])} trial scatters{_in_a_run(diagnosis, name)}, the balances by no "
-        "more than "
-        f"{gap_number(max(balances))}. The balances are means over 0.16 s and do not show faster "
-        "motion, such as chatter: see the section Held-out runs, measured and simulated."
+        f"{gap_number(gaps[name])} trial scatters{_in_a_run(diagnosis, name)}, the balances, which "
+        f"are means over 0.16 s, by {gap_number(max(balances))}. Look for faster motion, such as "
+        "chatter, in the section Held-out runs, measured and simulated."
     )
 
 

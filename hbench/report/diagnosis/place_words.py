@@ -12,10 +12,11 @@ from hbench.report.diagnosis.names import (
     added_words,
     compared_model,
     in_sentence,
+    in_unit,
     residual_name,
     shown,
 )
-from hbench.report.render.numbers import number, short, significant
+from hbench.report.render.numbers import short, significant
 from hbench.report.render.symbols import listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
@@ -99,9 +100,11 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
     if not places:
         return ""
     worst = places[0]
+    (gap,) = (each for each in diagnosis.where if each.name == name)
+    there, least = (in_unit(gap, scatters * gap.scatter) for scatters in (worst.gap, worst.least))
     return (
-        f"Over all runs, {in_sentence(name)} deviates most {worst.words} ({number(worst.gap, 1)} "
-        f"trial scatters there, {number(worst.least, 1)} where it is smallest)."
+        f"Over all runs, {in_sentence(name)} deviates most {worst.words} (about {there} RMS there, "
+        f"{least} where it is smallest)."
     )
 
 

@@ -16,6 +16,7 @@ from hbench.report.diagnosis.action_words import (
     next_step,
     separation,
     zero_check,
+    zero_readings,
 )
 from hbench.report.diagnosis.change_words import (
     along_words,
@@ -81,7 +82,7 @@ _NO_GAIN = (
     "The effect is named by its score in the cross-validation over the runs of the fit. Held-out "
     "runs do not confirm it, so model.yaml and all gaps below are those of the model without it."
 )
-_EXPECTED = "Expected deviations"
+_EXPECTED, _READINGS = "Expected deviations", "Expected readings"
 _WORSE, _CLOSEST = "What gets worse", "Closest known effect"
 _UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
 
@@ -161,7 +162,11 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.alternatives:
         yield _ambiguous_sizes(diagnosis, brief=True)
         yield friction_words(diagnosis)
-        yield from zero_check(diagnosis) or separation(diagnosis)
+        if readings := zero_readings(diagnosis):
+            first, *then = zero_check(diagnosis)
+            yield from (first, f"{_READINGS}: {readings}", *then)
+        else:
+            yield from separation(diagnosis)
     elif not diagnosis.effects:
         if diagnosis.verdict == "unknown" and not diagnosis.where:
             yield from (sentence for _, sentence in _insufficient(diagnosis))
@@ -227,6 +232,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _EVIDENCE, closeness(diagnosis.alternatives)
     for sentence in zero_check(diagnosis) or separation(diagnosis):
         yield _ACTION, sentence
+    yield _READINGS, capital(zero_readings(diagnosis))
 
 
 def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
@@ -246,6 +252,12 @@ def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
+    yield _ACTION, diagnosis.next_experiment or ""
+    if not diagnosis.next_experiment:
+        yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
+    yield _ACTION, _OWN_EFFECT
+    if diagnosis.unnamed:
+        yield _ACTION, _MEANWHILE
     yield _UNNAMED, law_summary(diagnosis.unnamed)
     yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
     yield _EVIDENCE, significance(gaps)
@@ -253,12 +265,6 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield _REFIT, refit_words(diagnosis)
-    yield _ACTION, diagnosis.next_experiment or ""
-    if not diagnosis.next_experiment:
-        yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
-    yield _ACTION, _OWN_EFFECT
-    if diagnosis.unnamed:
-        yield _ACTION, _MEANWHILE
 
 
 def _narrowing(diagnosis: Diagnosis, name: str) -> str:
@@ -267,11 +273,13 @@ def _narrowing(diagnosis: Diagnosis, name: str) -> str:
         return diagnosis.missing[0]
     places = worst_places(diagnosis, name)
     set_by_run = [place for place in places if place.axis != "time in the run"]
-    where = "".join(f" where its gap is largest, {place.words}," for place in set_by_run[:1])
+    where = "".join(f" where the deviation is largest, {place.words}," for place in set_by_run[:1])
     return f"more steady runs{where} and vary speed, load and pressure one at a time"
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
+    if diagnosis.refitted and not diagnosis.refit_refused:
+        yield _ACTION, "Use model.yaml, which has the refitted values."
     yield _EVIDENCE, agreement(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
@@ -283,8 +291,6 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))
     yield _RESIDUALS, residual_words(diagnosis, list(names))
     yield _RESIDUALS, significant_gaps(diagnosis.where)
-    if diagnosis.refitted and not diagnosis.refit_refused:
-        yield _ACTION, "Use model.yaml, which has the refitted values."
 
 
 def _insufficient(diagnosis: Diagnosis) -> Iterator[Answer]:

@@ -25,6 +25,7 @@ _SIZES = "Smallest effects that hbench reconcile would detect, by simulation of 
 _NO_PAIR = "All pairs of detectable effects are distinguishable."
 _NEIGHBOURS = 3  # closest effects to each one that matters
 _MOST = 8  # effects of the matrix
+_MOST_UNSEEN = 6  # effects in a sentence
 
 
 def sizes_table(separability: Separability) -> WordTable:
@@ -121,14 +122,9 @@ def _with_unit(value: float, unit: str) -> str:
 
 def detectable(diagnosis: Diagnosis) -> str:
     """Return how many effects of a typical size these runs would show, and which ones not."""
-    seen = _detectable(diagnosis)
+    seen, unseen = _detectable(diagnosis), _unseen(diagnosis)
     if not seen:
         return ""
-    unseen = [
-        f"{in_words(name)}{' (not tried)' if name in diagnosis.not_tried else ''}"
-        for name, known in seen.items()
-        if not known
-    ]
     rest = f" They would not show {listed(unseen)}: these can be present." if unseen else ""
     count = f"{sum(seen.values())} of {len(seen)}"
     fitted = [in_words(name) for name, why in diagnosis.not_tried.items() if why == FITTED]
@@ -138,12 +134,21 @@ def detectable(diagnosis: Diagnosis) -> str:
 
 
 def undetectable(diagnosis: Diagnosis) -> str:
-    """Return how many effects of a typical size these runs would not show; empty for none."""
-    seen = _detectable(diagnosis)
-    unseen = len(seen) - sum(seen.values())
+    """Return which effects of a typical size these runs would not show; their number if many."""
+    unseen = _unseen(diagnosis)
     if not unseen:
         return ""
-    return f"These runs would not show {unseen} of {len(seen)} known effects at a typical size."
+    number_of = f"{len(unseen)} of {len(_detectable(diagnosis))} known effects"
+    names = listed(unseen) if len(unseen) <= _MOST_UNSEEN else number_of
+    return f"These runs would not show {names} at a typical size."
+
+
+def _unseen(diagnosis: Diagnosis) -> list[str]:
+    return [
+        f"{in_words(name)}{' (not tried)' if name in diagnosis.not_tried else ''}"
+        for name, known in _detectable(diagnosis).items()
+        if not known
+    ]
 
 
 def _detectable(diagnosis: Diagnosis) -> dict[str, bool]:
