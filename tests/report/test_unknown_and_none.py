@@ -149,7 +149,7 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "mass and rest time (not tried): these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
-    lead = "repair anything. These runs would not show added mass and rest time (not tried) at a"
+    lead = "repair anything. They would not show added mass and rest time (not tried) at a"
     assert f"no reason to inspect or to {lead} typical size." in verdict_words(none)
     many = replace(none, not_tried={f"effect_{i}": "no breakaway" for i in range(6)})
     assert "would not show 7 of 8 known effects at a typical size." in verdict_words(many)

@@ -134,13 +134,13 @@ def detectable(diagnosis: Diagnosis) -> str:
 
 
 def undetectable(diagnosis: Diagnosis) -> str:
-    """Return which effects of a typical size these runs would not show; their number if many."""
+    """Return which effects of a typical size the runs would not show; their number if many."""
     unseen = _unseen(diagnosis)
     if not unseen:
         return ""
     number_of = f"{len(unseen)} of {len(_detectable(diagnosis))} known effects"
     names = listed(unseen) if len(unseen) <= _MOST_UNSEEN else number_of
-    return f"These runs would not show {names} at a typical size."
+    return f"They would not show {names} at a typical size."
 
 
 def _unseen(diagnosis: Diagnosis) -> list[str]:
