@@ -273,7 +273,7 @@ def test_pairs_of_strokes_are_drawn_by_themselves_and_without_a_position(named):
     scatters = shape_figure(named, named.where[0].name)
     assert any("1 scatter = " in axes.get_title(loc="right") for axes in scatters.axes)
     below = [axes.get_xlabel() for axes in figure.axes if axes.get_xlabel()]
-    assert below == ["Velocity (mm/s)", "Time in the run (s)", "Load (kN)"]
+    assert below == ["Load (kN)", "Time in the run (s)", "Velocity (mm/s)"]
     lines = [line.get_label() for axes in figure.axes for line in axes.lines]
     assert not [label for label in lines if "medians" in label]
     grey, coloured = figure.axes[0].collections

@@ -114,3 +114,6 @@ def test_a_refit_to_strokes_that_is_worse_at_other_loads_is_reported_with_why_it
     words = "in the gaps of friction (35.9 to 58.3). The refit is kept, since"
     assert f"The refitted model is worse than the model as given {words}" in summary(worse)
     assert "as given" not in verdict_words(better) + summary(better)
+    loads = (HeldOutLoad(50.0, 4.8, 5.9, 3.1, {}, {}),)
+    newtons = "At held-out loads the force error is 4.8 N as given and 5.9 N refitted. The refit is"
+    assert newtons in summary(replace(worse, held_out_loads=loads))

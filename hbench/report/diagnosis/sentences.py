@@ -11,6 +11,7 @@ from hbench.records import (
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 from hbench.report.diagnosis.coefficient_words import keys_as_words, parameter_text
 from hbench.report.diagnosis.deviation_words import CLEARLY_WORSE, MOST_SIGNALS
+from hbench.report.diagnosis.error_words import load_errors
 from hbench.report.diagnosis.names import (
     CHAMBERS,
     added_words,
@@ -181,6 +182,9 @@ def refit_worse_words(diagnosis: Diagnosis) -> str:
     was taken from these same strokes. In other campaigns such a refit is refused.
     """
     words = _worse(diagnosis, "refitted", "before") if of_strokes(diagnosis) else ""
+    if words and diagnosis.held_out_loads:
+        given, refitted, *_ = load_errors(diagnosis).values()
+        words = f"At held-out loads the force error is {given} as given and {refitted} refitted."
     reason = (
         "The refit is kept, since the level of friction in the model file may have been taken from "
         "these same strokes."

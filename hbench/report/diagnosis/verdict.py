@@ -52,8 +52,6 @@ from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
-_HELD_OUT = "in runs that were not used for the fit"
-
 
 def verdict_words(diagnosis: Diagnosis) -> str:
     """Return the first paragraph of the page."""
@@ -171,8 +169,8 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
-        f"With it, the model's deviation in the quantities that it touches falls from {before} to "
-        f"{after} times the repeatability of the bench{laws}, {_HELD_OUT}."
+        f"With it, runs outside the fit deviate by {after} instead of {before} times the "
+        f"repeatability of the bench in the quantities that it touches{laws}."
     )
 
 

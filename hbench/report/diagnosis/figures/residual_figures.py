@@ -111,7 +111,8 @@ def _panels(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     """Return the panels whose axes are known: pairs of strokes have no position."""
     columns = _PANELS if has_loads(diagnosis) else _AT_ONE_LOAD
     side = diagnosis.residuals_before
-    return tuple(each for each in columns if np.isfinite(getattr(side, each[0])).any())
+    known = tuple(each for each in columns if np.isfinite(getattr(side, each[0])).any())
+    return known[::-1] if of_strokes(diagnosis) else known  # the load first
 
 
 def _limits(values: np.ndarray, least: float) -> tuple[float, float]:
