@@ -1,6 +1,6 @@
 """Hypothesis: the given plant with factors on its nuisance parameters, effects, learned laws.
 
-And the drifts of the sensors that measured it. A step in one parameter makes a column by finite
+And the disturbances of its measurement. A step in one parameter makes a column by finite
 differences.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.learned.table import Table
-from hbench.reconcile.measured.drift import channel_of, is_drift
+from hbench.reconcile.measured.disturbances import is_disturbance
 from hbench.units import parse_unit
 
 CoefficientKey = tuple[str, str]  # name of the effect, key of its coefficient
@@ -23,13 +23,13 @@ CoefficientKey = tuple[str, str]  # name of the effect, key of its coefficient
 class Hypothesis:
     """Factors on nuisance parameters by dotted path, coefficients of effects in SI, tables.
 
-    ``drifts`` of sensors by channel, in standard deviations of their priors (see ``drift.py``).
+    ``disturbances`` by column, in standard deviations of their priors (see ``disturbances.py``).
     """
 
     factors: Mapping[str, float] = field(default_factory=dict)
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     tables: tuple[Table, ...] = ()
-    drifts: Mapping[str, float] = field(default_factory=dict)
+    disturbances: Mapping[str, float] = field(default_factory=dict)
 
     def plant(self, given: Any) -> Any:
         """Return the given plant, or part of a plant, with the factors and effects applied."""
@@ -88,7 +88,7 @@ def stepped(
 
     ``name`` is that of a column; ``widths`` are the priors' standard deviations of the factors.
     ``size`` is the step: of a factor's logarithm, or a share of a coefficient's typical size or a
-    drift's standard deviation. It is reversed at a coefficient's upper limit.
+    disturbance's standard deviation. It is reversed at a coefficient's upper limit.
     """
     if name.startswith("/"):
         path = name[1:]
@@ -96,10 +96,10 @@ def stepped(
         return replace(hypothesis, factors={**hypothesis.factors, path: factor}), size / widths[
             path
         ]
-    if is_drift(name):
-        channel = channel_of(name)
-        drift = hypothesis.drifts.get(channel, 0.0) + size
-        return replace(hypothesis, drifts={**hypothesis.drifts, channel: drift}), size
+    if is_disturbance(name):
+        value = hypothesis.disturbances.get(name, 0.0) + size
+        disturbances = {**hypothesis.disturbances, name: value}
+        return replace(hypothesis, disturbances=disturbances), size
     effect, _, key = name.partition(".")
     which = effect, key
     row, current = EFFECTS[effect].coefficients[key], hypothesis.coefficient(which)

@@ -2,7 +2,7 @@
 
 The columns (see ``evidence.py``) are the derivatives of the measured residuals by the parameters.
 Units: factors in standard deviations of their priors (of the logarithm), coefficients in typical
-sizes, drifts and modes of learned laws in standard deviations of their priors.
+sizes, disturbances and modes of learned laws in standard deviations of their priors.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,15 +16,15 @@ from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.learned.table import is_mode, mode_of
-from hbench.reconcile.measured.drift import channel_of, is_drift
+from hbench.reconcile.measured.disturbances import is_disturbance
 from hbench.reconcile.nuisance import BOUND, nuisances, standard_deviation
 from hbench.reconcile.products import Products
 from hbench.reconcile.window_sums import products
 
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default
-_LARGEST_DRIFT = 3**0.5  # in standard deviations of its prior: equally likely within its limit
-_NO_EFFECT = "/~#"  # first letters of the names of factors, drifts and modes
+_LARGEST_DISTURBANCE = 3**0.5  # in standard deviations: equally likely within its limit
+_NO_EFFECT = "/~#"  # first letters of the names of factors, disturbances and modes
 _LARGEST_MODE = 30.0  # of a learned law, in standard deviations of its prior
 Columns = Mapping[str, np.ndarray]  # by name: change of the residuals (w, c) by one unit
 
@@ -132,9 +132,9 @@ def linearise_residuals(
             tight.append((-at, 1.0, -BOUND - at, BOUND - at))
             wide.append(tight[-1])
             continue
-        if is_drift(name):
-            at = hypothesis.drifts.get(channel_of(name), 0.0)
-            tight.append((-at, 1.0, -_LARGEST_DRIFT - at, _LARGEST_DRIFT - at))
+        if is_disturbance(name):
+            at = hypothesis.disturbances.get(name, 0.0)
+            tight.append((-at, 1.0, -_LARGEST_DISTURBANCE - at, _LARGEST_DISTURBANCE - at))
             wide.append(tight[-1])
             continue
         if is_mode(name):
@@ -171,14 +171,14 @@ def hypothesis_at(
     """Return the hypothesis at steps ``beta`` (q,) of the ``chosen`` columns."""
     before, widths = model.hypothesis, nuisances(plant)
     factors, values, tables = dict(before.factors), {}, list(before.tables)
-    drifts = dict(before.drifts)
+    disturbances = dict(before.disturbances)
     for i, step in zip(chosen, beta.tolist(), strict=True):
         name = model.data.names[i]
         if name.startswith("/"):
             path = name[1:]
             factors[path] = float(factors.get(path, 1.0) * np.exp(step * widths[path]))
-        elif is_drift(name):
-            drifts[channel_of(name)] = drifts.get(channel_of(name), 0.0) + step
+        elif is_disturbance(name):
+            disturbances[name] = disturbances.get(name, 0.0) + step
         elif is_mode(name):
             table, mode = mode_of(name)
             tables[table] = tables[table].stepped(mode, step)
@@ -186,7 +186,7 @@ def hypothesis_at(
             effect, _, key = name.partition(".")
             which = effect, key
             values[which] = _allowed(which, before.coefficient(which) + step * typical_size(which))
-    changed = replace(before, factors=factors, tables=tuple(tables), drifts=drifts)
+    changed = replace(before, factors=factors, tables=tuple(tables), disturbances=disturbances)
     return changed.with_coefficients(values)
 
 

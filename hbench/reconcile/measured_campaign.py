@@ -13,20 +13,28 @@ from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, stepped
-from hbench.reconcile.learned.columns import table_columns
-from hbench.reconcile.learned.table import is_mode, mode_of
+from hbench.reconcile.learned.columns import hats, knots_of, table_columns
+from hbench.reconcile.learned.table import Table, empty_table, is_mode, mode_of
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import (
     BALANCES,
     BalanceModel,
     balance_model,
     balance_values,
+    measured_laws,
     operating_conditions,
     rounding_error,
 )
-from hbench.reconcile.measured.drift import drift_name, is_drift
+from hbench.reconcile.measured.disturbances import (
+    CYLINDERS,
+    Ripples,
+    drift_name,
+    is_disturbance,
+    is_ripple,
+    ripple_name,
+)
 from hbench.reconcile.measured.session import PRESSURES, Session
-from hbench.reconcile.nuisance import drift_deviations, nuisances, tolerances
+from hbench.reconcile.nuisance import drift_deviations, nuisances, standard_deviation, tolerances
 
 _STEP = 1e-3  # of a logarithm
 _SHARE = 0.05  # of a typical size: its law is nearly a line over this step
@@ -37,6 +45,8 @@ _LAGS = frozenset(  # columns of times as short as such a step
        if c.unit == "ms"]
 )  # fmt: skip
 _LEVEL_SCATTER = 0.04  # of dry friction from run to run, standard deviation: assumed
+_RIPPLE = standard_deviation(0.02)  # of dry friction along a honed bore: assumed
+_RIPPLE_KNOTS = 8  # over the positions that were reached
 
 
 @dataclass(frozen=True)
@@ -61,6 +71,13 @@ class MeasuredCampaign:
         """Standard deviations [SI] of the sensors' drifts over the campaign, by channel."""
         return drift_deviations(self.tolerances)
 
+    @cached_property
+    def ripple(self) -> Table:
+        """Table of a share of dry friction over the position, with its modes."""
+        positions = np.concatenate([log.channels["x_m"] for log in self.logs])
+        knots = {"position": knots_of(positions, _RIPPLE_KNOTS)}
+        return empty_table("friction_test", knots, _RIPPLE)
+
     @property
     def nuisance_columns(self) -> list[str]:
         """Names of the columns of all nuisances."""
@@ -68,6 +85,7 @@ class MeasuredCampaign:
             *(f"/{path}" for path in nuisances(self.plant)),
             *map(".".join, self.tolerances),
             *map(drift_name, self.drifts),
+            *(ripple_name(each, mode) for each in CYLINDERS for mode in range(_RIPPLE_KNOTS)),
         ]
 
     @cached_property
@@ -81,9 +99,17 @@ class MeasuredCampaign:
 
     def balance_model(self, hypothesis: Hypothesis) -> BalanceModel:
         """Return the balances' model of a hypothesis."""
-        model = balance_model(self.bench, hypothesis.plant(self.plant))
-        drifts = {name: share * self.drifts[name] for name, share in hypothesis.drifts.items()}
-        return replace(model, drifts=drifts)
+        return self._disturbed(balance_model(self.bench, hypothesis.plant(self.plant)), hypothesis)
+
+    def _disturbed(self, model: BalanceModel, hypothesis: Hypothesis) -> BalanceModel:
+        at = hypothesis.disturbances
+        drifts = {name: at.get(drift_name(name), 0.0) * size for name, size in self.drifts.items()}
+        modes = [
+            [at.get(ripple_name(each, i), 0.0) for i in range(_RIPPLE_KNOTS)] for each in CYLINDERS
+        ]
+        (knots,) = self.ripple.knots.values()
+        ripples = Ripples(np.array(knots), modes @ self.ripple.basis.T)
+        return replace(model, drifts=drifts, ripples=ripples)
 
     def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
         """Return the residuals of all runs, with the levels of friction that are not known.
@@ -147,12 +173,14 @@ class MeasuredCampaign:
     def columns(self, hypothesis: Hypothesis, names: Iterable[str]) -> Columns:
         """Return the columns ``names`` at a hypothesis: changes by one unit, times -1.
 
-        By finite differences along the logs, on all cores; those of learned laws directly.
+        By finite differences along the logs, on all cores; those of tables directly.
         """
         wanted, model = list(names), self.balance_model(hypothesis)
         coarse = replace(model, step_s=_COLUMN_STEP_S)
-        differences = [name for name in wanted if not is_mode(name)]
+        differences = [name for name in wanted if not (is_mode(name) or is_ripple(name))]
         modes: dict[str, np.ndarray] = {}
+        if any(map(is_ripple, wanted)):
+            modes |= self._ripple_columns(coarse)
         for i in dict.fromkeys(mode_of(name)[0] for name in wanted if is_mode(name)):
             modes |= table_columns(hypothesis.tables[i], i, self.smoothed_sessions, coarse)
         before = {
@@ -162,6 +190,24 @@ class MeasuredCampaign:
         columns = map_on_threads(lambda name: self._column(hypothesis, name, before), differences)
         found = dict(zip(differences, columns, strict=True)) | modes
         return {name: found[name] for name in wanted}
+
+    def _ripple_columns(self, model: BalanceModel) -> Columns:
+        """Return the columns (w, c) of the modes of the ripples of both cylinders."""
+        raised = replace(model, levels=(1.0 + _STEP, 1.0 + _STEP))
+        (knots,) = self.ripple.knots.values()
+        parts = []
+        for log in self.smoothed_sessions:
+            more, at = measured_laws(log, raised), measured_laws(log, model)
+            dry = [more.friction_test - at.friction_test, more.friction_load - at.friction_load]
+            modes = (hats(log.channels["x_m"], knots) @ self.ripple.basis).T
+            parts.append([log.mean(each / _STEP * modes) for each in dry])
+        columns = {}
+        for cylinder, *own in zip(CYLINDERS, *parts, strict=True):
+            for i, mode in enumerate(np.concatenate(own, axis=-1)):
+                column = np.zeros((len(mode), len(BALANCES)))
+                column[:, BALANCES.index(f"force_{cylinder}")] = mode
+                columns[ripple_name(cylinder, i)] = column
+        return columns
 
     def _column(
         self, hypothesis: Hypothesis, name: str, before: Mapping[float, np.ndarray]
@@ -173,7 +219,7 @@ class MeasuredCampaign:
         if name not in _LAGS:
             model = replace(model, step_s=_COLUMN_STEP_S)
         change = (before[model.step_s] - _values(self.smoothed_sessions, model)) / share
-        if name.startswith("/") or is_drift(name):
+        if name.startswith("/") or is_disturbance(name):
             return change
         touched = np.isin(BALANCES, EFFECTS[name.partition(".")[0]].balances)
         return np.where(touched, change, 0.0)

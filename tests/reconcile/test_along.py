@@ -159,7 +159,7 @@ def opening_along(model, u, dt=RECORD_S, step_s=STEP_S):
     signals[6] = 50 * BAR + DROP
     signals[7] = u
     start = single_start(signals.shape[1], model.par)
-    means = along(signals, dt, par, start, np.ones(2), step_s)
+    means = along(signals, dt, par, start, np.ones((2, 1)), step_s)
     volume, _ = extending_volumes(0.15, par.test)
     return means.per_volume[0] * volume / (par.valve.flow_gain * np.sqrt(DROP))
 
@@ -218,7 +218,7 @@ def test_compression_and_volume_are_their_integrals(plant_with):
     signals[0], signals[1], signals[6] = 0.1 + 0.05 * t, 0.05, 150 * BAR
     signals[2:6] = 40 * BAR + 20 * BAR * t
     start = single_start(signals.shape[1], model.par)
-    means = along(signals, RECORD_S, model.par, start, np.ones(2))
+    means = along(signals, RECORD_S, model.par, start, np.ones((2, 1)))
     inner = slice(2, -2)
     slope = np.gradient(means.compression, RECORD_S, axis=1)[:, inner]
     assert slope == pytest.approx(np.full_like(slope, 20 * BAR / model.par.bulk_modulus_pa))
@@ -236,7 +236,7 @@ def test_levels_scale_dry_friction_alone(plant_with, level):
     start = single_start(signals.shape[1], model.par)
     forces = {}
     for each in (1.0, level):
-        means = along(signals, RECORD_S, model.par, start, np.array([each, 1.0]))
+        means = along(signals, RECORD_S, model.par, start, np.array([[each], [1.0]]))
         forces[each] = means.friction_test[-1], means.friction_load[-1]
     viscous = model.par.test.friction.viscous * 0.05
     dry = forces[1.0][0] - viscous
@@ -250,7 +250,7 @@ def test_bristles_begin_with_the_measured_friction(plant_with):
     signals = np.zeros((10, 20))
     signals[0], signals[2:7] = 0.1, 50 * BAR
     start = single_start(signals.shape[1], model.par, (40.0, -25.0))
-    means = along(signals, RECORD_S, model.par, start, np.ones(2))
+    means = along(signals, RECORD_S, model.par, start, np.ones((2, 1)))
     assert means.friction_test == pytest.approx(np.full(20, 40.0))
     assert means.friction_load == pytest.approx(np.full(20, -25.0))
 
@@ -285,7 +285,7 @@ def test_friction_along_a_log_is_the_plants(plant_with):
     pressures = [log.p_tp_pa, log.p_tr_pa, log.p_lp_pa, log.p_lr_pa, log.p_s_pa]
     signals = np.vstack([log.x_m, log.v_m_s, *pressures, u])
     start = single_start(signals.shape[1], model.par)
-    means = along(signals, RECORD_S, model.par, start, np.ones(2))
+    means = along(signals, RECORD_S, model.par, start, np.ones((2, 1)))
     for found, force in (
         (means.friction_test, made.friction_test_n),
         (means.friction_load, made.friction_load_n),

@@ -307,8 +307,8 @@ def test_the_strokes_of_real_cylinders_are_a_motion_with_drive_force_too(
     assert effects["load_cell_gain"].parameters["error"].value == pytest.approx(share, abs=0.35)
     errors = errors_of(found)
     assert errors["force"].after < 0.5 * errors["force"].refitted < 0.5 * errors["force"].before
-    # An open-loop motion under a force that nothing balances exactly: of no use here.
-    assert errors["position"].after > 500
+    # Under a force that nothing balances exactly the motion is metres off with friction alone.
+    assert errors["position"].after < 0.05 * errors["position"].refitted
 
 
 @pytest.mark.slow

@@ -88,13 +88,14 @@ def along(
     """Return the means along logs of n records in all, on all cores.
 
     ``signals`` (10, n) are x, v, four chamber pressures, supply pressure and three commands in SI;
-    ``levels`` (2,) are those of dry friction. Spools start at rest at their first command,
-    bristles with the measured friction less what the effects add to it.
+    ``levels`` (2, n), or (2, 1), are those of dry friction. Spools start at rest at their first
+    command, bristles with the measured friction less what the effects add to it.
     """
     steps = max(1, ceil(dt_s / step_s - 1e-9))
     h = dt_s / steps
     elements = len(par.test.friction.elements), len(par.load.friction.elements)
     transition, out = _spool_step(par.valve, h), np.zeros((12, signals.shape[1]))
+    levels = np.ascontiguousarray(np.broadcast_to(levels, (2, signals.shape[1])))
 
     def integrate(part: Starts) -> None:
         z = [np.zeros(2 * count) for count in elements]
@@ -129,7 +130,12 @@ class _Laws(NamedTuple):
 
 @inlined
 def _laws(
-    supply: float, state: np.ndarray, par: PlantParameters, levels: np.ndarray, rates: np.ndarray
+    supply: float,
+    state: np.ndarray,
+    par: PlantParameters,
+    level_t: float,
+    level_l: float,
+    rates: np.ndarray,
 ) -> _Laws:
     """Evaluate the laws at a state; write the rates of the effects and of the source.
 
@@ -139,7 +145,7 @@ def _laws(
     opened = openings(state, par, par.effects, rates)
     fluid = oil(state, par, par.effects, rates)
     q = valve_flows(state, opened, fluid.tank_pa, par)
-    friction = friction_effects(levels[0], levels[1], state, par, par.effects, rates)
+    friction = friction_effects(level_t, level_l, state, par, par.effects, rates)
     state[P_S] = supply
     q = flow_effects(q, state, par, par.effects, rates)
     state[P_S] = measured
@@ -179,7 +185,7 @@ def _integrate_logs(
             spools[j, 0] = clamp(signals[_COMMANDS + j, start], par.valve.limit_v)
             spools[j, 1] = 0.0
         _, _, more_t, more_l = friction_effects(
-            levels[0], levels[1], state, par, par.effects, scratch[0]
+            levels[0, start], levels[1, start], state, par, par.effects, scratch[0]
         )
         v = signals[V, start]
         z_t[:], z_l[:] = 0.0, 0.0
@@ -235,14 +241,14 @@ def _integrate(
                 spools[j, 0] = command + a[0, 0] * off + a[0, 1] * rate
                 spools[j, 1] = a[1, 0] * off + a[1, 1] * rate
                 state[SPOOL_T + j] = 0.5 * (off + command + spools[j, 0])
-            q, fluid, friction = _laws(supply, state, par, levels, rates)
+            q, fluid, friction = _laws(supply, state, par, levels[0, k], levels[1, k], rates)
             if i == 0:  # slopes of the rates, from a small step of all own states
                 moving = False
                 for j in range(first, end):
                     slopes[j] = _NUDGE * max(1.0, abs(state[j]))
                     state[j] += slopes[j]
                 step = _NUDGE * supply
-                _laws(supply + step, state, par, levels, others)
+                _laws(supply + step, state, par, levels[0, k], levels[1, k], others)
                 for j in range(first, end):
                     state[j] -= slopes[j]
                     slopes[j] = (others[j] - rates[j]) / slopes[j]
@@ -254,7 +260,7 @@ def _integrate(
                 mean += _mean_change(rates[P_S], slopes[P_S], h)
                 for j in range(first, end):
                     state[j] += _mean_change(rates[j], slopes[j], h)
-                q, fluid, friction = _laws(mean, state, par, levels, others)
+                q, fluid, friction = _laws(mean, state, par, levels[0, k], levels[1, k], others)
             level_t, level_l, more_t, more_l = friction
             v, p_tp, p_tr, p_lp, p_lr = state[V], state[P_TP], state[P_TR], state[P_LP], state[P_LR]
             f_t = exact_step(v, z_t, p_tp, p_tr, level_t, h, par.test.friction, work_t) + more_t

@@ -49,6 +49,7 @@ from hbench.model.sensors import (
 )
 from hbench.model.states import P_TP, P_TR
 from hbench.reconcile.measured.along import STEP_S, AlongLog, Starts, along
+from hbench.reconcile.measured.disturbances import Ripples
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
 from hbench.reconcile.measured.weak import sampling
@@ -66,6 +67,7 @@ BALANCE_UNITS = {
 }
 BALANCES = tuple(BALANCE_UNITS)
 FLOWS = BALANCES[:4]
+_SUPPLY = 6  # index of the supply pressure among the driving signals
 _WITH_LAWS = slice(6)  # flows and forces; the others are linear in the signals
 CHAMBERS = PRESSURES[:4]
 _TEST_FORCES = ("p_tp_pa", "p_tr_pa", "f_applied_n")
@@ -95,6 +97,7 @@ class BalanceModel:
     word_steps: Mapping[str, float]  # resolution of the sensors' log words, by channel, in SI
     drifts: Mapping[str, float] = field(default_factory=dict)  # [SI] of sensors, by channel
     levels: tuple[float, float] = (1.0, 1.0)  # of dry friction, test and load cylinder
+    ripples: Ripples | None = None  # of dry friction, along the stroke
     step_s: float = STEP_S  # of the laws' states
 
 
@@ -192,10 +195,7 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
     """
     par = model.par
     signals = driving_signals(session, model)
-    p_tp, p_tr, p_lp, p_lr, p_s = signals[2:7]
-    f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
-    f_load = p_lp * par.load.area_piston_m2 - p_lr * par.load.area_rod_m2
-    applied = true_values(session, "f_applied_n", model, "f_applied")
+    f_test, applied, f_load = _forces(session, signals, model)
     means = laws_along(session, signals, model, (f_test - applied, applied - f_load))
     swelling = session.rate(means.compression + means.log_volume)
     volume = np.exp(session.mean(means.log_volume))
@@ -205,7 +205,7 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
     load = session.mean(applied - f_load - means.friction_load) - par.mass_load_kg * acceleration
     x_read, v, lag = session.channels["x_m"], session.channels["v_m_s"], model.velocity_lag_s
     kinematics = session.rate(x_read) - session.mean(v) - (lag or 0.0) * session.rate(v)
-    supply = _supply(p_s, means, session, par)
+    supply = _supply(signals[_SUPPLY], means, session, par)
     values = np.column_stack([*flows, test, load, kinematics, supply])
     compared = _compared(session, model)[session.run_of_window]
     compared[:, _WITH_LAWS] &= ~session.oscillating[:, None]
@@ -224,11 +224,31 @@ def _compared(session: Session, model: BalanceModel) -> np.ndarray:
     return has
 
 
+def _forces(
+    session: Session, signals: np.ndarray, model: BalanceModel
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the forces of the test cylinder's oil, the coupling and the load cylinder's oil."""
+    p_tp, p_tr, p_lp, p_lr = signals[2:6]
+    test, load = model.par.test, model.par.load
+    f_test = p_tp * test.area_piston_m2 - p_tr * test.area_rod_m2
+    f_load = p_lp * load.area_piston_m2 - p_lr * load.area_rod_m2
+    return f_test, true_values(session, "f_applied_n", model, "f_applied"), f_load
+
+
+def measured_laws(session: Session, model: BalanceModel) -> AlongLog:
+    """Return the laws along all logs of a session."""
+    signals = driving_signals(session, model)
+    f_test, applied, f_load = _forces(session, signals, model)
+    return laws_along(session, signals, model, (f_test - applied, applied - f_load))
+
+
 def laws_along(
     session: Session, signals: np.ndarray, model: BalanceModel, forces: tuple[np.ndarray, ...]
 ) -> AlongLog:
     """Return the laws along all logs; ``forces`` are the measured frictions of both cylinders."""
-    at_start, levels = starts(session, signals, model, forces), np.array(model.levels)
+    at_start, levels = starts(session, signals, model, forces), np.array(model.levels)[:, None]
+    if model.ripples:
+        levels = levels * model.ripples.along(signals[0])
     return along(signals, session.window.dt_s, model.par, at_start, levels, model.step_s)
 
 

@@ -73,7 +73,7 @@ class MeasuredMotion(MeasuredCampaign):
         mass = CylinderParameters(_AREA_M2, _AREA_M2, high - low, 1.0, 1.0, -low, friction)
         par = with_all_effects(lone_cylinder(mass, float(plant.moving_mass.test)), effects, ())
         sensors = sensor_maps(ideal_sensors(), ideal_sensors(), effects)
-        return BalanceModel(par, sensors, None, {})
+        return self._disturbed(BalanceModel(par, sensors, None, {}), hypothesis)
 
     def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
         """Return the residuals of all runs. Their scatter is noise and the runs' own friction.
@@ -137,7 +137,8 @@ class MeasuredMotion(MeasuredCampaign):
 
     def columns(self, hypothesis: Hypothesis, names: Iterable[str]) -> Columns:
         """Return the columns ``names`` at a hypothesis, without those of a load cylinder."""
-        return super().columns(hypothesis, [n for n in names if not n.endswith(".load")])
+        of_load = tuple(name for name in names if name.endswith(".load") or "_load." in name)
+        return super().columns(hypothesis, [name for name in names if name not in of_load])
 
     def _ranges(self, model: BalanceModel) -> np.ndarray:
         return np.full(len(BALANCES), self.largest_force)

@@ -100,7 +100,7 @@ def steady_balances(point: WorkingPoint, model: BalanceModel) -> np.ndarray:
     commands = [getattr(point, field) for field in COMMANDS]
     signals = np.array([point.x_m, point.v_m_s, p_tp, p_tr, p_lp, p_lr, p_s, *commands])
     log = np.repeat(np.nan_to_num(signals)[:, None], _RECORDS, axis=1)
-    levels = np.array(model.levels)
+    levels = np.array(model.levels)[:, None]
     means = along(log, _RECORD_S, par, single_start(_RECORDS, par), levels, step_s=_RECORD_S)
     flows = means.per_volume[:, -1] * np.exp(means.log_volume[:, -1])
     f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2

@@ -1,0 +1,44 @@
+"""Disturbances: what every measurement has and no model file describes, fitted as nuisances.
+
+A drift is the change of a sensor's reading from the middle of the campaign to its last run, linear
+from run to run. A ripple is a share of a cylinder's dry friction that depends on the position: no
+bore is the same along the whole stroke. It consists of modes (see ``learned/table.py``).
+The names of their columns begin with ``~``; values are in standard deviations of their priors.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+CYLINDERS = "test", "load"
+
+
+class Ripples(NamedTuple):
+    """Ripple of the dry friction of both cylinders."""
+
+    at_m: np.ndarray  # (k,) positions
+    shares: np.ndarray  # (2, k) of the friction, test and load cylinder
+
+    def along(self, x_m: np.ndarray) -> np.ndarray:
+        """Return the factors (2, n) on the dry friction at positions (n,)."""
+        return 1.0 + np.stack([np.interp(x_m, self.at_m, share) for share in self.shares])
+
+
+def drift_name(channel: str) -> str:
+    """Return the name of the column of a channel's drift."""
+    return f"~{channel}"
+
+
+def ripple_name(cylinder: str, mode: int) -> str:
+    """Return the name of the column of a mode of a cylinder's ripple."""
+    return f"~ripple_{cylinder}.{mode}"
+
+
+def is_disturbance(name: str) -> bool:
+    """Return whether a column is that of a disturbance."""
+    return name.startswith("~")
+
+
+def is_ripple(name: str) -> bool:
+    """Return whether a column is that of a mode of a ripple."""
+    return name.startswith("~ripple_")
