@@ -307,28 +307,32 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
     """U contains the tolerances and the scatter of the trials, but no hidden drift."""
     section = Section("Decision", ("Decision: PASS.",))
 
-    def made(*names, steps=()):
+    def made(*names, step=""):
         checks = tuple(
             replace(check, grade="with care" if check.name in names else "good", value=19.0)
             for check in small.quality.checks
         )
         quality = replace(small.quality, grade="with care", checks=checks)
-        document = report_document(
-            replace(small, quality=quality), (), decision=section, steps=steps
-        )
+        document = report_document(replace(small, quality=quality), (), decision=section, step=step)
         verdict, _, step = document.verdict.partition(" Next step: ")
-        return verdict, step
+        assert [each.title for each in document.sections[:2]] == ["Decision", "Summary"]
+        return verdict, step, dict(document.sections[1].facts)["Data"]
 
-    verdict, step = made("instruments")
-    assert verdict.startswith("Decision: PASS.")
-    assert verdict.endswith("U contains this, so the decision takes it into account.")
-    assert step.startswith("none for the decision; for a smaller U, calibrate the sensors")
-    verdict, step = made("instruments", "trials_per_point")
-    assert "takes only the part of this into account that U contains" in verdict
-    assert step.startswith("make at least three trials")
-    assert made("trials_per_point")[0].endswith("The decision does not take this into account.")
-    assert made("instruments", steps=("FAIL: repeat it",))[1].startswith("FAIL: repeat it. Calib")
-    assert "the decision takes" not in report_document(small, ()).verdict
+    verdict, step, data = made("instruments")
+    assert verdict == (
+        "Decision: PASS. Use the data with care (instruments); U takes this into account."
+    )
+    assert step == "none for the decision."
+    assert "make friction uncertain by" in data and "Calibrate the sensors" in data
+    verdict, step, _ = made("instruments", "trials_per_point")
+    assert verdict.endswith("instruments); U takes only a part of this into account.")
+    assert step.startswith("make at least three trials") and "alibrate" not in step
+    assert made("trials_per_point")[0].endswith("U does not take this into account.")
+    _, step, data = made("instruments", step="repeat it")
+    assert step == "repeat it." and "Calibrate the sensors" in data
+    undecided = report_document(small, ())
+    assert "U takes" not in undecided.verdict
+    assert "Data" not in dict(undecided.sections[0].facts)
 
 
 def test_tolerances_are_stated_in_the_bench_file_or_else_in_the_map_of_an_import(small):
