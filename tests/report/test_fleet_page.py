@@ -131,7 +131,7 @@ def test_incomplete_campaigns_and_poor_data_are_named_before_the_comparison(tmp_
     write_table(tmp_path / TABLE, map(cells_of, rows))
     found = summary_of(tmp_path)
     assert fleet_verdict(found).startswith(
-        "1 of 4 analyzed campaigns is incomplete. 1 of 4 analyzed campaigns has poor data."
+        "1 of 4 analysed campaigns is incomplete. 1 of 4 analysed campaigns has poor data."
     )
     text = fleet_text(found)
     assert "data: poor; incomplete: 9 of 96 planned runs" in text

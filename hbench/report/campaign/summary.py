@@ -26,6 +26,7 @@ from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import (
     NONE,
     alike,
+    as_written,
     half_width,
     number,
     percent_span,
@@ -203,8 +204,9 @@ def _ends(numbers: Iterable[HeadlineNumber], scale: float) -> str:
 
 
 def _shares(numbers: Iterable[HeadlineNumber], unit: str) -> str:
-    """Return U as a share of each number; empty for numbers that are shares themselves."""
-    shares = [100 * each.u95 / abs(each.value) for each in numbers if each.u95 and each.value]
+    """Return U as a share of each number, both as written in the table; empty for efficiencies."""
+    written = [as_written(each.value, each.u95) for each in numbers if each.u95]
+    shares = [100 * half / abs(value) for value, half in written if value]
     return "" if unit == "%" or not shares else f", or {percent_span(shares)}"
 
 

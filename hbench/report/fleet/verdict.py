@@ -36,15 +36,15 @@ def fleet_verdict(fleet: Fleet) -> str:
     if fleet.decisions == (("PASS", fleet.campaigns),):
         sentences = [f"All {fleet.campaigns} campaigns have the decision PASS."]
     if fleet.failed:
-        sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
+        sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analysed.")
     analyzed = fleet.campaigns - fleet.failed
     poor = dict(fleet.qualities).get("poor", 0)
     if fleet.incomplete:
         verb = "is" if fleet.incomplete == 1 else "are"
-        sentences.append(f"{fleet.incomplete} of {analyzed} analyzed campaigns {verb} incomplete.")
+        sentences.append(f"{fleet.incomplete} of {analyzed} analysed campaigns {verb} incomplete.")
     if poor:
         verb = "has" if poor == 1 else "have"
-        sentences.append(f"{poor} of {analyzed} analyzed campaigns {verb} poor data.")
+        sentences.append(f"{poor} of {analyzed} analysed campaigns {verb} poor data.")
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)

@@ -27,7 +27,7 @@ _INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
-    "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
+    "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
     "real": "Measured on a bench that hbench ran.",
 }
 _SENTENCE = re.compile(r"(?<=[\w)]\.) (?=[A-Z])")
