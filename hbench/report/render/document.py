@@ -80,11 +80,15 @@ class Document:
 
     @property
     def headline(self) -> tuple[str, str]:
-        """Return the first sentence of a long verdict, and the others; all of a short one."""
+        """Return the first sentence of a long verdict, and the others; all of a short one.
+
+        A first sentence of one word, such as ``PASS.``, has the next one with it.
+        """
         if len(self.verdict) <= _PARAGRAPH:
             return self.verdict, ""
-        first, *others = _SENTENCE.split(self.verdict, maxsplit=1)
-        return first, " ".join(others)
+        first, *others = _SENTENCE.split(self.verdict)
+        count = 1 if " " in first else 2
+        return " ".join((first, *others)[:count]), " ".join((first, *others)[count:])
 
     @property
     def tab(self) -> str:
