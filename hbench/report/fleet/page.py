@@ -174,7 +174,9 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
         about.append(f"decisions: {decision_words(fleet)}")
     if fleet.qualities:
         grades = ", ".join(f"{count} {grade}" for grade, count in fleet.qualities)
-        why = ", ".join(f"{name} in {count}" for name, count in fleet.weak_checks)
+        why = ", ".join(
+            name if count == good else f"{name} in {count}" for name, count in fleet.weak_checks
+        )
         about.append(f"data: {grades}{f' (because of {why})' if why else ''}")
     yield Tile(f"{good} of {fleet.campaigns}", "campaigns", "; ".join(about))
     if fleet.outliers:
