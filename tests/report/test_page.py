@@ -420,6 +420,10 @@ def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_onc
     assert quality_verdict(quality, count_runs=False).count("no accepted trial") == 1
     words = "Accepted trials are missing: 1 of 2 points has no accepted trial. The data is poor."
     assert quality_verdict(quality).startswith(words)  # no run is missing: it is not incomplete
+    rejected = QualityCheck("runs_accepted", "poor", 12.5, "%", 95.0, 80.0, 1, 8)
+    poor = quality_verdict(replace(quality, checks=(*checks, rejected)))
+    begin = "The data is poor; do not rely on the numbers below. 1 of 8 runs was accepted."
+    assert poor.startswith(f"{begin} Accepted trials are missing: 1 of 2 points")
     found = [row[2].text for row in quality_table(quality).rows]
     assert found == [
         "8 of 8 planned runs were completed; 1 point has no accepted trial",

@@ -185,6 +185,8 @@ def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
 def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     """Return the verdict in a few sentences; an incomplete campaign is reported first.
 
+    Points without enough trials of a complete one are reported after what makes the data poor.
+
     Without ``count_runs`` it is not, where a page's alarm counts the completed runs and states
     that the numbers are theirs.
     """
@@ -203,6 +205,8 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
         verdict = " ".join(filter(None, ("The data is poor.", why, numbers)))
     else:
         verdict = f"The data is poor; do not rely on the numbers below. {reasons}."
+        if not quality.completeness.not_completed:
+            incomplete, verdict = verdict, incomplete  # all runs were made, but rejected
     return " ".join(filter(None, (incomplete, verdict, _contradictions(quality.implausible))))
 
 
