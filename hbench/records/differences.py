@@ -74,6 +74,16 @@ class MeanOfCurves:
     half_n: float  # largest half-width: the mean of those of the curves
     drift_n: DriftEffect
 
+    @property
+    def drift_cancels(self) -> bool:
+        """Whether the drift is a small part of the half-width."""
+        return self.drift_n.largest_n < 0.01 * self.half_n
+
+    @property
+    def real(self) -> bool:
+        """Significant beyond its half-width and its drift together."""
+        return abs(self.value_n) > self.half_n + self.drift_n.largest_n
+
 
 @dataclass(frozen=True)
 class CurveDifference:

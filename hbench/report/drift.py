@@ -50,7 +50,7 @@ def drift_reserve(drift: Drift | None) -> str:
         return ""
     if drift.hidden:
         most = number(drift.possible_percent, 0)
-        return f"U does not contain a drift, and one of up to {most} % cannot be excluded."
+        return f"A drift of up to {most} % cannot be excluded, and U does not contain it."
     return "U does not contain this drift." if drift.significant else ""
 
 

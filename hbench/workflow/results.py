@@ -95,8 +95,8 @@ def report(
     checks, decided = stored_checks(folder), None
     if decision:
         decided = decision_section(decision, checks, *stored_rule(folder))
-    steps = tuple(next_steps(checks))
-    document = report_document(results, drawings, reconciled, name, decided, steps)
+    step = next((step for _, step in next_steps(checks)), "")
+    document = report_document(results, drawings, reconciled, name, decided, step)
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,
         "md": markdown,

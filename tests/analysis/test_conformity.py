@@ -13,6 +13,7 @@ from hbench.errors import ConfigError
 from hbench.records import Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.report.conformity.decision_section import decision_section
+from hbench.report.conformity.text import next_steps
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
 from tests.support import ROOT
@@ -239,7 +240,7 @@ def test_a_largest_uncertainty_belongs_to_shared_risk():
             parse_limits({"limits": [limit], **extra}, "limits.yaml")
 
 
-def test_the_decision_states_how_much_larger_u_may_be_without_changing_it():
+def test_the_decision_states_the_margin_of_the_value_nearest_to_its_limit_in_u():
     """The margin of 15 N is 2.5 times a U of 6 N; the other value is farther from its limit."""
 
     def decided(u95, rule="guard_band", near=85.0):
@@ -252,12 +253,43 @@ def test_the_decision_states_how_much_larger_u_may_be_without_changing_it():
     def words(decision, checks, rule="guard_band"):
         return decision_section(decision, checks, rule).paragraphs[0]
 
-    assert "inside by 2.5 U, so a U up to 2.5 times as large would" in words("PASS", decided(6.0))
-    assert "inside by 2.5 U" in words("PASS", decided(15.0 / 2.58))  # down: 2.6 would not pass
+    nearest = "85.0 ± 6.0 N, limit at most 100 N; it is inside by 2.5 U, probability of conformity"
+    assert nearest in words("PASS", decided(6.0))
+    assert "inside by 2.5 U" in words("PASS", decided(15.0 / 2.58))  # down, as a margin is
     assert [check.decision for check in decided(2.49 * 6.0)] == ["PASS", "PASS"]
     assert [check.decision for check in decided(2.51 * 6.0)] == ["MARGINAL", "PASS"]
-    assert words("PASS", decided(6.0, "simple"), "simple").endswith("it is inside by 2.5 U.")
+    assert "it is inside by 2.5 U" in words("PASS", decided(6.0, "simple"), "simple")
     failed = words("FAIL", decided(6.0, near=109.0))
-    assert "farthest beyond its limit" in failed and failed.endswith("by 1.5 U.")
+    assert (
+        "Farthest beyond its limit is friction: 109.0" in failed
+        and "it is beyond by 1.5 U" in failed
+    )
+    marginal = words("MARGINAL", decided(6.0, near=96.0))
+    assert "1 of 2 checks has this decision" in marginal and "inside by 0.6 U" in marginal
     unknown = [ConformityCheck(HIGHEST, Measurement(85.0, None), None, "PASS")]
     assert " U" not in words("PASS", unknown, "simple")
+
+
+def test_the_margin_can_be_computed_from_the_numbers_beside_it():
+    """6.647 ± 1.254 bar is written 6.6 ± 1.3 bar: 3.4 / 1.3 = 2.6, though 3.353 / 1.254 is 2.67."""
+    bar = 1e5
+    limit = Requirement("breakaway", "bar", None, 10 * bar)
+    check = ConformityCheck(limit, Measurement(6.647 * bar, 1.254 * bar), 0.9999999, "PASS")
+    words = decision_section("PASS", [check], "guard_band").paragraphs[0]
+    assert "6.6 ± 1.3 bar, limit at most 10 bar; it is inside by 2.6 U" in words
+    at = ConformityCheck(limit, Measurement(10.01 * bar, 1.254 * bar), 0.49, "FAIL")
+    words = decision_section("FAIL", [at], "guard_band").paragraphs[0]
+    assert "10.0 ± 1.3 bar" in words and "beyond by less than 0.1 U" in words
+
+
+def test_the_next_step_after_a_limit_that_was_not_tested_is_that_of_its_reason():
+    missing = ConformityCheck(HIGHEST, None, None, "NOT TESTED", "no runs")
+    too_uncertain = ConformityCheck(
+        HIGHEST, Measurement(85.0, 60.0), 0.7, "NOT TESTED", "U is 60 %"
+    )
+    ((_, only_missing),) = next_steps([missing])
+    ((_, only_uncertain),) = next_steps([too_uncertain])
+    ((_, both),) = next_steps([missing, too_uncertain])
+    assert only_missing == "measure what is missing, then repeat hbench accept"
+    assert "reduce U" in only_uncertain and "missing" not in only_uncertain
+    assert "measure what is missing and reduce U" in both

@@ -231,6 +231,34 @@ def test_each_sheet_has_the_number_and_page_x_of_y(certificate):
         assert f"page {number} of 2" in texts and "Certificate no. L-17" in texts
 
 
+def test_the_decision_and_its_table_are_on_the_first_sheet(certificate):
+    for language in ("en", "de"):
+        made = certificate(language=language)
+        first, *_ = sheets(made)
+        text = flat(" ".join(each.get_text() for each in first.texts))
+        (table,) = content(made).parts["conformity"].tables
+        lead = content(made).parts["conformity"].lead
+        assert lead[:40] in text and text.index(lead[:40]) < text.index(made.word("instruments"))
+        assert all(flat(row[-1]) in text and flat(row[2]) in text for row in table.rows)
+        assert " ".join(table.head) in text
+
+
+def test_a_text_without_a_table_is_on_one_sheet(certificate):
+    for language in ("en", "de"):
+        made = certificate(language=language)
+        shown = content(made).parts["method"]
+        sheet_of = [
+            {
+                number
+                for number, sheet in enumerate(sheets(made))
+                for t in sheet.texts
+                if t.get_text() == first_line
+            }
+            for first_line in (shown.title, shown.paragraphs[-1])
+        ]
+        assert sheet_of[0] == sheet_of[1] and len(sheet_of[0]) == 1
+
+
 def test_no_text_leaves_its_sheet(certificate):
     for sheet in sheets(certificate("simulated", language="de")):
         renderer = sheet.canvas.get_renderer()

@@ -8,11 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hbench.config.schedule import Screening
 from hbench.records import Check
 from hbench.report.design.checks import check_rows
 from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
 from hbench.report.design.text import design_json, design_text
+from hbench.report.render.document import Document
 from tests.support.report.made_design import drawings_of_design, made_design
 from tests.support.report.spaces import ordinary_spaces
 
@@ -85,7 +87,27 @@ def test_present_gains_pass_or_fail_with_the_check_first(design):
     assert json.loads(design_json(passing))["checks"][0]["holds"] is True
 
 
-def test_a_proposal_states_first_that_the_present_gains_fail(design):
+def test_the_page_explains_that_limits_of_speed_depend_on_the_speed(design):
+    """The limits of the screening: 0.5 mm/s at 5 mm/s, 2 mm/s at 200 mm/s; ripple 2 and 10 mm/s."""
+    rules = Screening()
+    assert [1e3 * rules.speed_limit(v) for v in (0.005, 0.2)] == pytest.approx([0.5, 2.0])
+    page = ordinary_spaces(design_page(design, ()))
+    checks = page[page.index(">Checks</h2>") :]
+    stated = "The limits of the mean speed error and of the speed ripple are those of the screening"
+    assert f"{stated} and depend on the speed" in checks[: checks.index("<table")]
+
+
+def test_the_verdict_emphasises_what_passes_or_fails_with_the_word_itself():
+    rest = "A sentence on the method follows here. " * 9
+    for verdict, emphasised in (
+        (f"FAIL. Do not use the gains. {rest}", "FAIL. Do not use the gains."),
+        (f"Friction is 4 N. {rest}", "Friction is 4 N."),
+    ):
+        first, others = Document("t", "", (), verdict.strip()).headline
+        assert first == emphasised and others == rest.strip()
+
+
+def test_a_proposal_states_that_the_present_gains_fail(design):
     failed = Check("velocity: gain margin", 5.7, 6.0, "dB", False)
     stated = (
         "The present gains fail 1 of 1 checks at the operating point: gain margin 5.7 dB (limit "

@@ -208,9 +208,25 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     over = text(13.0, MeanOfCurves(40.0, 8.0, DriftEffect(0.0, 1e-9)))
     sure = (
         "In the mean over all 2 curves, in which a linear drift cancels, friction of <after> is "
-        "40 N higher than that of before (U at most 8.0 N). Mean friction differs"
+        "40 N higher than that of before (U at most 8.0 N). The difference of a single "
+        "curve (40.0 N) may come from a drift, of up to 33 N."
     )
-    assert over.startswith(sure)  # before the differences that a drift may account for
+    assert over.startswith(sure)  # and no difference of a curve is called significant
+    assert "Mean friction differs" not in over
+
+    def verdicts(text):
+        rows = [line for line in text.splitlines() if line.startswith(("extending", "mean over"))]
+        return [re.split("  +", line.strip()) for line in rows]
+
+    *curves, mean = verdicts(over)
+    assert [row[1] for row in curves[:2]] == ["33", "33"]
+    assert [row[4] for row in curves[:2]] == ["not separated from a drift"] * 2
+    assert [row[4] for row in verdicts(small)[:2]] == ["significant"] * 2
+    one = replace(found.curves[0], drift_n=DriftEffect(-20.0, 13.0))
+    hidden = replace(found, qualities=(quality, quality), curves=(one,))
+    too = "A drift may account for such a difference too"
+    assert too in differences_page(hidden, ()) and too not in differences_page(found, ())
+    assert mean[:5] == ["mean over all 2 curves", "cancels", "40.0", "8.0", "significant"]
     hidden = text(13.0, MeanOfCurves(-10.0, 8.0, DriftEffect(1.0, 2.0)))
     assert "a linear drift is at most 3.0 N, friction of <after> is 10 N lower" in hidden
     assert "(U at most 8.0 N); this is not significant. To compare" in hidden

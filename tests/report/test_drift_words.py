@@ -74,7 +74,7 @@ def test_a_drift_that_u_does_not_contain_and_no_check_grades_is_a_reserve_of_the
     """Only the order of imported runs is known: −5 ± 24 % leaves 29 % possible."""
     order = {"basis": "order", "separated": False, "p": 0.7}
     wide = Drift(**MEASURED | order | {"change_percent": -5.0, "change_percent_ci95": 24.0})
-    words = "U does not contain a drift, and one of up to 29 % cannot be excluded."
+    words = "A drift of up to 29 % cannot be excluded, and U does not contain it."
     assert drift_reserve(wide) == words
     verdict, step, _ = report_document(replace(small, drift=wide), ()).verdict.partition(
         " Next step: "

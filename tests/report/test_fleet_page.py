@@ -122,6 +122,11 @@ def test_a_few_campaigns_are_shown_and_not_compared(tmp_path, undrawn):
     assert "(smallest to largest of 4 campaigns; 95 % intervals up to ±" in fleet_verdict(few)
     assert all(one.trend is None and len(one.blocks) == 4 for one in few.spreads)
     assert re.search(r"<h1>[^<]* 4 ", fleet_page(few, draw_fleet(few)))
+    assert "Next step" not in fleet_verdict(few)  # without limits
+    passed = fleet_verdict(replace(few, decisions=(("PASS", 4),)))
+    assert passed.endswith("Next step: none; changes over time are tested from 10 campaigns on.")
+    failed = fleet_verdict(replace(few, decisions=(("FAIL", 1), ("PASS", 3))))
+    assert "Next step: none" not in failed
 
 
 def test_incomplete_campaigns_and_poor_data_are_named_before_the_comparison(tmp_path):
@@ -131,7 +136,7 @@ def test_incomplete_campaigns_and_poor_data_are_named_before_the_comparison(tmp_
     write_table(tmp_path / TABLE, map(cells_of, rows))
     found = summary_of(tmp_path)
     assert fleet_verdict(found).startswith(
-        "1 of 4 analyzed campaigns is incomplete. 1 of 4 analyzed campaigns has poor data."
+        "1 of 4 analysed campaigns is incomplete. 1 of 4 analysed campaigns has poor data."
     )
     text = fleet_text(found)
     assert "data: poor; incomplete: 9 of 96 planned runs" in text
@@ -144,7 +149,10 @@ def test_the_tile_names_the_checks_by_which_the_data_is_not_good(tmp_path):
     rows[1] = replace(rows[1], quality="with care", weak="instruments, drift")
     rows[2] = replace(rows[2], quality="with care", weak="instruments")
     write_table(tmp_path / TABLE, map(cells_of, rows))
-    page = fleet_page(summary_of(tmp_path), ())
+    found = summary_of(tmp_path)
+    all_rows = replace(found, qualities=(("with care", 4),), weak_checks=(("instruments", 4),))
+    assert "data: 4 with care (because of instruments)" in fleet_page(all_rows, ())
+    page = fleet_page(found, ())
     assert "data: 2 good, 2 with care (because of instruments in 2, drift in 1)" in page
 
 
@@ -327,6 +335,8 @@ def test_a_campaign_has_its_folders_name_and_a_path_only_where_two_have_the_same
 
 
 def test_the_verdict_names_campaigns_beyond_a_limit_and_what_to_do_about_a_step(shifted):
+    passed = replace(shifted, decisions=(("PASS", shifted.campaigns),))
+    assert "Next step: none" not in fleet_verdict(passed)
     verdict = fleet_verdict(shifted)
     assert "): check whether the cylinders, the bench or its instruments changed there." in verdict
     names = ("C-4", "C-7", "C-9", "C-11")

@@ -46,7 +46,7 @@ def verdict(found):
 
 @pytest.mark.parametrize(
     ("other_n", "names"),
-    [(10.4, "LuGre (10 N) and Leuven (10 N) predict"), (10.6, "LuGre (10 N) predicts")],
+    [(10.4, "LuGre (10.0 N) and Leuven (10.4 N) predict"), (10.6, "LuGre (10.0 N) predicts")],
 )
 def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, names):
     found = identified(law("tustin", 150.0), law("lugre", 10.0), law("leuven", other_n))
@@ -63,11 +63,11 @@ def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_besid
     moving = law("tustin", 20.0)
     moving.errors["rest"] = replace(moving.errors["rest"], friction_n=450.0)
     found = identified(holding, moving)
-    assert verdict(found).startswith("Tustin (20 N) predicts friction in motion best")
+    assert verdict(found).startswith("Tustin (20.0 N) predicts friction in motion best")
     (table,) = (each for each in identification_tables(found) if each.title == SUMMARY)
     assert table.head[1:3] == ("RMS error in motion (N)", "At rest (N)")
     assert [row[:3] for row in table.rows] == [
-        ("tustin", "20", "450"), ("leuven", "60", "3.0"), ("Trials' scatter", "27", "27")
+        ("tustin", "20.0", "450.0"), ("leuven", "60.0", "3.0"), ("Trials' scatter", "27.0", "27.0")
     ]  # fmt: skip
 
 
@@ -102,7 +102,7 @@ def test_the_errors_of_dynamic_and_static_laws_are_explained_beside_the_table():
     found = identified(law("lugre", 10.0), law("tustin", 110.0), law("marton_lantos", 116.0))
     page = ordinary_spaces(identification_page(found, ()))
     assert "Dynamic laws (LuGre)" in page and "static laws (Tustin, Marton and Lantos)" in page
-    assert "10 N against 110–116 N while the speed changes" in page
+    assert "10.0 N against 110.0–116.0 N while the speed changes" in page
     assert "does not show which of them suits a real cylinder" in page
     static = identified(law("tustin", 110.0), law("marton_lantos", 116.0))
     assert "Kinds of laws" not in identification_page(static, ())

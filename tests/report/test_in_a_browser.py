@@ -16,6 +16,8 @@ from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.identification.figures import draw_identification
 from hbench.report.identification.page import identification_page
+from hbench.report.render.document import Document, Section, page
+from hbench.report.render.word_tables import Cell, Table
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
 from tests.support.reconcile.made_diagnosis import drawings_of_named, named
@@ -298,6 +300,32 @@ def test_figures_and_page_are_light_or_dark_as_the_reader_wants(browser, pages):
         ]
     assert brightness[False][0] > 600 and brightness[False][1] > 600 and brightness[False][2] < 100
     assert brightness[True][0] < 150 and brightness[True][1] < 150 and brightness[True][2] > 600
+
+
+def test_paper_is_a4_and_only_long_tables_are_broken_after_two_rows_at_least(browser, tmp_path):
+    tables = tuple(
+        Table(("a", "b"), tuple((Cell(str(row)), Cell("1")) for row in range(count)), frozenset())
+        for count in (12, 13)
+    )
+    path = tmp_path / "tables.html"
+    path.write_text(page(Document("t", "", (Section("s", tables=tables),))))
+    browser.open(path)
+    (box,) = set(re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", browser.pdf()))
+    assert [float(side) for side in box] == pytest.approx([595.3, 841.9], abs=1)  # 210 x 297 mm
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    style = "getComputedStyle"
+    of_tables = f"[...document.querySelectorAll('table')].map(t => {style}(t).breakInside)"
+    rows = "[...document.querySelectorAll('table')[1].tBodies[0].rows]"
+    inside, after, before = (
+        browser.run(f"{rows}.map(row => {style}(row).{name})")
+        for name in ("breakInside", "breakAfter", "breakBefore")
+    )
+    kept = browser.run(of_tables)
+    browser.ask("Emulation.setEmulatedMedia", media="")
+    assert kept == ["avoid", "auto"] and set(inside) == {"avoid"}
+    assert after == ["avoid"] * 2 + ["auto"] * 11
+    assert before == ["auto"] * 11 + ["avoid"] * 2
+    assert browser.run(of_tables) == ["auto", "auto"]  # on a screen
 
 
 @pytest.mark.parametrize("dark", [False, True])

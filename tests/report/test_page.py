@@ -202,7 +202,10 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
     friction = [1.0 * each.friction_n.value for each in small.headline.series]
     first = re.match(r"Friction at \S+ mm/s is (\d+)–(\d+) N \(", verdict)
     assert list(map(int, first.groups())) == [round(min(friction)), round(max(friction))]
-    shares = [100 * each.friction_n.u95 / each.friction_n.value for each in small.headline.series]
+    table = report_document(small, ()).sections[0].parts[0].tables[0]
+    column = table.head.index("Friction ± U (N)")
+    cells = [row[column].text.split(" ± ") for row in table.rows]
+    shares = [100 * float(half) / float(value) for value, half in cells]  # as a reader computes
     assert f", or {min(shares):.1f}–{max(shares):.1f} %)" in verdict
     assert ", over all loads and directions. " in verdict
     poor = replace(small, quality=replace(small.quality, grade="poor"))
@@ -307,28 +310,32 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
     """U contains the tolerances and the scatter of the trials, but no hidden drift."""
     section = Section("Decision", ("Decision: PASS.",))
 
-    def made(*names, steps=()):
+    def made(*names, step=""):
         checks = tuple(
             replace(check, grade="with care" if check.name in names else "good", value=19.0)
             for check in small.quality.checks
         )
         quality = replace(small.quality, grade="with care", checks=checks)
-        document = report_document(
-            replace(small, quality=quality), (), decision=section, steps=steps
-        )
+        document = report_document(replace(small, quality=quality), (), decision=section, step=step)
         verdict, _, step = document.verdict.partition(" Next step: ")
-        return verdict, step
+        assert [each.title for each in document.sections[:2]] == ["Decision", "Summary"]
+        return verdict, step, dict(document.sections[1].facts)["Data"]
 
-    verdict, step = made("instruments")
-    assert verdict.startswith("Decision: PASS.")
-    assert verdict.endswith("U contains this, so the decision takes it into account.")
-    assert step.startswith("none for the decision; for a smaller U, calibrate the sensors")
-    verdict, step = made("instruments", "trials_per_point")
-    assert "takes only the part of this into account that U contains" in verdict
-    assert step.startswith("make at least three trials")
-    assert made("trials_per_point")[0].endswith("The decision does not take this into account.")
-    assert made("instruments", steps=("FAIL: repeat it",))[1].startswith("FAIL: repeat it. Calib")
-    assert "the decision takes" not in report_document(small, ()).verdict
+    verdict, step, data = made("instruments")
+    assert verdict == (
+        "Decision: PASS. Use the data with care (instruments); U takes this into account."
+    )
+    assert step == "none for the decision."
+    assert "make friction uncertain by" in data and "Calibrate the sensors" in data
+    verdict, step, _ = made("instruments", "trials_per_point")
+    assert verdict.endswith("instruments); U takes only a part of this into account.")
+    assert step.startswith("make at least three trials") and "alibrate" not in step
+    assert made("trials_per_point")[0].endswith("U does not take this into account.")
+    _, step, data = made("instruments", step="repeat it")
+    assert step == "repeat it." and "Calibrate the sensors" in data
+    undecided = report_document(small, ())
+    assert "U takes" not in undecided.verdict
+    assert "Data" not in dict(undecided.sections[0].facts)
 
 
 def test_tolerances_are_stated_in_the_bench_file_or_else_in_the_map_of_an_import(small):
@@ -413,6 +420,10 @@ def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_onc
     assert quality_verdict(quality, count_runs=False).count("no accepted trial") == 1
     words = "Accepted trials are missing: 1 of 2 points has no accepted trial. The data is poor."
     assert quality_verdict(quality).startswith(words)  # no run is missing: it is not incomplete
+    rejected = QualityCheck("runs_accepted", "poor", 12.5, "%", 95.0, 80.0, 1, 8)
+    poor = quality_verdict(replace(quality, checks=(*checks, rejected)))
+    begin = "The data is poor; do not rely on the numbers below. 1 of 8 runs was accepted."
+    assert poor.startswith(f"{begin} Accepted trials are missing: 1 of 2 points")
     found = [row[2].text for row in quality_table(quality).rows]
     assert found == [
         "8 of 8 planned runs were completed; 1 point has no accepted trial",

@@ -11,7 +11,7 @@ from hbench.records.summary import Grade
 LimitQuantity = Literal["friction", "breakaway", "efficiency", "leakage", "speed_ripple", "drift"]
 Rule = Literal["simple", "shared_risk", "guard_band"]
 Conformity = Literal["PASS", "MARGINAL", "FAIL", "NOT TESTED"]
-_WORST_FIRST: tuple[Conformity, ...] = ("FAIL", "NOT TESTED", "MARGINAL", "PASS")
+WORST_FIRST: tuple[Conformity, ...] = ("FAIL", "NOT TESTED", "MARGINAL", "PASS")
 
 
 @dataclass(frozen=True)
@@ -113,4 +113,4 @@ class Acceptance:
     def decision(self) -> Conformity:
         """Decision on the cylinder: the worst of all checks."""
         decisions = {check.decision for check in self.checks}
-        return next(each for each in _WORST_FIRST if each in decisions)
+        return next(each for each in WORST_FIRST if each in decisions)

@@ -19,7 +19,12 @@ from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import decision_reserve, quality_verdict
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
-from hbench.report.campaign.summary import headline_words, next_step_words, summary_section
+from hbench.report.campaign.summary import (
+    decided_step_words,
+    headline_words,
+    next_step_words,
+    summary_section,
+)
 from hbench.report.drift import drift_reserve
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
@@ -79,13 +84,14 @@ def report_document(
     more: tuple[Section, ...] = (),
     folder: str = "",
     decision: Section | None = None,
-    steps: tuple[str, ...] = (),
+    step: str = "",
 ) -> Document:
     """Return the report, with the sections ``more`` before the rejected runs.
 
     ``folder`` is the name of the campaign's folder, which distinguishes campaigns of one schedule.
-    ``decision`` is the section of an acceptance; its paragraphs begin the verdict and are not
-    repeated. ``steps`` are the next steps after it.
+    ``decision`` is the section of an acceptance and comes first; its paragraphs begin the verdict
+    and are not repeated. ``step`` is the next step after it; the summary then has the verdict on
+    the data.
     """
     label, results = common_label(results), without_common_label(results)
     figures: dict[str, tuple[Drawing, ...]] = {}
@@ -98,8 +104,8 @@ def report_document(
     day = imported + provenance.started[:10]
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
     sections = (
-        summary_section(results),
         *((replace(decision, paragraphs=()),) if decision else ()),
+        summary_section(results, decision is not None),
         _friction(results, figures.get("friction", ())),
         *_fits(results),
         *temperature_section(results, figures.get("temperature", ())),
@@ -117,25 +123,28 @@ def report_document(
         provenance.name,
         " · ".join(filter(None, subtitle)),
         sections,
-        " ".join(
-            filter(
-                None,
-                (
-                    *(decision.paragraphs if decision else ()),
-                    headline_words(results),
-                    quality_verdict(results.quality, not alarm),
-                    decision_reserve(results.quality) if decision else "",
-                    drift_reserve(results.drift),
-                    next_step_words(results, steps if decision else None),
-                ),
-            )
-        ),
+        _verdict(results, decision, step),
         BANNERS[provenance.source],
         provenance.source,
         folder,
         identity_facts(results, label),
         alarm,
     )
+
+
+def _verdict(results: Results, decision: Section | None, step: str) -> str:
+    """Return the decision with what it rests on, or else the first quantity; and the next step."""
+    if decision:
+        rests = decision_reserve(results.quality)
+        parts = (*decision.paragraphs, rests, decided_step_words(results, step))
+    else:
+        parts = (
+            headline_words(results),
+            quality_verdict(results.quality, not aborted_words(results)),
+            drift_reserve(results.drift),
+            next_step_words(results),
+        )
+    return " ".join(filter(None, parts))
 
 
 def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:

@@ -74,15 +74,15 @@ def next_step(
     parts: str,
     aborted: bool = False,
     imported: bool = False,
-    decided: Sequence[str] | None = None,
+    beyond_u: bool = False,
 ) -> str:
     """Return what improves the worst checks; empty if all are good.
 
     ``parts`` names the largest parts of the uncertainty and their table, as far as known. An
     ``aborted`` campaign is continued first, which makes its missing runs and trials; --resume
     refuses another bench file or schedule, so what changes them comes afterwards. The tolerances
-    of an ``imported`` campaign are stated in its map. The steps after an acceptance, ``decided``,
-    come first: none after PASS.
+    of an ``imported`` campaign are stated in its map. With ``beyond_u`` the steps are those of
+    what U does not contain.
     """
     missing = ("complete", "trials_per_point") if aborted else ()
     file = "map, then import again" if imported else "bench file"
@@ -92,26 +92,29 @@ def next_step(
         _STEPS[check.name].format(parts=f" ({parts})" if parts else "", file=file)
         for check in _worst(quality)
         if check.grade != "good" and check.name not in missing
+        if not (beyond_u and _is_in_u(check))
     ]
     if aborted:
         first = [f"before the next campaign, {step}" for step in steps[:1]]
         steps = [_CONTINUE, *first, *steps[1:]]
-    elif decided == () and all(map(_is_in_u, _worst(quality))):
-        steps = [f"none for the decision; for a smaller U, {step}" for step in steps]
-    return " ".join(f"{capital(step)}." for step in (*(decided or ()), *steps))
+    return " ".join(f"{capital(step)}." for step in steps)
 
 
 def decision_reserve(quality: Quality) -> str:
-    """State whether a decision takes a reservation on the data into account; empty without."""
+    """State a reservation on the data, and whether U contains it; empty without one."""
     worst = _worst(quality)
     if quality.grade == "good" or not worst:
         return ""
-    count = sum(map(_is_in_u, worst))
-    if count == len(worst):
-        return "U contains this, so the decision takes it into account."
-    if count:
-        return "The decision takes only the part of this into account that U contains."
-    return "The decision does not take this into account."
+    outside = [check for check in worst if not _is_in_u(check)]
+    if not outside:
+        in_u = "U takes this into account"
+    elif len(outside) == len(worst):
+        in_u = "U does not take this into account"
+    else:
+        in_u = "U takes only a part of this into account"
+    if quality.grade == "poor":
+        return f"The data is poor ({weak_checks(quality)}); do not rely on the decision. {in_u}."
+    return f"Use the data with care ({weak_checks(quality)}); {in_u}."
 
 
 def weak_checks(quality: Quality) -> str:
@@ -182,6 +185,8 @@ def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
 def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     """Return the verdict in a few sentences; an incomplete campaign is reported first.
 
+    Points without enough trials of a complete one are reported after what makes the data poor.
+
     Without ``count_runs`` it is not, where a page's alarm counts the completed runs and states
     that the numbers are theirs.
     """
@@ -200,6 +205,8 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
         verdict = " ".join(filter(None, ("The data is poor.", why, numbers)))
     else:
         verdict = f"The data is poor; do not rely on the numbers below. {reasons}."
+        if not quality.completeness.not_completed:
+            incomplete, verdict = verdict, incomplete  # all runs were made, but rejected
     return " ".join(filter(None, (incomplete, verdict, _contradictions(quality.implausible))))
 
 

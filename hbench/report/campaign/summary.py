@@ -15,6 +15,7 @@ from hbench.report.campaign.quality import (
     next_step,
     quality_count,
     quality_table,
+    quality_verdict,
     short_point_table,
 )
 from hbench.report.campaign.settings import aborted_words, is_aborted
@@ -25,6 +26,7 @@ from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import (
     NONE,
     alike,
+    as_written,
     half_width,
     number,
     percent_span,
@@ -60,8 +62,11 @@ _FLAGS = {
 }
 
 
-def summary_section(results: Results) -> Section:
-    """Return tiles, a row for each direction and load, and the checks of the data."""
+def summary_section(results: Results, decided: bool = False) -> Section:
+    """Return tiles, a row for each direction and load, and the checks of the data.
+
+    Of a cylinder that was ``decided`` on, it has the verdict on the data too.
+    """
     series = results.headline.series
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
@@ -75,6 +80,7 @@ def summary_section(results: Results) -> Section:
     parts = "[[uncertainty]]" if budget.rows else ""
     facts = (
         ("Measured", _measured(results)),
+        ("Data", _data(results) if decided else ""),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
         ("Load", _LOAD if _differs_from_load(series, load_cell_n) else ""),
@@ -101,21 +107,43 @@ def summary_section(results: Results) -> Section:
     )
 
 
-def next_step_words(results: Results, decided: Sequence[str] | None = None) -> str:
-    """Return what to do next; empty if nothing is.
+def next_step_words(results: Results) -> str:
+    """Return what to do next; empty if nothing is."""
+    return _step_words(_next_step(results))
 
-    ``decided`` are the next steps after an acceptance, if there was one.
+
+def decided_step_words(results: Results, step: str) -> str:
+    """Return what to do next after an acceptance, with its own ``step``; without one, nothing.
+
+    What U does not contain is improved nevertheless, and an aborted campaign is continued first.
     """
+    if aborted_words(results):
+        return next_step_words(results)
+    beyond = "" if step else _next_step(results, beyond_u=True)
+    return _step_words(f"{step}." if step else beyond or "none for the decision.")
+
+
+def _next_step(results: Results, beyond_u: bool = False) -> str:
     parts = "[[uncertainty]]" if friction_budget_table(results).rows else ""
-    step = next_step(
+    return next_step(
         results.quality,
         _largest(results, parts),
         bool(aborted_words(results)),
         results.provenance.source == "imported",
-        decided,
+        beyond_u,
     )
-    begin = step[:1].lower() if step[1:2].islower() else step[:1]  # not of NOT TESTED or FAIL
-    return f"Next step: {begin}{step[1:]}" if step else ""
+
+
+def _step_words(step: str) -> str:
+    return f"Next step: {step[:1].lower()}{step[1:]}" if step else ""
+
+
+def _data(results: Results) -> str:
+    """Return the verdict on the data, and what improves it."""
+    aborted = bool(aborted_words(results))
+    verdict = quality_verdict(results.quality, not aborted)
+    step = "" if aborted else _next_step(results)
+    return " ".join(filter(None, (verdict, step)))
 
 
 def headline_words(results: Results) -> str:
@@ -176,8 +204,9 @@ def _ends(numbers: Iterable[HeadlineNumber], scale: float) -> str:
 
 
 def _shares(numbers: Iterable[HeadlineNumber], unit: str) -> str:
-    """Return U as a share of each number; empty for numbers that are shares themselves."""
-    shares = [100 * each.u95 / abs(each.value) for each in numbers if each.u95 and each.value]
+    """Return U as a share of each number, both as written in the table; empty for efficiencies."""
+    written = [as_written(each.value, each.u95) for each in numbers if each.u95]
+    shares = [100 * half / abs(value) for value, half in written if value]
     return "" if unit == "%" or not shares else f", or {percent_span(shares)}"
 
 

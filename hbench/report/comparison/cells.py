@@ -15,7 +15,8 @@ from hbench.records import (
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.render.numbers import NONE, half_width, significant, with_interval
 
-_REAL, _NOT = "significant", "not significant"
+SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
+_MIXED = "not separated from a drift"
 _INSTRUMENTS = "U of B\N{NO-BREAK SPACE}−\N{NO-BREAK SPACE}A"
 HEAD = ("B − A ± trials", _INSTRUMENTS, "Verdict", "p (Holm)", "A", "B")
 
@@ -36,14 +37,18 @@ def difference_table(
     )
 
 
-def cells(difference: Difference, scale: float) -> tuple[str, ...]:
-    """Return the cells below ``HEAD``, in a unit that is ``scale`` of the SI's."""
+def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[str, ...]:
+    """Return the cells below ``HEAD``, in a unit that is ``scale`` of the SI's.
+
+    ``mixed`` is a difference that a drift may account for.
+    """
+    real = _MIXED if mixed else SIGNIFICANT
     half = None if difference.ci95 is None else scale * difference.ci95
     u95 = None if difference.u95 is None else scale * difference.u95
     return (
         with_interval(scale * difference.value, half),
         NONE if u95 is None else significant(u95, 2),
-        difference.untested or (_REAL if difference.real else _NOT),
+        difference.untested or (real if difference.real else NOT_SIGNIFICANT),
         NONE if difference.p_holm is None else _p(difference.p_holm),
         _with_u95(scale * difference.a, difference.u95_a, scale),
         _with_u95(scale * difference.b, difference.u95_b, scale),

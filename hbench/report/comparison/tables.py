@@ -1,29 +1,105 @@
 """Tables of a comparison: means, fitted parameters and single speeds."""
 
-from hbench.records import CampaignDifferences, CurveDifference, FrictionDifference, WordTable
+from hbench.records import (
+    CampaignDifferences,
+    CurveDifference,
+    Drift,
+    DriftEffect,
+    FrictionDifference,
+    WordTable,
+)
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.series_words import TITLES, kind_words, load_words
-from hbench.report.comparison.cells import cells, difference_table, label_of
-from hbench.report.render.numbers import number
+from hbench.report.comparison.cells import (
+    NOT_SIGNIFICANT,
+    SIGNIFICANT,
+    cells,
+    difference_table,
+    label_of,
+)
+from hbench.report.render.numbers import NONE, half_width, number, with_interval
 from hbench.units import from_si
 
 
 def means_tables(differences: CampaignDifferences) -> tuple[WordTable, WordTable]:
-    """Return the means over the speeds of friction and of efficiency."""
+    """Return the means over the speeds of friction and of efficiency.
+
+    Where the order of the runs does not separate a drift, friction has its largest part in each
+    difference and the mean over the curves, in which it cancels. A difference of a curve that the
+    drift may account for is not called significant.
+    """
     friction = [(curve, curve.mean_n) for curve in differences.curves]
     efficiency = [(curve, curve.efficiency) for curve in differences.curves]
+    hidden = {id(curve) for curve in hidden_curves(differences)}
     friction_table, efficiency_table = (
         difference_table(
             f"{title}: means over the speeds, and their differences",
-            ("Curve",),
-            [(who(curve), *cells(each, scale)) for curve, each in known if each is not None],
+            ("Curve", *(["Drift up to"] if drift else [])),
+            [
+                (
+                    who(curve),
+                    *([_largest_drift(curve.drift_n)] if drift else []),
+                    *cells(each, scale, id(curve) in hidden),
+                )
+                for curve, each in known
+                if each is not None
+            ]
+            + (_over_curves(differences) if drift else []),
         )
-        for title, scale, known in (
-            ("Friction (N)", 1.0, friction),
-            ("Efficiency (%)", 100.0, efficiency),
+        for title, scale, known, drift in (
+            ("Friction (N)", 1.0, friction, has_drift_column(differences)),
+            ("Efficiency (%)", 100.0, efficiency, False),
         )
     )
     return friction_table, efficiency_table
+
+
+def unseparated(differences: CampaignDifferences) -> list[Drift]:
+    """Return the drifts that are not good and that the order of the runs does not separate."""
+    return [
+        check.drift
+        for quality in differences.qualities
+        for check in quality.checks
+        if check.drift is not None and check.grade != "good" and not check.drift.separated
+    ]
+
+
+def has_drift_column(differences: CampaignDifferences) -> bool:
+    """Return whether the table of friction has the drift that a difference may come from."""
+    known = any(curve.drift_n is not None for curve in differences.curves)
+    return known and bool(unseparated(differences))
+
+
+def hidden_curves(differences: CampaignDifferences) -> list[CurveDifference]:
+    """Return the curves whose difference an unseparated drift may account for."""
+    if not unseparated(differences):
+        return []
+    return [curve for curve in differences.curves if not is_beyond_drift(curve)]
+
+
+def is_beyond_drift(curve: CurveDifference) -> bool:
+    """Return whether a difference exceeds its uncertainty and its drift together."""
+    mean, drift = curve.mean_n, curve.drift_n
+    if mean is None or drift is None:
+        return False
+    return abs(mean.value) > (mean.u95 or 0.0) + drift.largest_n
+
+
+def _largest_drift(drift: DriftEffect | None) -> str:
+    return NONE if drift is None else half_width(drift.largest_n)
+
+
+def _over_curves(differences: CampaignDifferences) -> list[tuple[str, ...]]:
+    """Return the row of the mean over the curves; none where it is not known."""
+    mean = differences.mean_of_curves
+    if mean is None:
+        return []
+    count = sum(each.drift_n is not None for each in differences.curves)
+    drift = "cancels" if mean.drift_cancels else _largest_drift(mean.drift_n)
+    value = with_interval(mean.value_n, mean.half_n).partition(" ± ")[0]
+    verdict = SIGNIFICANT if mean.real else NOT_SIGNIFICANT
+    name = f"mean over all {count} curves"
+    return [(name, drift, value, half_width(mean.half_n), verdict, NONE, NONE, NONE)]
 
 
 def parameters_table(differences: CampaignDifferences) -> WordTable:

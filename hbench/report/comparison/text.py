@@ -28,6 +28,8 @@ from hbench.report.comparison.settings import (
     settings_words,
 )
 from hbench.report.comparison.tables import (
+    has_drift_column,
+    hidden_curves,
     means_tables,
     parameters_table,
     points_table,
@@ -146,6 +148,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         figures[drawing.section] = (*figures[drawing.section], drawing)
     parameters = [p.value for curve in differences.curves for p in curve.parameters]
     points = [p.friction_n for p in single_points(differences)]
+    drift_too = bool(hidden_curves(differences)) and any(point.real for point in points)
     sections = [
         Section(facts=_data(differences)),
         Section(
@@ -155,7 +158,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         ),
         Section(
             "Differences of mean friction and efficiency",
-            (_READ,),
+            (_READ + _DRIFT * has_drift_column(differences),),
             tables=means_tables(differences),
             parts=(Section(drawings=figures["comparison"]),),
         ),
@@ -167,7 +170,10 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         ),
         Section(
             "Speed by speed",
-            (_counted("at single speeds", points), *_why(differences, points, _MEANS_OF)),
+            (
+                _counted("at single speeds", points) + _DRIFT_TOO * drift_too,
+                *_why(differences, points, _MEANS_OF),
+            ),
             parts=_folded("Each speed", points_table(differences)),
         ),
         Section("How it was computed", facts=_method(differences)),
@@ -275,6 +281,11 @@ _READ = (
     "also contains the errors that both have in common, which cancel in the difference: A "
     "and B have more digits than their own U allows, as the difference needs them."
 )
+_DRIFT = (
+    " A drift up to the size in the table may account for a difference, and is not part of U; it "
+    "cancels in the mean over all curves if it is a straight line over time."
+)
+_DRIFT_TOO = " A drift may account for such a difference too."
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "
     "seal again would change."

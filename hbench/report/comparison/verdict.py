@@ -6,7 +6,7 @@ from hbench.records import CampaignDifferences, Difference, Drift
 from hbench.report.campaign.quality import missing_words
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
-from hbench.report.comparison.tables import who
+from hbench.report.comparison.tables import is_beyond_drift, unseparated, who
 from hbench.report.render.numbers import (
     alike,
     half_width,
@@ -16,7 +16,6 @@ from hbench.report.render.numbers import (
     with_interval,
 )
 
-_NOTHING = 0.01  # of U: a smaller drift is not quoted
 _FEW = 2  # curves that the verdict lists
 _REMEDY = "To compare single curves, measure both again with order: random in the schedule."
 
@@ -42,10 +41,10 @@ def headline(differences: CampaignDifferences) -> str:
         if quality.grade == "with care"
     ]
     care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
-    found = [band_verdict(differences)]
-    if not found[0]:
-        found = [_verdict(differences), _efficiency_verdict(differences)]
     sure, drift = _drift(differences)
+    found = [band_verdict(differences)]
+    if not found[0] and not sure:
+        found = [_verdict(differences), _efficiency_verdict(differences)]
     return " ".join(filter(None, (sure, *found, drift, _warmer(differences), care)))
 
 
@@ -55,12 +54,7 @@ def _drift(differences: CampaignDifferences) -> tuple[str, str]:
     That is a drift which the order of the runs does not separate; both are empty without one. The
     first is also empty where no drift accounts for the differences of the curves.
     """
-    mixed = [
-        check.drift
-        for quality in differences.qualities
-        for check in quality.checks
-        if check.drift is not None and check.grade != "good" and not check.drift.separated
-    ]
+    mixed = unseparated(differences)
     if not mixed:
         return "", ""
     in_u = any(drift.significant for drift in mixed)
@@ -77,7 +71,9 @@ def _drift(differences: CampaignDifferences) -> tuple[str, str]:
     words = f"A drift {part}: the order of the runs does not separate the two."
     over, sure = _over_curves(differences)
     if sure:
-        return over, f"{words} {_REMEDY}"
+        sizes = [abs(c.mean_n.value) for c in differences.curves if c.mean_n and c.mean_n.real]
+        single = f"The difference of a single curve ({alike(sizes)} N)"
+        return over, f"{single} may come from a drift, of up to {largest}. {_REMEDY}"
     return "", " ".join(filter(None, (words, over, _REMEDY)))
 
 
@@ -96,8 +92,7 @@ def _unknown_part(differences: CampaignDifferences, mixed: Sequence[Drift]) -> s
 def _all_beyond_drift(differences: CampaignDifferences) -> bool:
     """Return whether each significant difference exceeds its uncertainty and its drift together."""
     return all(
-        curve.drift_n is not None
-        and abs(curve.mean_n.value) > (curve.mean_n.u95 or 0.0) + curve.drift_n.largest_n
+        is_beyond_drift(curve)
         for curve in differences.curves
         if curve.mean_n is not None and curve.mean_n.real
     )
@@ -114,15 +109,14 @@ def _over_curves(differences: CampaignDifferences) -> tuple[str, bool]:
     way = "higher" if mean.value_n > 0 else "lower"
     count = sum(each.drift_n is not None for each in differences.curves)
     most = mean.drift_n.largest_n
-    drift = "cancels" if most < _NOTHING * mean.half_n else f"is at most {half_width(most)} N"
+    drift = "cancels" if mean.drift_cancels else f"is at most {half_width(most)} N"
     a, b = differences.names
     words = (
         f"In the mean over all {count} curves, in which a linear drift {drift}, friction of {b} is "
         f"{significant(abs(mean.value_n), 2)} N {way} than that of {a} "
         f"(U at most {half_width(mean.half_n)} N)"
     )
-    beyond = abs(mean.value_n) > mean.half_n + most
-    return (f"{words}." if beyond else f"{words}; this is not significant."), beyond
+    return (f"{words}." if mean.real else f"{words}; this is not significant."), mean.real
 
 
 def any_significant(differences: CampaignDifferences) -> bool:

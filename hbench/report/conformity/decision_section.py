@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from hbench.records.conformity.acceptance import ConformityCheck, Rule
+from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule
 from hbench.report.conformity.text import (
     CONFORMS,
     check_words,
@@ -17,12 +17,14 @@ from hbench.report.conformity.text import (
     series_words,
 )
 from hbench.report.render.document import Section
-from hbench.report.render.numbers import NONE
-from hbench.report.render.symbols import capital
+from hbench.report.render.numbers import NONE, as_written
+from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
+from hbench.units import from_si
 
 _HEAD = ("Quantity", "Series", "Measured ± U", "Limit", "Conforms", "Decision")
 _NUMBERS = {"Measured ± U", "Conforms"}
+_EXACT = 1e-9  # of a tenth: 0.3 / 0.1 counts as 3
 
 
 def decision_section(
@@ -35,9 +37,10 @@ def decision_section(
     """Return the decision on the cylinder and a row for each of its checks.
 
     ``rule`` is the decision rule with its largest uncertainty, ``limits`` the name of the file of
-    limits. The only paragraph states the decision, the lowest probability of conformity, and by how
-    much the decisive value is inside or beyond its limit.
+    limits. The only paragraph states the decision, and the value that decides it with its limit,
+    its margin and its probability of conformity.
     """
+    reasons = any(check.reason for check in checks)
     rows = tuple(
         (
             Cell(capital(requirement_words(check.requirement, check.measurement))),
@@ -45,23 +48,21 @@ def decision_section(
             Cell(measured_words(check)),
             Cell(limit_words(check.requirement)),
             Cell(probability_words(check.probability)),
-            Cell("PASS") if check.decision == "PASS" else Cell(check.reason, check.decision),
+            Cell("PASS") if check.decision == "PASS" else Cell("", check.decision),
+            *([Cell(check.reason)] if reasons else []),
         )
         for check in checks
     )
-    table = Table(_HEAD, rows, frozenset(_HEAD) - _NUMBERS, title="Decisions")
-    words = f"Decision: {decision} (by the last hbench accept).{_which(decision, checks)}"
+    head = (*_HEAD, "Reason") if reasons else _HEAD
+    table = Table(head, rows, frozenset(head) - _NUMBERS, title="Decisions")
+    parts = (f"Decision: {decision}.", _which(decision, checks), nearest_words(decision, checks))
     known = [check.probability for check in checks if check.probability is not None]
-    if known:
-        each = "" if len(known) == len(checks) else "known "
-        words += f" The lowest {each}probability of conformity is {probability_words(min(known))}, "
-        words += "with the uncertainty U taken into account."
-    words = " ".join(filter(None, (words, _margin_words(decision, checks, rule))))
-    items = [f"limits: {limits}"] if limits else []
+    items = [f"limits: {limits}, applied by the last hbench accept"] if limits else []
     items += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
     items += [CONFORMS] if known else []
     items = [capital(item) for item in (*items, *legend(checks))] if rows else []
-    return Section("Decision", (words,), tables=(table,) if rows else (), items=tuple(items))
+    paragraph = " ".join(filter(None, parts))
+    return Section("Decision", (paragraph,), tables=(table,) if rows else (), items=tuple(items))
 
 
 def _which(decision: str, checks: Sequence[ConformityCheck]) -> str:
@@ -69,27 +70,49 @@ def _which(decision: str, checks: Sequence[ConformityCheck]) -> str:
     if decision == "PASS":
         return ""
     decisive = [check for check in checks if check.decision == decision]
-    names = dict.fromkeys(requirement_words(check.requirement, None) for check in decisive)
+    names = dict.fromkeys(_name(check.requirement) for check in decisive)
     verb = "has" if len(decisive) == 1 else "have"
     count = f"{len(decisive)} of {len(checks)} checks {verb} this decision"
-    return f" {count}: {'; '.join(names)}." if names else ""
+    reasons = " ([[decision]] has the reasons)" if decision == "NOT TESTED" else ""
+    return f"{count}: {listed(list(names))}{reasons}." if names else ""
 
 
-def _margin_words(decision: str, checks: Sequence[ConformityCheck], rule: Rule | None) -> str:
-    """State how far the decisive value is from its limit, in multiples of U; empty if unknown.
+def _name(requirement: Requirement) -> str:
+    """Return the name that the file of limits gives a quantity, or else the quantity."""
+    return requirement.name or requirement_words(requirement, None)
 
-    That is the one nearest to its limit, or of a failed cylinder the one farthest beyond.
+
+def nearest_words(decision: str, checks: Sequence[ConformityCheck]) -> str:
+    """State the value nearest to its limit, or of a failed cylinder the one farthest beyond.
+
+    The margin is that of the numbers as they are written. Empty where none is known, and where a
+    limit was not tested.
     """
     known = [(margin, check) for check in checks if (margin := check.margin_in_u) is not None]
-    if not known or decision not in ("PASS", "FAIL"):
+    if not known or decision == "NOT TESTED":
         return ""
     margin, check = min(known, key=lambda each: each[0])
-    measured = check.measurement and replace(check.measurement, p_lr_ref_pa=None)
-    which = check_words(check.requirement, measured)
-    times = f"{math.floor(10 * abs(margin)) / 10:.1f}"
-    if decision == "FAIL":
-        text = f"The value farthest beyond its limit is that of {which}, by {times} U."
-        return text if margin < 0 else ""
-    words = f"The value nearest to its limit is that of {which}: it is inside by {times} U"
-    same = f", so a U up to {times} times as large would give the same decision"
-    return f"{words}{same if rule == 'guard_band' else ''}."
+    measured = check.measurement
+    if measured is None or (margin < 0) != (decision == "FAIL"):
+        return ""
+    what = "Farthest beyond its limit" if margin < 0 else "Nearest to its limit"
+    which = check_words(check.requirement, replace(measured, p_lr_ref_pa=None))
+    limit = f"limit {limit_words(check.requirement)}"
+    side = "beyond" if margin < 0 else "inside"
+    conforms = f"probability of conformity {probability_words(check.probability)}"
+    return (
+        f"{what} is {which}: {measured_words(check)}, {limit}; it is {side} by "
+        f"{_in_u(check)}, {conforms}."
+    )
+
+
+def _in_u(check: ConformityCheck) -> str:
+    """Write the distance from the limit in multiples of U, down to a tenth, as written beside."""
+    measured, unit = check.measurement, check.requirement.unit
+    assert measured is not None and measured.u95 is not None
+    value, half = as_written(from_si(measured.value, unit), from_si(measured.u95, unit))
+    low, high = check.requirement.low, check.requirement.high
+    ends = [from_si(end, unit) for end in (low, high) if end is not None]
+    nearest = min(abs(value - end) for end in ends)
+    times = math.floor(10 * nearest / half + _EXACT) / 10
+    return f"{times:.1f} U" if times else "less than 0.1 U"

@@ -5,7 +5,9 @@ from xml.etree import ElementTree
 
 from hbench.records import WordTable
 from hbench.records.conformity.acceptance import (
+    WORST_FIRST,
     Acceptance,
+    Conformity,
     ConformityCheck,
     LimitQuantity,
     Measurement,
@@ -36,15 +38,14 @@ RULES = {
 }
 CONFORMS = "conforms: probability that the true value is within its limit"
 _TRIALS_ALONE: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
-_STEPS = {
-    "FAIL": "FAIL: check the zeros and the calibration of the instruments, then repeat the test; "
+_STEPS: dict[Conformity, str] = {
+    "FAIL": "check the zeros and the calibration of the instruments, then repeat the test; "
     "if it fails again, do not deliver the cylinder",
-    "MARGINAL": "MARGINAL: the value is within its limit, but nearer to it than U; repeat the "
-    "test with more trials or more accurate instruments (hbench report shows the parts of U), or "
-    "agree on another rule with the customer",
-    "NOT TESTED": "NOT TESTED: the table gives the reason; measure what is missing, or reduce a U "
-    "that is too large with more trials or more accurate instruments, then repeat the command",
+    "MARGINAL": "repeat the test with more trials or more accurate instruments (hbench report "
+    "shows the parts of U), or agree on another rule with the customer",
 }
+_MEASURE = "measure what is missing"
+_REDUCE = "reduce U with more trials or more accurate instruments"
 
 
 def acceptance_table(acceptance: Acceptance) -> WordTable:
@@ -77,7 +78,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
         CONFORMS,
         *legend(acceptance.checks),
         *(f"note: {note}" for note in acceptance.notes),
-        *(f"next: {step}" for step in next_steps(acceptance.checks)),
+        *(f"next, after {each}: {step}" for each, step in next_steps(acceptance.checks)),
     ]
     return "\n".join(lines).replace("−", "-").replace("–", "-").replace("±", "+-")
 
@@ -100,11 +101,15 @@ def _measured(check: ConformityCheck, quantity: LimitQuantity) -> bool:
     return check.requirement.quantity == quantity and check.measurement is not None
 
 
-def next_steps(checks: Sequence[ConformityCheck]) -> Iterator[str]:
-    """Yield what to do about each kind of decision but PASS, the worst first."""
-    for decision, step in _STEPS.items():
-        if any(check.decision == decision for check in checks):
-            yield step
+def next_steps(checks: Sequence[ConformityCheck]) -> Iterator[tuple[Conformity, str]]:
+    """Yield each kind of decision but PASS and what to do about it, the worst first."""
+    untested = [check for check in checks if check.decision == "NOT TESTED"]
+    ways = [_MEASURE] if any(check.measurement is None for check in untested) else []
+    ways += [_REDUCE] if any(check.measurement is not None for check in untested) else []
+    steps = _STEPS | {"NOT TESTED": f"{' and '.join(ways)}, then repeat hbench accept"}
+    for decision in WORST_FIRST:
+        if any(check.decision == decision for check in checks) and decision in steps:
+            yield decision, steps[decision]
 
 
 def junit_xml(acceptance: Acceptance) -> str:

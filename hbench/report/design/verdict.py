@@ -29,13 +29,14 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
     others = f"{'The worst of the others' if stopped else 'The worst'}: {', '.join(worst)}."
     return " ".join(
         (
-            f"FAIL. {_present(design)}Do not use the proposed gains: in simulation they fail "
+            "FAIL. Do not use the proposed gains: in simulation they fail "
             f"{len(failed)} of {len(checks)} checks.",
             *([stops] if stopped else []),
             *([others] if worst else []),
             _next_step(proposal),
+            _present(design),
         )
-    )
+    ).rstrip()
 
 
 def _present(design: Design) -> str:

@@ -169,12 +169,14 @@ def _of(drawings: tuple[Drawing, ...], section: str) -> tuple[Drawing, ...]:
 
 def _tiles(fleet: Fleet) -> Iterator[Tile]:
     good = fleet.campaigns - fleet.failed
-    about = [f"analyzed, {fleet.failed} failed" if fleet.failed else "analyzed"]
+    about = [f"analysed, {fleet.failed} failed" if fleet.failed else "analysed"]
     if fleet.decisions:
         about.append(f"decisions: {decision_words(fleet)}")
     if fleet.qualities:
         grades = ", ".join(f"{count} {grade}" for grade, count in fleet.qualities)
-        why = ", ".join(f"{name} in {count}" for name, count in fleet.weak_checks)
+        why = ", ".join(
+            name if count == good else f"{name} in {count}" for name, count in fleet.weak_checks
+        )
         about.append(f"data: {grades}{f' (because of {why})' if why else ''}")
     yield Tile(f"{good} of {fleet.campaigns}", "campaigns", "; ".join(about))
     if fleet.outliers:
@@ -285,7 +287,7 @@ def _failures(fleet: Fleet) -> Section:
     first = Table(("Folder", "Reason"), rows, frozenset({"Folder", "Reason"}))
     title = f"The first {len(rows)} of them" if fleet.failed > len(rows) else "Each of them"
     subsections = (Section(title, tables=(first,), folded=True),)
-    return Section("Not analyzed", tables=(reasons,), parts=subsections, anchor="failed")
+    return Section("Not analysed", tables=(reasons,), parts=subsections, anchor="failed")
 
 
 def _untitled(table: WordTable) -> WordTable:

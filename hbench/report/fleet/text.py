@@ -58,7 +58,7 @@ _MOST_ROWS = 50  # campaigns that are listed on a terminal
 def fleet_text(fleet: Fleet) -> str:
     """Return the summary and the tables, for a terminal."""
     failed = f", {fleet.failed} failed" if fleet.failed else ""
-    lines = [f"{fleet.campaigns} campaigns: {fleet.campaigns - fleet.failed} analyzed{failed}"]
+    lines = [f"{fleet.campaigns} campaigns: {fleet.campaigns - fleet.failed} analysed{failed}"]
     lines += [f"  {count} failed: {reason}" for reason, count in fleet.reasons]
     if len(fleet.protocols) > 1:
         lines.append(

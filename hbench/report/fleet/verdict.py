@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from hbench.records import Fleet, Quantity, Side, Spread, Suspect, Trend
+from hbench.records import FEWEST_CAMPAIGNS, Fleet, Quantity, Side, Spread, Suspect, Trend
 from hbench.report.fleet.charts import CHECK_WHAT, change_sentences, named, step_size
 from hbench.report.fleet.names import (
     WORKING_SPEED,
@@ -33,22 +33,34 @@ _NAMED = 3  # steps, outliers and drifts in a sentence
 def fleet_verdict(fleet: Fleet) -> str:
     """Return decisions, failures, friction and what is conspicuous, in a few short sentences."""
     sentences = [f"Decisions: {decision_words(fleet)}."] if fleet.decisions else []
-    if fleet.decisions == (("PASS", fleet.campaigns),):
+    passed = fleet.decisions == (("PASS", fleet.campaigns),)
+    if passed:
         sentences = [f"All {fleet.campaigns} campaigns have the decision PASS."]
     if fleet.failed:
-        sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
+        sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analysed.")
     analyzed = fleet.campaigns - fleet.failed
     poor = dict(fleet.qualities).get("poor", 0)
     if fleet.incomplete:
         verb = "is" if fleet.incomplete == 1 else "are"
-        sentences.append(f"{fleet.incomplete} of {analyzed} analyzed campaigns {verb} incomplete.")
+        sentences.append(f"{fleet.incomplete} of {analyzed} analysed campaigns {verb} incomplete.")
     if poor:
         verb = "has" if poor == 1 else "have"
-        sentences.append(f"{poor} of {analyzed} analyzed campaigns {verb} poor data.")
+        sentences.append(f"{poor} of {analyzed} analysed campaigns {verb} poor data.")
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
-    return " ".join([*sentences, *_friction_words(fleet), *_conspicuous_words(fleet)])
+    found = [*_friction_words(fleet), *_conspicuous_words(fleet)]
+    if passed and not (fleet.incomplete or poor or any(_to_be_checked(fleet))):
+        few = f"; changes over time are tested from {FEWEST_CAMPAIGNS} campaigns on"
+        found.append(f"Next step: none{few if fleet.compared < FEWEST_CAMPAIGNS else ''}.")
+    return " ".join([*sentences, *found])
+
+
+def _to_be_checked(fleet: Fleet) -> Iterator[bool]:
+    """Yield whether there are failed campaigns, outliers, steps, signals of charts or drifts."""
+    yield bool(fleet.failed or fleet.outliers)
+    yield any(chart.outside or (chart.step and chart.step.real) for chart in fleet.charts)
+    yield any(trend.real for trend in steady_trends(fleet))
 
 
 def _friction_words(fleet: Fleet) -> Iterator[str]:

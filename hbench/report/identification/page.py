@@ -1,7 +1,7 @@
 """The page of an identification."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 from hbench.records import Identification, WordTable
@@ -21,7 +21,7 @@ from hbench.report.identification.text import (
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike, span
+from hbench.report.render.numbers import alike, number
 
 _SOURCE = (
     "Laws and verification profile",
@@ -140,7 +140,7 @@ def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...
     if not all(kinds):
         return ()
     unsteady, steady = (
-        [span([law.errors[part].friction_n for law in laws]) for laws in kinds]
+        [_ends([law.errors[part].friction_n for law in laws]) for laws in kinds]
         for part in ("unsteady", "steady")
     )
     names = [", ".join(law_words(law.law) for law in laws) for laws in kinds]
@@ -152,6 +152,11 @@ def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...
     )
     simulated = identification.provenance.source == "simulated"
     return ("Kinds of laws", words), *([("Simulated", _SIMULATED)] if simulated else [])
+
+
+def _ends(errors_n: Collection[float]) -> str:
+    """Write the smallest and the largest error with the decimals of the tables."""
+    return "–".join(dict.fromkeys(number(end, 1) for end in (min(errors_n), max(errors_n))))
 
 
 def _ramp_words(identification: Identification) -> tuple[str, ...]:

@@ -1,7 +1,6 @@
 """An identification in words and numbers: tables for terminal and page, and the JSON file."""
 
 import json
-import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
@@ -153,7 +152,7 @@ def _summary(identification: Identification) -> WordTable:
             cells = (NONE, *(NONE for _ in rest), "all: not identified", NONE)
         else:
             names = ", ".join(map(_symbol, law.fit.undetermined))
-            error = significant(error_n(law), 2)
+            error = number(error_n(law), 1)
             cells = (error, *rest, names or "none", f"{law.law}.yaml")
         rows.append((law.law, *cells))
     if identification.scatter:
@@ -167,7 +166,7 @@ def _summary(identification: Identification) -> WordTable:
 
 def _rms_words(errors: Mapping[str, ModelErrors], parts: Iterable[str]) -> str:
     error = rms_n(errors[part] for part in parts if part in errors)
-    return significant(error, 2) if math.isfinite(error) else NONE
+    return number(error, 1)
 
 
 def undetermined_words(fit: Fit) -> list[str]:

@@ -8,7 +8,7 @@ from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
 from hbench.report.identification.text import undetermined_words
-from hbench.report.render.numbers import significant, span
+from hbench.report.render.numbers import number, significant, span
 from hbench.report.render.symbols import listed
 
 
@@ -30,7 +30,7 @@ def _closest(identification: Identification) -> str:
     if not errors:
         return ""
     best = equally_good(errors)
-    names = [f"{law_words(law)} ({significant(error, 2)} N)" for law, error in best.items()]
+    names = [f"{law_words(law)} ({number(error, 1)} N)" for law, error in best.items()]
     verb = "predicts" if len(best) == 1 else "predict"
     measured = _range(identification)
     return f"{' and '.join(names)} {verb} friction in motion best, by RMS error{measured}. "

@@ -27,7 +27,7 @@ _INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
-    "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
+    "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
     "real": "Measured on a bench that hbench ran.",
 }
 _SENTENCE = re.compile(r"(?<=[\w)]\.) (?=[A-Z])")
@@ -80,11 +80,15 @@ class Document:
 
     @property
     def headline(self) -> tuple[str, str]:
-        """Return the first sentence of a long verdict, and the others; all of a short one."""
+        """Return the first sentence of a long verdict, and the others; all of a short one.
+
+        A first sentence of one word, such as ``PASS.``, has the next one with it.
+        """
         if len(self.verdict) <= _PARAGRAPH:
             return self.verdict, ""
-        first, *others = _SENTENCE.split(self.verdict, maxsplit=1)
-        return first, " ".join(others)
+        first, *others = _SENTENCE.split(self.verdict)
+        count = 1 if " " in first else 2
+        return " ".join((first, *others)[:count]), " ".join((first, *others)[count:])
 
     @property
     def tab(self) -> str:

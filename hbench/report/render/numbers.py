@@ -88,9 +88,19 @@ def _to_half(value: float, half_width: float, more: int = 0) -> str:
 
     ``more`` decimals are added.
     """
-    rounded = float(f"{half_width:.1e}")  # 99.6 has its second digit at the tens: 100
-    decimals = min(1 + more - math.floor(math.log10(rounded)), 6)
+    decimals = _decimals(half_width, more)
     return number(round(value, decimals), max(0, decimals))
+
+
+def _decimals(half_width: float, more: int = 0) -> int:
+    rounded = float(f"{half_width:.1e}")  # 99.6 has its second digit at the tens: 100
+    return min(1 + more - math.floor(math.log10(rounded)), 6)
+
+
+def as_written(value: float, half_width: float) -> tuple[float, float]:
+    """Return value and half-width as ``with_interval`` rounds them."""
+    decimals = _decimals(half_width)
+    return round(value, decimals), round(half_width, decimals)
 
 
 def finer(value: float, half_width: float) -> str:

@@ -10,6 +10,7 @@ from hbench.analysis.comparison.run_rules import run_rules
 from hbench.analysis.conformity.series import Series, checks_by_series
 from hbench.records import FEWEST_CAMPAIGNS
 from hbench.records.conformity.acceptance import ConformityCheck
+from hbench.report.conformity.decision_section import nearest_words
 from hbench.report.conformity.text import (
     check_words,
     limit_words,
@@ -39,7 +40,10 @@ def station_charts(
 
 
 def limits_checked(checks: Sequence[ConformityCheck]) -> list[str]:
-    """Count the limits that were kept; write the first of the others, and count the rest."""
+    """Count the limits that were kept; write the first of the others, and count the rest.
+
+    If all were kept, the value nearest to its limit follows.
+    """
     others = sorted(
         (check for check in checks if check.decision != "PASS"),
         key=lambda check: _ORDER.index(check.decision),
@@ -50,7 +54,8 @@ def limits_checked(checks: Sequence[ConformityCheck]) -> list[str]:
     ]
     kept = f"Limits met: {len(checks) - len(words)} of {len(checks)}."
     more = [f"{len(words) - _MOST} more; see hbench accept"] if len(words) > _MOST else []
-    return [*([kept] if checks else []), *words[:_MOST], *more]
+    nearest = "" if others else unit_kept(nearest_words("PASS", checks))
+    return [*([kept] if checks else []), *words[:_MOST], *more, *filter(None, [nearest])]
 
 
 def _measured(check: ConformityCheck) -> str:

@@ -120,5 +120,7 @@ def _described(folder: Path) -> dict[str, Any]:
         "source": provenance.source,
         "decision": stored_decision(folder),
         "checked": limits_checked(checks),
-        "next": [f"Next, after {step}." for step in islice(next_steps(checks), 1)],
+        "next": [
+            f"Next, after {decision}: {step}." for decision, step in islice(next_steps(checks), 1)
+        ],
     }

@@ -34,12 +34,12 @@ def content(certificate: Certificate) -> Content:
     rows = (
         (laboratory_part(certificate), customer_part(certificate)),
         (specimen_part(certificate), test_part(certificate)),
+        (conformity_part(certificate),),  # on the first sheet
         (conditions_part(certificate),),
         (instruments_part(certificate),),
         (method_part(certificate),),
         *((part,) for part in result_parts(certificate)),
         (uncertainty_part(certificate),),
-        (conformity_part(certificate),),
         (not_tested_part(certificate),),
         *(
             [(Part("remarks", word("remarks"), paragraphs=certificate.file.remarks),)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.render.numbers import NONE
 
-_UNIT = re.compile(r"(\d) (mm/s|mm²|N|bar|%|°C|s|ml/min)(?![\w/])")
+_UNIT = re.compile(r"(\d) (mm/s|mm²|N/s|N|bar|%|°C|s|ml/min)(?![\w/])")
 
 Fact = tuple[str, str]  # name and text
 

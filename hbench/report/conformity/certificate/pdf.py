@@ -36,6 +36,7 @@ _BODY, _HEADING, _TITLE = 7.5, 8.8, 18.0
 _LABEL = 0.34  # share of a fact's name
 _LOGO = (125.0, 60.0)  # largest
 _SIGNATURE = 62.0  # height
+_WHOLE = 250.0  # height of a text that is kept on one sheet
 
 
 def certificate_pdf(certificate: Certificate) -> bytes:
@@ -194,7 +195,10 @@ def _columns(shown: Content) -> int:
 
 
 def _part(pen: Pen, part: Part) -> None:
-    pen.room(22 + 3 * _BODY * LINE + (20 if part.tables else 0))  # no heading alone at the foot
+    if part.tables or part.facts:
+        pen.room(22 + 3 * _BODY * LINE + (20 if part.tables else 0))  # no heading alone at the foot
+    else:
+        pen.room(min(_text_height(part), _WHOLE))
     pen.space(7)
     pen.write(part.title, _HEADING, weight="bold", color=_ACCENT)
     pen.space(2.5)
