@@ -314,7 +314,7 @@ def _verification(
     if ended:
         return None, (), tuple(ended)
     models = [balance_model(task.bench, each.plant(task.plant)) for each in hypotheses]
-    stages = SimulatedStages(runs, list(zip(simulated, models, strict=True)))
+    stages = SimulatedStages(runs, list(zip(simulated, models, strict=True)), held_out)
     shown = overlays(runs, simulated[1], simulated[2], models[1], held_out)
     return stages, shown, ()
 

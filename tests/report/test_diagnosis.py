@@ -445,12 +445,13 @@ def test_a_model_that_needs_no_revision_is_still_a_file_that_reads_back(unknown,
 
 
 def test_every_run_has_its_gaps_of_every_view_in_json_and_csv(named):
-    """30 runs, 8 balances and 12 signals; 8 of these in open loop."""
+    """30 runs, 8 balances and 12 signals; 8 of these in open loop, for held-out runs."""
     runs = json.loads(diagnosis_json(named))["gap"]["runs"]
     assert [one["run"] for one in runs] == [one.plan.run for one in named.gap_runs]
     assert {one["run"] for one in runs if one["held_out"]} == set(named.heldout_runs)
-    steady = next(one for one in runs if one["kind"] == "steady")
+    steady = next(one for one in runs if one["kind"] == "steady" and one["held_out"])
     assert (len(steady["balances"]), len(steady["signals"])) == (8, 12)
+    assert {one["run"] for one in runs if one["open_loop"]} == set(named.heldout_runs)
     assert set(steady["open_loop"]) == {"x", "v", "p_tp", "p_tr", "p_lp", "p_lr", "f_applied"} | {
         "friction"
     }

@@ -36,19 +36,29 @@ class BalanceStages:
 
 
 class SimulatedStages:
-    """Signals of measured runs and of those of the models before, refitted and after."""
+    """Signals of measured runs and of those of the models before, refitted and after.
+
+    The open loop, which takes long, is that of the runs at ``held_out`` points.
+    """
 
     def __init__(
         self,
         measured: Sequence[Run],
         simulated: Sequence[tuple[Sequence[Run], BalanceModel]],
+        held_out: frozenset[Hashable],
     ):
-        self._points = {run.plan.run: point_of(run.plan) for run in measured}
         self._maps: dict[str, list[GapMap]] = {}
         self._runs: dict[str, list[dict[str, np.ndarray]]] = {}
+        own = {"signals": lambda run: True, "open_loop": lambda run: point_of(run.plan) in held_out}
         for name, evaluate in _EVALUATIONS.items():
+            chosen = list(filter(own[name], measured))
+            if not chosen:
+                continue
             pairs = [
-                (_evaluated(evaluate, measured, model), _evaluated(evaluate, runs, model))
+                (
+                    _evaluated(evaluate, chosen, model),
+                    _evaluated(evaluate, list(filter(own[name], runs)), model),
+                )
                 for runs, model in simulated
             ]
             self._maps[name] = [gap_map(*pair) for pair in pairs]
@@ -64,6 +74,7 @@ class SimulatedStages:
         return {
             name: _by_name(maps[0].names, [_gaps(_at(each, points)) for each in maps])
             for name, maps in self._maps.items()
+            if points.intersection(maps[0].points)
         }
 
     def of_run(self, run: str) -> dict[str, dict[str, BeforeAfter]]:

@@ -70,8 +70,9 @@ _MOTION = (
     "the measured signals and the change of friction from run to run."
 )
 _SIGNALS = (
-    "The same schedule, simulated in closed loop and in open loop. They check the revised model; "
-    "the verdict does not depend on them, and no expected gap is computed for them."
+    "The same schedule, simulated in closed loop, and the held-out runs in open loop. They check "
+    "the revised model; the verdict does not depend on them, and no expected gap is computed for "
+    "them."
 )
 _REFITTED_STAGE = "The model with its poorly known values fitted, and no effect added."
 _EXPECTED = (

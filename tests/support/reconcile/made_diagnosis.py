@@ -60,7 +60,8 @@ def diagnosis(hidden=LEAK, found=FOUND) -> Diagnosis:
     maps = [each.in_units_of(maps[1]) for each in maps]
     balances = BalanceStages(tuple(maps), np.full(maps[0].difference.shape, 0.04))
     models = [own.balance_model(hypothesis) for hypothesis in hypotheses]
-    stages = SimulatedStages(measured, list(zip((before, refitted, after), models, strict=True)))
+    simulated = list(zip((before, refitted, after), models, strict=True))
+    stages = SimulatedStages(measured, simulated, held)
     allowed = np.full(len(BALANCES), 1e-7)
     where, rest = (ranked_gaps(each, allowed) for each in maps[1:])
     lacked, lacks = maps[1:]
