@@ -205,6 +205,44 @@ def test_a_pressure_that_acts_at_rest_is_no_zero_offset(
     assert "'zero: none'" in caught.value.hint and words[1] in caught.value.hint
 
 
+@pytest.mark.parametrize(
+    ("zero_n", "carried_n", "full_scale", "words"),
+    [
+        (2025.0, 2100.0, None, "is 2025 N, and the pressures of the cylinder carry 2100 N: a load"),
+        (-2025.0, -2500.0, None, "is -2025 N, and the pressures of the cylinder carry -2500 N: a"),
+        (400.0, 300.0, "10 kN", "is 400 N, and the pressures of the cylinder carry 300 N: a load"),
+        (1200.0, 0.0, "10 kN", "is 1200 N; limit 1000 N, 10 % of its full scale"),
+        (400.0, 0.0, "10 kN", None),  # an offset: the pressures carry nothing
+        (400.0, -300.0, "10 kN", None),  # friction, of the other sign
+        (150.0, 150.0, "10 kN", None),  # within the usual zero of a load cell
+        (200.0, 0.0, None, None),
+    ],
+)
+def test_a_load_that_acts_at_rest_is_no_zero_offset_of_the_load_cell(
+    bring_in, rules, zero_n, carried_n, full_scale, words
+):
+    rules["columns"]["f_applied_n"]["zero"] = "rest"
+    if full_scale is not None:
+        tolerance = {"tolerance": "0.5 %", "of": "full_scale"}
+        pressure = {**tolerance, "full_scale": "100 bar"}
+        rules["instruments"] = {
+            "force": {**tolerance, "full_scale": full_scale},
+            "pressure": pressure,
+        }
+    t, x, *_ = at_rest_then_moving(1.5, 0.0)
+    f = zero_n + 50.0 * (t > 1.5)
+    p = (carried_n + 300.0 * (t > 1.5)) / (np.pi / 4 * 0.025**2) / 1e5
+    if words is None:
+        run, *_ = bring_in(t, x, p, f)
+        assert abs(run.f_applied_n[t < 1.4].mean()) < 1e-6
+        return
+    with pytest.raises(DataError) as caught:
+        bring_in(t, x, p, f)
+    assert "a.csv: f_applied_n: no zero offset: at rest from 0.00 to 1.4" in caught.value.message
+    assert words in caught.value.message
+    assert f"'offset: {-zero_n:g} N'" in caught.value.hint
+
+
 def test_the_zero_of_a_position_is_not_told_by_rest(rules):
     rules["columns"]["x_m"]["zero"] = "rest"
     with pytest.raises(ConfigError, match="columns.x_m: .*zero"):

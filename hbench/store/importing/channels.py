@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hbench.channels import CHANNELS
-from hbench.config.import_map import ImportMap
+from hbench.config.import_map import ImportedCylinder, ImportMap
 from hbench.errors import DataError
-from hbench.motion.rest import LEAST_REST_S, ZeroOffset, rest_before_motion, zero_offset
+from hbench.motion.rest import ZeroOffset, rest_before_motion
 from hbench.store.campaign.run_csv import check_limits
 from hbench.store.formats.table import Table
 from hbench.store.importing.alignment import aligned
@@ -16,14 +16,8 @@ from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.file_notes import FileNote
 from hbench.store.importing.resampling import interval_means, whole_intervals
 from hbench.store.importing.time_bases import TimeBase, column_unit, read_time_bases
-from hbench.units import from_si, to_si
-
-_ZERO_TOLERANCE = 0.01  # of a channel's range in the file
-_NO_ZERO = 0.02  # of a pressure's range in the file: a larger mean at rest is a pressure
-_NO_REST = (
-    "Write 'zero: none' in the map if the values have no offset, or give it as 'offset': a load "
-    "may act on the sensor before the motion."
-)
+from hbench.store.importing.zeros import subtraction, zeroed
+from hbench.units import from_si
 
 
 @dataclass(frozen=True)
@@ -39,7 +33,11 @@ class FileChannels:
 
 
 def read_channels_by_map(
-    table: Table, name: str, fields: Mapping[str, str], rules: ImportMap
+    table: Table,
+    name: str,
+    fields: Mapping[str, str],
+    cylinder: ImportedCylinder,
+    rules: ImportMap,
 ) -> FileChannels:
     """Return the channels of a file. ``fields`` are the values in its ``name``.
 
@@ -60,10 +58,10 @@ def read_channels_by_map(
     units = {key: column_unit(table, key, column, rules) for key, column in rules.columns.items()}
     rest = rest_before_motion(channels["t_s"], channels["x_m"], channels.get("v_ref_m_s"))
     at_rest_s = channels["t_s"][rest]
-    channels, zeros = _zeroed(channels, rest, source, rules)
+    channels, zeros = zeroed(channels, rest, source, cylinder, rules)
     lines = table.lines_of(base.rows)
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
-    subtracted = [_subtraction(name, key, rules.unit(key), zero) for key, zero in zeros.items()]
+    subtracted = [subtraction(name, key, rules.unit(key), zero) for key, zero in zeros.items()]
     return FileChannels(
         channels=channels,
         lines=lines,
@@ -108,81 +106,6 @@ def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> F
     )
     limit = from_si(float(values[samples][0]), unit)
     return FileNote(name, text, {"limit": limit, "count": samples.sum(), "samples": len(samples)})
-
-
-def _zeroed(
-    channels: dict[str, np.ndarray], rest: slice, source: str, rules: ImportMap
-) -> tuple[dict[str, np.ndarray], dict[str, ZeroOffset]]:
-    """Subtract the zero offsets that the map asks for. Raises ``DataError`` without a true rest."""
-    t_s, out, zeros = channels["t_s"], dict(channels), {}
-    for key in (key for key, column in rules.columns.items() if column.zero == "rest"):
-        zero = zero_offset(t_s[rest], channels[key][rest])
-        if zero is None:
-            raise DataError(
-                f"{source}: {key}: no zero offset: less than {LEAST_REST_S:g} s at rest before the "
-                "motion",
-                _NO_REST,
-            )
-        tolerance = _zero_tolerance(channels[key], key, rules)
-        if fault := _fault_of(zero, rules.unit(key), tolerance):
-            raise DataError(f"{source}: {key}: no zero offset: {fault}", _NO_REST)
-        if key.startswith("p_"):
-            _refuse_pressure_at_rest(channels[key], zero, key, source, rules)
-        out[key] = channels[key] - zero.mean
-        zeros[key] = zero
-    return out, zeros
-
-
-def _refuse_pressure_at_rest(
-    values: np.ndarray, zero: ZeroOffset, key: str, source: str, rules: ImportMap
-) -> None:
-    """Raise ``DataError`` for a mean at rest beyond a sensor's error: a pressure may act there."""
-    if rules.instruments is not None:
-        limit, of = rules.instruments.pressure.largest, "the instrument's tolerance"
-    else:
-        limit = _NO_ZERO * float(max(np.nanmax(values), 0) - min(np.nanmin(values), 0))
-        of = f"{100 * _NO_ZERO:g} % of its range"
-    if abs(zero.mean) > limit:
-        given = rules.columns[key].offset
-        offset = (0.0 if given is None else to_si(given, "bar")) - zero.mean
-        mean, most, needed = (from_si(value, "bar") for value in (zero.mean, limit, offset))
-        raise DataError(
-            f"{source}: {key}: no zero offset: at rest from {zero.start_s:.2f} to "
-            f"{zero.stop_s:.2f} s it is {mean:.4g} bar; limit {most:.3g} bar, {of}",
-            "Write 'zero: none' in the map if this pressure acts at rest; if the sensor is off by "
-            f"it, give 'offset: {needed:.4g} bar' instead of 'zero: rest'.",
-        )
-
-
-def _subtraction(name: str, key: str, unit: str, zero: ZeroOffset) -> FileNote:
-    text = (
-        f"{key}: zero offset {{mean}} {unit} subtracted (standard error {{se}} {unit}), the mean "
-        "over a rest of {seconds} s"
-    )
-    numbers = {"mean": zero.mean, "se": zero.se, "seconds": round(zero.seconds, 2)}
-    return FileNote(name, text, numbers)
-
-
-def _zero_tolerance(values: np.ndarray, key: str, rules: ImportMap) -> float:
-    """Return how far a sensor may change at rest: its tolerance, or else 1 % of its range here."""
-    if rules.instruments is not None and key == "f_applied_n":
-        return rules.instruments.force.largest
-    if rules.instruments is not None and key.startswith("p_"):
-        return rules.instruments.pressure.largest
-    return _ZERO_TOLERANCE * float(np.nanmax(values) - np.nanmin(values))
-
-
-def _fault_of(zero: ZeroOffset, unit: str, tolerance: float) -> str:
-    """Return why a rest is none: a step, a trend or too much noise; empty if it is one."""
-    limit = f"limit {tolerance:.3g} {unit}"
-    when = f"at rest from {zero.start_s:.2f} to {zero.stop_s:.2f} s"
-    if abs(zero.step) > tolerance:
-        return f"{when} it steps by {zero.step:.4g} {unit} at {zero.step_at_s:.2f} s; {limit}"
-    if abs(zero.trend) > tolerance:
-        return f"{when} it drifts by {zero.trend:.4g} {unit}; {limit}"
-    if zero.se > tolerance:
-        return f"{when} its mean has a standard error of {zero.se:.3g} {unit}; {limit}"
-    return ""
 
 
 def _resampled(

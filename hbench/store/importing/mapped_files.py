@@ -83,7 +83,9 @@ def _pieces(
 def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> MappedFile:
     """Read one file. Raises ``DataError`` naming the invalid line."""
     with open_source(folder, match.name, rules.format) as (table, file):
-        return MappedFile(match, file, read_channels_by_map(table, match.name, match.fields, rules))
+        cylinder = match.series.cylinder
+        read = read_channels_by_map(table, match.name, match.fields, cylinder, rules)
+        return MappedFile(match, file, read)
 
 
 def cut_file(mapped: MappedFile, folder: Path, rules: ImportMap) -> Sections:
