@@ -170,6 +170,7 @@ class QualityCheck:
         "trials_per_point",
         "repeatability",
         "load_spread",
+        "nominal_load",
         "drift",
         "zeros",
         "zero_drift",
@@ -181,7 +182,8 @@ class QualityCheck:
     unit: Literal["%", "trials", "points"]  # of value and limits
     good: float  # the limit of "good"
     poor: float | None  # beyond it "poor"; None: there is no such limit
-    # Runs or points that the check counts, and among how many: runs completed or accepted, points
+    # Runs or points that the check counts, and among how many: runs completed or accepted, runs
+    # whose load is not near the nominal one, points
     # without an accepted trial, points whose sign contradicts the motion beyond its interval.
     count: int | None = None
     of: int | None = None

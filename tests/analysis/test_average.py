@@ -115,6 +115,28 @@ def test_rod_side_pressures_of_the_load_are_curves_of_their_own(trial):
     assert [efficiency_curve(curve, None).p_lr_ref_pa for curve in found] == [15e5, 60e5, None]
 
 
+def test_a_load_cell_that_contradicts_the_nominal_load_makes_the_data_of_care(make_run, rules):
+    def found(*loads_n, nominal_n=2000.0, p_lr=None):
+        runs = []
+        for number, load_n in enumerate(loads_n, start=1):
+            run = make_run(f_applied_n=load_n, trial=number)
+            plan = replace(run.plan, run=f"{number:04d}", f_load_n=nominal_n, p_lr_ref_pa=p_lr)
+            runs.append(screen(replace(run, plan=plan), rules))
+        return quality(runs, curves(runs))
+
+    tared = found(0.0, 3.0, 2000.0)
+    (check,) = [c for c in tared.checks if c.name == "nominal_load"]
+    assert (check.grade, check.count, check.of) == ("with care", 2, 3)
+    assert check.value == pytest.approx(100, rel=1e-3) and tared.grade != "good"
+    assert "in 2 of 3 runs the load cell differs from the nominal load" in quality_verdict(tared)
+    (in_kn,) = [c for c in found(2.0, 2.0).checks if c.name == "nominal_load"]
+    assert in_kn.value == pytest.approx(99.9, abs=1e-6)
+    unsigned = found(-2000.0, 1700.0)  # a name has no sign; friction of a load cylinder
+    by_pressure, no_load = found(100.0, p_lr=15e5), found(40.0, nominal_n=0.0)
+    for right in (unsigned, by_pressure, no_load):
+        assert not any(check.name == "nominal_load" for check in right.checks)
+
+
 def test_runs_of_different_loads_without_a_nominal_load_make_the_data_poor(make_run, rules):
     def verdict(*loads_n, nominal=False):
         runs = []

@@ -35,6 +35,7 @@ _TRIALS_GOOD, _TRIALS_POOR = 3, 1  # of the point with the fewest
 _SCATTER_GOOD, _SCATTER_POOR = 5.0, 15.0  # half of the 95 % interval, % of friction, median
 # Difference of the measured loads of a point, % of the load or of friction, whichever is larger.
 _LOAD_GOOD, _LOAD_POOR = 10.0, 50.0
+_NOMINAL_LOAD_GOOD = 50.0  # difference of the measured load from the nominal one, % of it
 _INSTRUMENTS_GOOD = 10.0  # half of the instruments' 95 % interval, % of friction, median
 
 
@@ -83,6 +84,7 @@ def _checks(
         grade = _grade(value, _SCATTER_GOOD, _SCATTER_POOR)
         yield QualityCheck("repeatability", grade, value, "%", _SCATTER_GOOD, _SCATTER_POOR)
     yield from _load_spread(runs, points)
+    yield from _nominal_load(runs)
     yield _plausible_signs(implausible, len(points))
     yield _instruments(points)
 
@@ -181,6 +183,26 @@ def _load_spread(
         grade = _grade(max(spreads), _LOAD_GOOD, _LOAD_POOR)
         limits = _LOAD_GOOD, _LOAD_POOR
         yield QualityCheck("load_spread", grade, max(spreads), "%", *limits, mixed, len(points))
+
+
+def _nominal_load(runs: Iterable[ScreenedRun]) -> Iterator[QualityCheck]:
+    """Grade the largest difference of a run's load from its nominal one, where it is not small.
+
+    Signs don't count: the names of files often have none. Nor do loads that a load cylinder sets
+    with its pressures (``p_lr_ref_pa``): its friction is the difference.
+    """
+    found = []
+    for run in runs:
+        nominal_n, means = run.run.plan.f_load_n, run.means
+        if nominal_n and run.accepted and run.run.plan.p_lr_ref_pa is None and means is not None:
+            if means.f_applied_n is not None:
+                found.append(100 * abs(abs(means.f_applied_n / nominal_n) - 1))
+    beyond = sum(difference > _NOMINAL_LOAD_GOOD for difference in found)
+    if beyond:
+        limits = _NOMINAL_LOAD_GOOD, None
+        yield QualityCheck(
+            "nominal_load", "with care", max(found), "%", *limits, beyond, len(found)
+        )
 
 
 def _plausible_signs(implausible: Sequence[ImplausiblePoint], points: int) -> QualityCheck:

@@ -20,6 +20,7 @@ _NAMES = {
     "trials_per_point": "Trials per point",
     "repeatability": "Repeatability",
     "load_spread": "One load per point",
+    "nominal_load": "Nominal load",
     "drift": "Drift",
     "zeros": "Zeros of the sensors",
     "zero_drift": "Drift of the zeros",
@@ -33,6 +34,7 @@ _LIMITS = {
     "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
     "load_spread": "good to {good:g} % of the load or of friction, poor above {poor:g} %",
+    "nominal_load": "good to {good:g} % of the nominal load",
     "drift": "good to {good:g} % or not significant; if not separated from speed, with care where "
     "more than {poor:g} % is possible, poor where a significant drift is larger",
     "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
@@ -50,6 +52,8 @@ _STEPS = {
     "load_spread": "separate the loads: in the map, write {{load}} in 'files' where the names of "
     "the files have it, or make a series of each load with a label of its own; in runs.csv, fill "
     "in f_load_n. Then import again",
+    "nominal_load": "compare the loads in the names of the files with those of the load cell: its "
+    "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
     "drift": "warm the bench up first, and measure in random order",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
@@ -307,6 +311,11 @@ def _value(check: QualityCheck) -> str:
             f"at {check.count} of {check.of} points runs of different loads are averaged: no "
             f"nominal load separates them, and those measured differ by up to "
             f"{number(check.value)} %"
+        )
+    if check.name == "nominal_load":
+        return (
+            f"in {check.count} of {check.of} runs the load cell differs from the nominal load by "
+            f"more than {check.good:g} %, by up to {number(check.value)} %"
         )
     if check.name in ("zeros", "zero_drift"):
         if check.value is None:

@@ -199,6 +199,7 @@ ENGLISH = {
     "check_trials_per_point": "trials per point",
     "check_repeatability": "repeatability",
     "check_load_spread": "one load per point",
+    "check_nominal_load": "nominal load",
     "check_drift": "drift during the test",
     "check_zeros": "zeros of the sensors",
     "check_zero_drift": "drift of the zeros",

@@ -195,6 +195,7 @@ GERMAN = {
     "check_trials_per_point": "Wiederholungen je Punkt",
     "check_repeatability": "Wiederholbarkeit",
     "check_load_spread": "eine Last je Messpunkt",
+    "check_nominal_load": "Nennlast",
     "check_drift": "Drift während der Prüfung",
     "check_zeros": "Nullpunkte der Sensoren",
     "check_zero_drift": "Drift der Nullpunkte",
