@@ -10,7 +10,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from hbench.store.campaign.dsp_log import format_words, parse_records
 from hbench.store.campaign.journal import Entry, Stop
 from hbench.store.campaign.log_layout import read_layout
 from hbench.store.campaign.run_csv import parse_run
+from hbench.store.campaign.run_times import clock_fault, latest_moment, moment, start_times_s
 from hbench.store.files.atomic import append, rename, truncate, write_atomic, write_files
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_file
 from hbench.untrusted_text import printable
@@ -147,18 +148,18 @@ class StoredCampaign:
     def start_times_s(self) -> dict[str, float]:
         """Return when each run started, in s after the first; empty if that is not known.
 
-        An imported log has no such time: its journal has that of the import.
+        The journal of an imported log has the time of the import; its file may state dates.
         """
-        times = {entry.plan.run: _moment(entry.started) for entry in self.latest}
-        known = {run: time for run, time in times.items() if time is not None}
-        if self.imported or len(known) < len(times) or len(set(known.values())) < 2:
+        if self.imported:
+            starts = {e.plan.run: str((e.origin or {}).get("start")) for e in self.latest}
+            return start_times_s(starts)
+        if clock_fault(self.entries):
             return {}
-        first = min(known.values())
-        return {run: (time - first).total_seconds() for run, time in known.items()}
+        return start_times_s({entry.plan.run: entry.started for entry in self.latest})
 
     def ended_at(self) -> datetime | None:
         """Return when the last run ended; None before the first has."""
-        times = [_moment(entry.stop.at) for entry in self.entries if entry.stop]
+        times = [moment(entry.stop.at) for entry in self.entries if entry.stop]
         return max((time for time in times if time is not None), default=None)
 
     def bench(self) -> Bench | None:
@@ -195,7 +196,7 @@ class StoredCampaign:
             bench=str(bench.get("content", {}).get("name", "not specified")),
             firmware=", ".join(f"{key} {value}" for key, value in firmware.items()),
             started=str(header["created"]),
-            stopped=max((e.stop.at for e in self.entries if e.stop), default=""),
+            stopped=latest_moment(e.stop.at for e in self.entries if e.stop),
             software={k: str(v) for k, v in (header.get("software") or {}).items()},
             details={k: v for k, v in header.items() if k not in _KNOWN}
             | (rules.details if rules else {}),
@@ -329,6 +330,8 @@ def load_campaign(folder: Path) -> StoredCampaign:
     content = journal.parse_journal(_read_journal(path), str(path))
     warnings = [str(note) for note in content.header.get("notes") or ()]
     warnings += [*content.warnings, *_unlisted_logs(folder, content), *_repeated_runs(content)]
+    if content.header["source"] != "imported" and (fault := clock_fault(content.entries)):
+        warnings.append(f"{path}: {fault}; the order of the runs replaces their times")
     return StoredCampaign(folder, content.header, content.entries, tuple(map(printable, warnings)))
 
 
@@ -339,14 +342,6 @@ def load_header(folder: Path) -> StoredCampaign:
     head, runs, _ = _read_journal(path).partition(b"\nruns:")
     content = journal.parse_journal(head + (b"\nruns: []\n" if runs else b""), str(path))
     return StoredCampaign(folder, content.header, (), ())
-
-
-def _moment(text: str) -> datetime | None:
-    """Return an ISO 8601 time in UTC; None for other text and for a time without zone."""
-    with suppress(ValueError, OverflowError):
-        time = datetime.fromisoformat(text)
-        return None if time.tzinfo is None else time.astimezone(UTC)
-    return None
 
 
 def _unlisted_logs(folder: Path, content: journal.JournalContent) -> Iterator[str]:

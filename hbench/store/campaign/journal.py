@@ -68,7 +68,7 @@ class Entry:
     plan: RunPlan
     started: str
     stop: Stop | None  # None: crashed
-    origin: Mapping[str, Any] | None = None  # of an imported run: file, lines, sha256
+    origin: Mapping[str, Any] | None = None  # of an imported run: file, lines, sha256; start
     after_rejection: str = ""  # of a run repeated directly: why the attempt before was rejected
 
 

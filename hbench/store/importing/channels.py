@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from datetime import datetime
 
 import numpy as np
 
@@ -30,6 +31,7 @@ class FileChannels:
     units: dict[str, str]  # of the columns in the file
     zeros: dict[str, ZeroOffset]  # subtracted from channels
     rest: tuple[float, float] | None  # [s] the rest before the motion; None if there is none
+    origin: datetime | None  # at t_s = 0; None if the times are no date-times
 
 
 def read_channels_by_map(
@@ -44,7 +46,7 @@ def read_channels_by_map(
     Raises ``DataError`` naming the invalid line.
     """
     source, max_gap_s = table.source, rules.screening.max_gap
-    bases, omissions = read_time_bases(table, name, rules)
+    bases, origin, omissions = read_time_bases(table, name, rules)
     bases, clipping = _with_clipping(bases, name)
     base, alignment = aligned(bases, max_gap_s, source, name)
     n = len(base.t_s)
@@ -69,6 +71,7 @@ def read_channels_by_map(
         units=units,
         zeros=zeros,
         rest=(float(at_rest_s[0]), float(at_rest_s[-1])) if len(at_rest_s) > 1 else None,
+        origin=origin,
     )
 
 

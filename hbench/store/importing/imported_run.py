@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,7 @@ class ImportedRun:
     lines: tuple[int, int]  # its first and last line in the file, from 1
     outcome: Outcome = "done"  # failed: the log is known to be incomplete
     why: str = ""  # of another outcome than done
+    start: datetime | None = None  # by the file's date-times, in UTC where they have no zone
 
 
 @dataclass(frozen=True)

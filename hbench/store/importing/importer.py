@@ -132,6 +132,8 @@ def _journal_item(run: ImportedRun, at: datetime) -> str:
     except ValueError as error:  # such as the trial 0, by the file's name
         raise DataError(f"{run.file.name}: {error}") from None
     origin = {"file": run.file.name, "lines": list(run.lines), "sha256": run.file.sha256}
+    if run.start is not None:
+        origin["start"] = run.start.isoformat()
     stop = Stop(at.isoformat(), run.outcome, run.log.samples, run.log.sha256, run.why)
     return journal.start_text(run.plan, at, origin) + journal.stop_text(stop)
 

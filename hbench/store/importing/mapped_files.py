@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +47,7 @@ class Piece:
     section: Section
     lines: tuple[int, int]
     log: StoredLog
+    start: datetime | None  # None if the file states no dates
 
     @property
     def series(self) -> tuple:
@@ -107,7 +109,9 @@ def pieces_of(
         lines = read.lines[section.samples]
         log = store(match.name, f"{run:04d}", channels)
         ends = int(lines[0]), int(lines[-1])
-        pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log))
+        after = timedelta(seconds=float(channels["t_s"][0]))
+        start = None if read.origin is None else read.origin + after
+        pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log, start))
         notes += _load_sign(match, channels.get("f_applied_n"))
     return pieces, notes
 
@@ -120,7 +124,7 @@ def channels_of(mapped: MappedFile, section: Section) -> dict[str, np.ndarray]:
 def runs_of(pieces: Sequence[Piece], rules: ImportMap) -> tuple[ImportedRun, ...]:
     """Return a run for each piece; nominal speed and trial depend on the other pieces."""
     return tuple(
-        ImportedRun(plan, piece.log, piece.file, piece.lines)
+        ImportedRun(plan, piece.log, piece.file, piece.lines, start=piece.start)
         for plan, piece in zip(plans_of(pieces, rules), pieces, strict=True)
     )
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -30,13 +31,14 @@ class TimeBase:
 
 def read_time_bases(
     table: Table, name: str, rules: ImportMap
-) -> tuple[list[TimeBase], list[FileNote]]:
+) -> tuple[list[TimeBase], datetime | None, list[FileNote]]:
     """Return the time bases of a file, that of ``x_m`` first, and notes on omitted rows.
 
-    Raises ``DataError`` naming the invalid line.
+    In between is the date-time of ``t_s = 0``; None if the times are no date-times. Raises
+    ``DataError`` naming the invalid line.
     """
     table.prefetch(_columns_of_numbers(rules))
-    times = _times(table, rules)
+    times, origin = _times(table, rules)
     gaps = table.leaves_out_rows or any(column.time for column in rules.columns.values())
     groups: list[tuple[np.ndarray, dict[str, np.ndarray]]] = []
     for key, t_s in times.items():
@@ -63,7 +65,7 @@ def read_time_bases(
         bases.append(base)
         notes += repeats
     bases.sort(key=lambda base: "x_m" not in base.channels)
-    return bases, [*_omissions(name, omitted), *notes]
+    return bases, origin, [*_omissions(name, omitted), *notes]
 
 
 def _columns_of_numbers(rules: ImportMap) -> Iterator[int | str]:
@@ -75,21 +77,26 @@ def _columns_of_numbers(rules: ImportMap) -> Iterator[int | str]:
             yield column.time
 
 
-def _times(table: Table, rules: ImportMap) -> dict[str, np.ndarray]:
-    """Return the times [s] of each channel's samples, from a common instant."""
+def _times(table: Table, rules: ImportMap) -> tuple[dict[str, np.ndarray], datetime | None]:
+    """Return the times [s] of each channel's samples from a common instant, and that instant.
+
+    The instant is known of date-times alone.
+    """
     keys = [key for key in rules.columns if key != "t_s"]
     default = rules.columns.get("t_s")
     if default is None:
-        return dict(_own_times(table, {key: rules.columns[key] for key in keys}))
+        return dict(_own_times(table, {key: rules.columns[key] for key in keys})), None
     sources = {key: rules.columns[key].time or default.column for key in keys}
     gaps = table.leaves_out_rows or any(rules.columns[key].time for key in keys)
     columns = {
         source: default.model_copy(update={"column": source}) for source in set(sources.values())
     }
+    instant = None
     if default.unit == DATE_TIME:
         stamps = {source: table.date_times(source, gaps=gaps) for source in columns}
         known = [stamp[~np.isnat(stamp)] for stamp in stamps.values()]
         origin = min((stamp[0] for stamp in known if len(stamp)), default=np.datetime64(0, "s"))
+        instant = origin.astype("datetime64[us]").item().replace(tzinfo=UTC)
         seconds = {
             source: (stamp - origin) / np.timedelta64(1, "ns") * 1e-9
             for source, stamp in stamps.items()
@@ -99,7 +106,7 @@ def _times(table: Table, rules: ImportMap) -> dict[str, np.ndarray]:
             source: _in_si(table, "t_s", column, rules, gaps=gaps)
             for source, column in columns.items()
         }
-    return {key: seconds[source] for key, source in sources.items()}
+    return {key: seconds[source] for key, source in sources.items()}, instant
 
 
 def _own_times(table: Table, columns: Mapping[str, Column]) -> Iterator[tuple[str, np.ndarray]]:

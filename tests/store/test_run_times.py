@@ -1,0 +1,92 @@
+"""Start times of runs: wrong clocks of the computer, changes of zone, dates in foreign logs."""
+
+from datetime import UTC, datetime, timedelta, timezone
+
+import pytest
+import yaml
+
+from hbench.store.campaign.folder import CampaignWriter, load_campaign
+from hbench.store.importing.importer import import_folder
+
+NOON = datetime(2026, 10, 25, 0, 50, tzinfo=UTC)
+SUMMER, WINTER = timezone(timedelta(hours=2)), timezone(timedelta(hours=1))
+
+
+@pytest.fixture
+def campaign_at(tmp_path, header, make_plan, words):
+    """Return a function that writes a campaign with a run at each of some times, and loads it."""
+
+    def write(*times):
+        writer = CampaignWriter.create(tmp_path / "campaign", header)
+        for number, time in enumerate(times, start=1):
+            plan = make_plan(f"{number:04d}")
+            writer.start_run(plan, time)
+            writer.finish_run(plan, words, "done", "", time + timedelta(seconds=5))
+        return load_campaign(tmp_path / "campaign")
+
+    return write
+
+
+def after(*seconds):
+    return [NOON + timedelta(seconds=s) for s in seconds]
+
+
+def test_a_clock_that_is_right_gives_the_start_times(campaign_at):
+    campaign = campaign_at(*after(0, 20, 45))
+    assert campaign.start_times_s() == {"0001": 0.0, "0002": 20.0, "0003": 45.0}
+    assert campaign.warnings == ()
+
+
+def test_the_end_of_summer_time_is_no_step_of_the_clock(campaign_at):
+    first, second = after(0, 900)  # 02:50 in summer, 02:05 in winter
+    campaign = campaign_at(first.astimezone(SUMMER), second.astimezone(WINTER))
+    assert campaign.start_times_s() == {"0001": 0.0, "0002": 900.0}
+    assert campaign.warnings == ()
+    assert datetime.fromisoformat(campaign.provenance().stopped) == second + timedelta(seconds=5)
+
+
+def test_a_clock_that_goes_back_leaves_the_order_alone_and_is_reported(campaign_at):
+    campaign = campaign_at(*after(0, 20, -3560, -3530))
+    assert campaign.start_times_s() == {}
+    (warning,) = campaign.warnings
+    assert "the clock of the computer went back by 3580 s from run 0002 to 0003" in warning
+
+
+@pytest.mark.parametrize("unset", [0, 1])
+def test_a_clock_that_was_not_set_leaves_the_order_alone_and_is_reported(campaign_at, unset):
+    times = after(0, 20)
+    times[unset] = datetime(1970, 1, 1, 0, 3, tzinfo=UTC)
+    campaign = campaign_at(*times)
+    assert campaign.start_times_s() == {}
+    (warning,) = campaign.warnings
+    assert f"was not set: run 000{unset + 1} has the date 1970-01-01" in warning
+
+
+@pytest.mark.parametrize(
+    ("stamps", "expected"),
+    [  # of files 1 to 3, which are in the order of their names
+        (
+            ("2024-05-03 10:00:0{}", "2024-05-03 09:00:0{}", "03.05.2024 11:30:0{},0"),
+            {"0001": 3600.0, "0002": 0.0, "0003": 9000.0},
+        ),
+        (("10:00:0{}", "09:00:0{}", "11:30:0{}"), {}),  # of unknown days
+        (("1970-01-01 10:00:0{}", "2024-05-03 09:00:0{}", "2024-05-03 11:30:0{}"), {}),
+    ],
+)
+def test_dates_in_foreign_logs_are_the_start_times_of_their_runs(tmp_path, at, stamps, expected):
+    (tmp_path / "logs").mkdir()
+    for number, stamp in enumerate(stamps, start=1):
+        rows = [f"{stamp.format(second)};{5 * second}" for second in range(6)]
+        (tmp_path / f"logs/{number}.csv").write_text("\n".join(["t;x", *rows, ""]))
+    rules = {
+        "name": "dates",
+        "format": {"separator": "semicolon"},
+        "columns": {
+            "t_s": {"column": "t", "unit": "date-time"},
+            "x_m": {"column": "x", "unit": "mm"},
+        },
+        "series": [{"label": "", "files": "{trial}.csv", "cylinder": {"piston_diameter": "25 mm"}}],
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    import_folder(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", {}, at(0))
+    assert load_campaign(tmp_path / "out").start_times_s() == expected
