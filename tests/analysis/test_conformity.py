@@ -12,6 +12,7 @@ from hbench.config.conformity.limits import parse_limits
 from hbench.errors import ConfigError
 from hbench.records import Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
+from hbench.records.motions import Decay, Leakage, LeakCoefficient, Series
 from hbench.report.conformity.decision_section import decision_section
 from hbench.report.conformity.text import next_steps
 from hbench.store.campaign.folder import load_campaign
@@ -148,6 +149,35 @@ def test_each_series_is_decided_by_its_worst_speed(small):
         assert check.measurement.value == pytest.approx(abs(worst.friction_n))
         assert check.measurement.u95 == worst.u95_n
         assert check.measurement.runs == worst.runs
+
+
+def test_an_efficiency_of_three_trials_without_instruments_has_students_distribution(small):
+    def trials_alone(point):
+        return replace(point, sigma=None, u95=None, u95_dof=None)
+
+    curves = [replace(c, points=tuple(map(trials_alone, c.points))) for c in small.efficiency]
+    limit = {"quantity": "efficiency", "min": "75 %"}
+    found = checks(replace(small, efficiency=tuple(curves)), limit)
+    points = {point.efficiency: point for curve in curves for point in curve.points}
+    assert len(found) > 1
+    for check in found:
+        point = points[check.measurement.value]
+        expected = stats.t(2).cdf((point.efficiency - 0.75) / point.sigma_trials)
+        assert check.probability == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_leakage_of_three_holds_has_students_distribution(small):
+    """The interval of three holds is 4.303 standard errors."""
+    se = 2e-17
+    interval = (1e-15 - 4.303 * se, 1e-15 + 4.303 * se)
+    coefficient = LeakCoefficient("piston_side_out", 1e-15, se, interval)
+    holds = tuple(Decay(f"{n}", Series("", None, None), 6e6, 4e6, -1, -1, 0, 0) for n in range(3))
+    leakage = Leakage("", (coefficient,), holds, 7e8, "")
+    measured = replace(small, motions=replace(small.motions, leakages=(leakage,)))
+    limit = {"quantity": "leakage", "leak": "piston_side_out", "pressure": "60 bar"}
+    (check,) = checks(measured, limit | {"max": "0.37 ml/min"})
+    expected = stats.t(2).cdf((0.37e-6 / 60 - 1e-15 * 6e6) / (se * 6e6))
+    assert check.probability == pytest.approx(expected, abs=1e-4)
 
 
 def test_a_pressure_is_that_on_the_driving_area(small):

@@ -10,13 +10,14 @@ from collections.abc import Callable, Iterable, Iterator
 from statistics import mean, stdev
 from typing import TypeVar
 
-from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.statistics.student import degrees_of_freedom, student_factor
 from hbench.records import (
     KINDS,
     Breakaway,
     Curve,
     Direction,
     EfficiencyCurve,
+    EfficiencyPoint,
     Leakage,
     Results,
     RunPlan,
@@ -63,13 +64,20 @@ def _efficiency(results: Results, requirement: Requirement) -> Iterable[Measurem
                 yield Measurement(
                     value=point.efficiency,
                     u95=point.u95 or point.ci95,
-                    dof=point.u95_dof if point.u95 else None,
+                    dof=point.u95_dof if point.u95 else _trials_dof(point),
                     label=curve.label,
                     direction=curve.direction,
                     f_load_n=curve.f_load_n,
                     p_lr_ref_pa=curve.p_lr_ref_pa,
                     v_m_s=abs(point.v_m_s),
                 )
+
+
+def _trials_dof(point: EfficiencyPoint) -> float | None:
+    """Return the degrees of freedom of the trials' interval, by its factor to their error."""
+    if not point.ci95 or not point.sigma_trials:
+        return None
+    return degrees_of_freedom(point.ci95 / point.sigma_trials)
 
 
 def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measurement]:
@@ -106,6 +114,7 @@ def _leakage(results: Results, requirement: Requirement) -> Iterable[Measurement
                 yield Measurement(
                     value=flow[0],
                     u95=flow[1],
+                    dof=len(leakage.decays) - 1,
                     label=leakage.label,
                     runs=tuple(decay.run for decay in leakage.decays),
                 )

@@ -15,8 +15,9 @@ from hbench.workflow.results import derive
 
 _OF_LEAKAGE = (
     "U of leakage is that of the holds alone. It assumes that the bulk modulus and the dead "
-    "volumes of the bench file are exact, and that the valves close tightly: a bulk modulus that "
-    "is 10 % too low makes the leakage 11 % too high"
+    "volumes of the bench file are exact, that the transducers do not drift during a hold, and "
+    "that the valves close tightly: a bulk modulus that is 10 % too low makes the leakage 11 % too "
+    "high"
 )
 
 
