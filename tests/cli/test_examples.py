@@ -86,11 +86,12 @@ def bench_file(world):
 
 
 def logs(world):
-    """One stroke at 50 mm/s after a second of rest, as the map tells."""
+    """One stroke at 50 mm/s after a second of rest without load, as the map says."""
     rows = ["Messung", "Zeit;Weg;p_A;p_B;Kraft", "ms;mm;bar;bar;kN"]
     for i in range(700):
         moving = max(i - 200, 0)
-        rows.append(f"{5 * i};{10 + 0.25 * moving:.2f};{24 + i % 2};8;{2 + 0.001 * (i % 3)}")
+        p_a, p_b, force = (24 + i % 2, 8, 2 + 0.001 * (i % 3)) if moving else (0, 0, 0.012)
+        rows.append(f"{5 * i};{10 + 0.25 * moving:.2f};{p_a};{p_b};{force}")
     (world / "logs").mkdir()
     (world / "logs" / "NBR_50mm_s_2000N_1.csv").write_text("\n".join(rows).replace(".", ","))
 

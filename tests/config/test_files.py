@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from hbench.config.bench import Plant, parse_bench, parse_plant
+from hbench.config.conformity.certificate import parse_certificate
+from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import parse_fitting
 from hbench.config.import_map import parse_import_map
@@ -109,14 +111,20 @@ def test_a_misspelt_key_is_told_once_with_the_one_that_is_meant(right, wrong):
 
 
 def test_a_file_of_another_kind_is_told_in_one_line():
-    columns, laws = read_yaml(CONFIGS / "tudelft.yaml"), read_yaml(CONFIGS / "fit.yaml")
+    files = ("tudelft.yaml", "fit.yaml", "limits.yaml")
+    columns, laws, limits = (read_yaml(CONFIGS / name) for name in files)
     for parse, data, types in (
         (parse_schedule, BENCH, ["bench file", "schedule"]),
         (parse_bench, SCHEDULE, ["schedule", "bench file"]),
         (parse_bench, columns, ["import map", "bench file"]),
         (parse_import_map, BENCH, ["bench file", "import map"]),
         (parse_fitting, SCHEDULE, ["schedule"]),
-        (parse_schedule, laws, ["schedule", "laws, bounds, weights"]),
+        (parse_schedule, laws, ["file of fits", "schedule"]),
+        (parse_schedule, {"product": "A", "weight": 2}, ["schedule", "product, weight"]),
+        (parse_limits, laws, ["file of fits", "file of limits"]),
+        (parse_limits, BENCH, ["bench file", "file of limits"]),
+        (parse_bench, limits, ["file of limits", "bench file"]),
+        (parse_certificate, limits, ["file of limits", "certificate's file"]),
     ):
         with pytest.raises(ConfigError) as error:
             parse(data, "x.yaml")

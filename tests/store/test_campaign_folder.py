@@ -166,11 +166,6 @@ def test_campaign_is_not_written_over(folder, writer, header):
         CampaignWriter.create(folder, header)
 
 
-def test_no_campaign_is_named(tmp_path):
-    with pytest.raises(DataError, match="campaign.yaml: "):
-        load_campaign(tmp_path)
-
-
 def test_bench_and_screening_come_from_the_files_as_written(folder, header):
     bench = yaml.safe_load((CONFIGS / "bench-aau.yaml").read_text())
     schedule = yaml.safe_load((CONFIGS / "demo.yaml").read_text())
@@ -262,3 +257,30 @@ def test_an_identity_that_cannot_be_printed_names_its_key(folder, header):
     for altered in (7, 1.5):  # of 007, 1.50
         with pytest.raises(ConfigError, match="quotes"):
             parse_schedule(schedule | {"specimen": {"serial": altered}}, "s.yaml")
+
+
+@pytest.mark.parametrize(
+    ("given", "message", "hint"),
+    [
+        ("logs/a.csv", "logs/a.csv: is a file, not a campaign", "`hbench import {}/logs --s"),
+        (
+            "logs",
+            "logs/campaign.yaml: No such file",
+            "`hbench import {}/logs --s",
+        ),
+        ("campaign/runs", "runs/campaign.yaml: No such file", "Give {}/campaign, the campaign"),
+        ("campaign/runs/0001.dat", "0001.dat: is a file, not a c", "Give {}/campaign, the"),
+        ("campaign/campaign.yaml", "yaml: is a file, not a campaign", "Give {}/campaign, the"),
+        ("nowhere", "nowhere/campaign.yaml: No such file", "a folder written by `hbench run`"),
+    ],
+)
+def test_a_path_that_is_no_campaign_is_refused_with_what_to_give(
+    tmp_path, writer, words, make, given, message, hint
+):
+    make(writer, words)
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs" / "a.csv").write_text("t,x\n0,1\n")
+    with pytest.raises(DataError) as caught:
+        load_campaign(tmp_path / given)
+    assert message in caught.value.message
+    assert hint.format(tmp_path) in caught.value.hint

@@ -28,7 +28,10 @@ def watch(
     """
     from hbench import workflow
     from hbench.cli.watch_server import new_server
+    from hbench.errors import ConfigError
 
+    if campaign.is_file():
+        raise ConfigError(f"{campaign}: is a file", "Give the campaign's folder.")
     server = new_server((workflow.Station if station else workflow.Watch)(campaign), port)
     try:
         print(f"http://127.0.0.1:{server.server_port}/", flush=True)  # for a reader of a pipe

@@ -25,10 +25,13 @@ _YAML = (
     "The file is not valid YAML there or just above: indent by spaces, the keys of one section "
     "alike; a space after each ':'; put what holds [ ] { } , # or ': ' between quotes."
 )
-_FILE_TYPES = {  # by a key that only this type has
+_FILE_TYPES = {  # by a key that only this type has, at the top
     "test_cylinder": "a bench file",
     "experiments": "a schedule",
     "columns": "an import map",
+    "laboratory": "a certificate's file",
+    "laws": "a file of fits",
+    "rule": "a file of limits",
 }
 _MESSAGES = {  # of pydantic's error types, in the terms of YAML
     "tuple_type": "must be a list, such as [A, B]",

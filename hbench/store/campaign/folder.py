@@ -38,6 +38,7 @@ ADD_A_BENCH = (
     "Export the campaign with `hbench export`, add a bench file 'bench.yaml' to the exported "
     "folder, and import that folder."
 )
+_CAMPAIGN = "Give a folder written by `hbench run` or `hbench import`; it contains campaign.yaml."
 _KNOWN = (  # sections of the header that are no details
     *"name source created software bench firmware log schedule schema map settings notes".split(),
 )
@@ -368,8 +369,20 @@ def _repeated_runs(content: journal.JournalContent) -> Iterator[str]:
 
 
 def _read_journal(path: Path) -> bytes:
-    hint = "Give a folder written by `hbench run` or `hbench import`; it contains campaign.yaml."
-    return read_file(path, LARGEST_JOURNAL, hint)
+    if path.parent.is_file():
+        raise DataError(f"{path.parent}: is a file, not a campaign", _campaign_hint(path.parent))
+    return read_file(path, LARGEST_JOURNAL, _campaign_hint(path.parent))
+
+
+def _campaign_hint(given: Path) -> str:
+    """Return which folder is meant by a path that is no campaign: one above it, or logs."""
+    for above in given.parents:
+        if (above / JOURNAL).is_file():
+            return f"Give {above}, the campaign that contains it."
+    if not given.exists():
+        return _CAMPAIGN
+    logs = given.parent if given.is_file() else given
+    return f"{_CAMPAIGN} For logs of another bench begin with `hbench import {logs} --suggest`."
 
 
 def refuse_existing(folder: Path, hint: str) -> None:
