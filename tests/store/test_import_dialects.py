@@ -1,5 +1,8 @@
 """Text files as other people's programs write them, and the units in them."""
 
+import gzip
+import lzma
+
 import numpy as np
 import pytest
 import yaml
@@ -8,9 +11,11 @@ from hbench.config.import_layout import Format
 from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.formats.opening import open_foreign
 from hbench.store.formats.text import parse_table
 from hbench.store.importing.imported_run import describe_source
 from hbench.store.importing.importer import import_folder
+from hbench.store.suggesting.dialect import text_dialect
 
 SEMICOLON = {"separator": "semicolon"}
 GERMAN = {**SEMICOLON, "decimal": ","}
@@ -292,3 +297,49 @@ def test_a_unit_in_brackets_may_not_contradict_the_map(bring_in, rules, unit, ne
     else:
         with pytest.raises(DataError, match=r"column f \[daN\]: unit in the file .*'daN'.*'N'"):
             bring_in(text)
+
+
+LABVIEW = """LabVIEW Measurement\t
+Separator\tTab
+Date\t2024/05/03
+***End_of_Header***\t
+
+Channels\t2\t\t
+Samples\t4\t4\t
+Date\t2024/05/03\t2024/05/03\t
+Time\t09:12:31\t09:12:31\t
+Y_Unit_Label\tmm\tN\t
+X_Dimension\tTime\tTime\t
+X0\t0\t0\t
+Delta_X\t0.010000\t0.010000\t
+***End_of_Header***\t\t\t
+X_Value\tx\tF\tComment
+0.000000\t10.5\t2001
+0.010000\t11.0\t2002
+0.020000\t11.5\t2003
+0.030000\t12.0\t2004
+"""
+
+
+def test_a_labview_file_is_understood_though_its_rows_leave_the_comment_out():
+    dialect = text_dialect(LABVIEW)
+    assert dialect.names == ("X_Value", "x", "F")
+    table = parse_table(LABVIEW.encode(), "a.lvm", dialect.layout)
+    assert table.names == dialect.names
+    assert table.numbers("F").tolist() == [2001, 2002, 2003, 2004]
+    assert table.lines.tolist() == [16, 17, 18, 19]
+
+
+def test_a_comment_in_a_row_is_not_lost_unnoticed():
+    text = LABVIEW.replace("11.0\t2002", "11.0\t2002\tstart")
+    with pytest.raises(DataError, match="line 16: found 3 columns .*; expected 4"):
+        parse_table(text.encode(), "a.lvm", text_dialect(LABVIEW).layout)
+
+
+@pytest.mark.parametrize(("pack", "name"), [(gzip.compress, "gzip"), (lzma.compress, "xz")])
+def test_a_compressed_text_is_refused_with_what_to_do(tmp_path, pack, name):
+    (tmp_path / "a.csv.gz").write_bytes(pack(b"t,x\n0,1\n1,2\n"))
+    with pytest.raises(DataError, match=rf"a.csv.gz: is compressed \({name}\)") as caught:
+        with open_foreign(tmp_path / "a.csv.gz"):
+            pass
+    assert "Unpack it" in caught.value.hint

@@ -12,6 +12,11 @@ _MOST_BETWEEN = 3  # rows between header and data, such as units
 _NUMERIC = 0.5  # of the cells of a row of data
 
 
+def ends_with_comment(names: Sequence[str]) -> bool:
+    """Return whether a header ends with LabVIEW's "Comment", a cell that its rows may leave out."""
+    return len(names) > 1 and names[-1].strip().lower() == "comment"
+
+
 def layout_hint(
     rows: Iterable[Sequence[str]], lines: Sequence[int] | np.ndarray, layout: Format, otherwise: str
 ) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from hbench.config.import_layout import Format
+from hbench.errors import DataError
 from hbench.store.files.bounded_read import LARGEST_LOG, check_size, open_file
 from hbench.store.formats.barrier import reader_errors
 from hbench.store.formats.excel import open_excel
@@ -65,6 +66,13 @@ _TOO_LARGE = (
     "Split the log, lower its sampling rate, or save it as TDMS, MDF or MATLAB 7.3, which may have "
     f"{LARGEST_BINARY / 1e6:g} MB."
 )
+_PACKED = {
+    b"\x1f\x8b": "gzip",
+    b"PK\x03\x04": "zip",
+    b"BZh": "bzip2",
+    b"\xfd7zXZ": "xz",
+    b"7z\xbc": "7z",
+}
 _LARGEST = max(row.largest for row in FORMATS)
 
 
@@ -85,8 +93,21 @@ def open_foreign(path: Path) -> Iterator[tuple[BufferedReader, FileFormat]]:
     """Open a file and determine its format. Raises ``DataError``."""
     with open_file(path, _LARGEST) as file:
         file_format = format_of(file, path.name)
+        if file_format.is_text:
+            _refuse_packed(file, path)
         check_size(file, str(path), file_format.largest, _TOO_LARGE)
         yield file, file_format
+
+
+def _refuse_packed(file: BinaryIO, path: Path) -> None:
+    head = file.read(8)
+    file.seek(0)
+    for mark, name in _PACKED.items():
+        if head.startswith(mark):
+            raise DataError(
+                f"{path}: is compressed ({name})",
+                "Unpack it, and import the folder that contains the unpacked file.",
+            )
 
 
 @contextmanager

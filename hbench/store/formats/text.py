@@ -15,7 +15,7 @@ from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
 from hbench.store.formats.date_times import parse_date_time
-from hbench.store.formats.header_row import layout_hint
+from hbench.store.formats.header_row import ends_with_comment, layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
@@ -172,6 +172,9 @@ def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
     top, above, below = _cells(texts, numbers, layout, source, _rows_above(layout))
     texts, numbers = texts[below:], numbers[below:]
     separator = _DELIMITERS.get(layout.separator)
+    if layout.header and top and separator and ends_with_comment(top[0]):
+        if max((line.count(separator) for line in texts), default=0) < len(top[0]) - 1:
+            top[0].pop()
     rows: list[list[str]] | PlainRows
     if texts and (separator is None or '"' not in text or not any('"' in t for t in texts)):
         first_row = top[0] if layout.header else texts[0].split(separator)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from hbench.config.import_layout import Format
 from hbench.store.formats.date_times import parse_date_time
+from hbench.store.formats.header_row import ends_with_comment
 from hbench.store.suggesting.units import unit_in
 
 _SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "whitespace": None}  # by preference
@@ -58,14 +59,19 @@ def rows_dialect(
         return None
     width = widths.most_common(1)[0][0]
     full = [data and _width(cells) == width for (_, cells), data in zip(rows, is_data, strict=True)]
-    lasting = (i for i in range(len(full)) if all(full[i : i + 3]))
-    first = next(lasting, full.index(True))
+    below = range(_lines_of_labview(rows), len(full))
+    lasting = (i for i in below if all(full[i : i + 3]))
+    first = next(lasting, next((i for i in below if full[i]), None))
+    if first is None:
+        return None
     above = list(rows[:first])
     sign = _comment_sign([line for number, line in lines if number < rows[first][0]])
     last_above = above[-1] if above else None
     if sign:
         above = [row for row in above if not row[1] or not row[1][0].lstrip().startswith(sign)]
     header, units, skipped = _head(above, {width, len(rows[first][1])})
+    if header is None and above and ends_with_comment(above[-1][1]):
+        header = above[-1] if len(above[-1][1]) == width + 1 else None
     layout = dict(marks)
     if sign:
         layout["comment"] = sign
@@ -159,6 +165,12 @@ def _without_end(cells: list[str]) -> list[str]:
 
 def _width(cells: list[str]) -> int:
     return len(_without_end(cells))
+
+
+def _lines_of_labview(rows: Sequence[Row]) -> int:
+    """Return how many rows are in the header sections of a LabVIEW measurement file; mostly 0."""
+    ends = [i + 1 for i, (_, cells) in enumerate(rows) if cells[:1] and "***End_of_" in cells[0]]
+    return max(ends, default=0)
 
 
 def _comment_sign(above: Sequence[str]) -> str:
