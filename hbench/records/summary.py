@@ -94,6 +94,11 @@ class Drift:
         return self.p < SIGNIFICANCE
 
     @property
+    def of_unknown_size(self) -> bool:
+        """Whether the change is extrapolated from neighbours in an order that may be of names."""
+        return self.basis == "order" and not self.separated
+
+    @property
     def possible_percent(self) -> float:
         """The farther end of the interval of the change, as a magnitude."""
         return abs(self.change_percent) + self.change_percent_ci95

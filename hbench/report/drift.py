@@ -19,6 +19,11 @@ def drift_words(drift: Drift) -> str:
     """Return the drift, its test, and whether the plan separates it from speed, as a clause."""
     change = with_interval(drift.change_percent, drift.change_percent_ci95)
     how = "significant" if drift.significant else "not significant"
+    if drift.of_unknown_size and drift.significant:
+        return (
+            f"an unknown amount: it drifts between the trials ({how}, {_p(drift.p)}), but no times "
+            "of the runs are known"
+        )
     basis = "" if drift.basis == "time" else ", by their order since no times are known"
     text = f"{change} % from the first run to the last{basis} ({how}, {_p(drift.p)})"
     if drift.separated:
@@ -35,6 +40,11 @@ def drift_finding(drift: Drift) -> str:
         most = number(drift.possible_percent, 0)
         text = f"A drift of up to {most} % over the campaign cannot be excluded"
         return text if drift.separated else f"{text}, and would appear as an effect of speed"
+    if drift.of_unknown_size:
+        return (
+            f"Friction drifts between the trials ({_p(drift.p)}); its change over the campaign is "
+            "not known, since no times of the runs are"
+        )
     change = with_interval(drift.change_percent, drift.change_percent_ci95)
     text = f"Friction changed by {change} % over the campaign"
     return text if drift.separated else f"{text}, which the order of the runs mixes with speed"
@@ -46,7 +56,7 @@ def drift_reserve(drift: Drift | None) -> str:
     That is a large one that cannot be excluded, or a significant one that is mixed with speed,
     where only the order of the runs is known.
     """
-    if drift is None or drift.basis != "order" or drift.separated:
+    if drift is None or not drift.of_unknown_size:
         return ""
     if drift.hidden:
         most = number(drift.possible_percent, 0)
@@ -78,10 +88,11 @@ def drift_advice(drift: Drift) -> str:
             "The trials of each point are spread over the campaign, so the curves show its mean "
             "friction, and the intervals of the points include the drift."
         )
-    if drift.basis == "order":
+    if drift.of_unknown_size:
         return (
             "U does not contain it. The order of imported runs may be that of their files and not "
-            "that in time. Measure the operating points of the next campaign in random order."
+            "that in time: map a column of date-times as t_s if the files have one. Measure the "
+            "operating points of the next campaign in random order."
         )
     repeat = "Repeat the campaign with order: random in the schedule."
     if drift.significant:

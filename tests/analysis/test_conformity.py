@@ -238,6 +238,12 @@ def test_a_drift_is_limited_both_ways(small):
     assert (requirement.low, requirement.high) == pytest.approx((-0.05, 0.05))
 
 
+def test_a_drift_that_is_extrapolated_from_the_order_of_files_is_not_tested(small):
+    drift = replace(small.drift, basis="order", separated=False)
+    (check,) = checks(replace(small, drift=drift), {"quantity": "drift", "max": "10 %"})
+    assert (check.decision, check.measurement) == ("NOT TESTED", None)
+
+
 def test_the_ripple_is_that_of_screening(small):
     found = checks(small, {"quantity": "speed_ripple", "max": "5 %"})
     assert found and all(0 < check.measurement.value < 0.05 for check in found)

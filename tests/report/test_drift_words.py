@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+from hbench.analysis.summary.drift import drift_checks
 from hbench.records import Drift
 from hbench.report.campaign.page import report_document
 from hbench.report.drift import (
     drift_advice,
+    drift_finding,
     drift_reserve,
     drift_table,
     drift_with_oil,
@@ -42,10 +44,25 @@ MEASURED = {
         ({"p": 0.3, "separated": False}, "not separated from speed by the order of the runs: up to "
          "20 % is possible"),
         ({"basis": "order"}, "by their order since no times are known (significant"),
+        ({"basis": "order", "separated": False}, "an unknown amount: it drifts between the trials"),
     ],
 )  # fmt: skip
 def test_the_words_have_the_size_the_test_and_the_plan(changes, words):
     assert words in drift_words(Drift(**MEASURED | changes))
+
+
+def test_a_change_that_is_extrapolated_from_the_order_of_files_has_no_number():
+    """Files in the order of their names, −177 ± 65 %: friction cannot change by more than 100 %."""
+    extrapolated = {"basis": "order", "separated": False, "per_hour": None, "per_hour_ci95": None}
+    size = {"change_percent": -177.0, "change_percent_ci95": 65.0}
+    drift = Drift(**MEASURED | extrapolated | size)
+    (check,) = drift_checks(drift)
+    assert check.grade == "with care"
+    for words in (drift_words(drift), drift_finding(drift), drift_advice(drift)):
+        assert "177" not in words
+    assert "column of date-times" in drift_advice(drift)
+    (known,) = drift_checks(replace(drift, basis="time"))
+    assert known.grade == "poor" and "177" in drift_finding(known.drift)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ _NOT_MEASURED = {
     "efficiency": "no accepted steady runs with an efficiency",
     "leakage": "no accepted runs of kind hold that determine it",
     "speed_ripple": "no steady runs",
-    "drift": "no operating point was measured twice at different times",
+    "drift": "no operating point was measured twice at times that are known",
 }
 
 

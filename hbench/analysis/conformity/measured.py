@@ -165,7 +165,7 @@ def _ripple_of(screened: ScreenedRun) -> float | None:
 
 def _drift(results: Results, requirement: Requirement) -> Iterable[Measurement]:
     drift = results.drift
-    if drift is not None:
+    if drift is not None and not drift.of_unknown_size:
         yield Measurement(
             value=drift.change_percent / 100,
             u95=drift.change_percent_ci95 / 100,

@@ -172,7 +172,7 @@ def with_drift(
     """
     if drift is None or not drift.significant or not any(curve.points for curve in curves):
         return tuple(curves)
-    if drift.basis == "order" and not drift.separated:
+    if drift.of_unknown_size:
         return tuple(curves)
     place = campaign_place(curves, clock)
     se = drift.change_ci95 / student_factor(drift.trials - drift.points - 1)
@@ -263,14 +263,16 @@ def drift_checks(drift: Drift | None) -> tuple[QualityCheck, ...]:
 
     A significant drift of more than 5 % of friction is to be used with care; if it is not separated
     from speed, more than 15 % is poor. A plan that does not separate them, and would not show 15 %,
-    is to be used with care too; not if only the order is known, which may be that of file names.
+    is to be used with care too. If only the order is known, which may be that of file names, a
+    significant drift that is not separated from speed is to be used with care, and others pass.
     """
     if drift is None:
         return ()
     size = abs(drift.change_percent)
     if drift.hidden and drift.basis == "order":
         return ()
-    poor = drift.significant and not drift.separated and size > LARGE_DRIFT
+    mixed = drift.significant and not drift.separated
+    poor = mixed and size > LARGE_DRIFT and not drift.of_unknown_size
     care = size > _GOOD if drift.significant else drift.hidden
     grade: Grade = "poor" if poor else "with care" if care else "good"
     return (QualityCheck("drift", grade, size, "%", _GOOD, LARGE_DRIFT, drift=drift),)
