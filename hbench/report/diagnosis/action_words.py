@@ -227,7 +227,7 @@ def next_step(diagnosis: Diagnosis) -> str:
 
 def _where_to_look(diagnosis: Diagnosis) -> str:
     """Return what to inspect, and under which conditions, where no effect explains the gaps."""
-    name, *others = (gap.name for gap in diagnosis.rest or diagnosis.where[:1])
+    name = (diagnosis.rest or diagnosis.where)[0].name
     inspect = parts_of(diagnosis, name)
     if not inspect:
         return ""
@@ -235,13 +235,18 @@ def _where_to_look(diagnosis: Diagnosis) -> str:
         worst_region(diagnosis, name),
         f"Next, inspect {inspect}.",
         first_edge(diagnosis, name),
-        *(
-            f"For {in_sentence(other)}, inspect {parts}."
-            for other in others[: _MOST_BALANCES - 1]
-            if (parts := parts_of(diagnosis, other)) and parts != inspect
-        ),
     )
     return " ".join(filter(None, words))
+
+
+def other_inspections(diagnosis: Diagnosis) -> str:
+    """Return what to inspect for a second balance that no effect explains; empty without any."""
+    first, *others = (gap.name for gap in diagnosis.rest or diagnosis.where[:1])
+    return " ".join(
+        f"For {in_sentence(other)}, inspect {parts}."
+        for other in others[: _MOST_BALANCES - 1]
+        if (parts := parts_of(diagnosis, other)) and parts != parts_of(diagnosis, first)
+    )
 
 
 def first_edge(diagnosis: Diagnosis, name: str) -> str:

@@ -165,10 +165,9 @@ def beyond_balances(diagnosis: Diagnosis) -> str:
     if not gaps[name] > _MUCH_LARGER * largest:
         return ""
     return (
-        f"The closed-loop simulation shows more: in held-out runs {in_sentence(name)} deviates by "
-        f"{gap_number(gaps[name])} trial scatters{_in_a_run(diagnosis, name)}, the balances, which "
-        f"are means over 0.16 s, by {gap_number(max(balances))}. Look for faster motion, such as "
-        "chatter, in the section Held-out runs, measured and simulated."
+        f"The closed-loop simulation shows more: {in_sentence(name)} deviates by "
+        f"{_in_a_run(diagnosis, name) or f'{gap_number(gaps[name])} times its repeatability'}: "
+        "look there for fast motion, such as chatter."
     )
 
 
@@ -180,7 +179,7 @@ def _in_a_run(diagnosis: Diagnosis, name: str) -> str:
     error = shown_runs[0].after - shown_runs[0].measured
     display = signal(name)
     size = significant(shown(sqrt(float((error**2).mean())), display), 2)
-    return f" ({size} {display.unit} RMS in run {shown_runs[0].run})"
+    return f"{size} {display.unit} RMS in run {shown_runs[0].run}"
 
 
 def increased(diagnosis: Diagnosis) -> str:
@@ -217,9 +216,9 @@ def poorly_simulated(diagnosis: Diagnosis) -> str:
     )
     if beyond_balances(diagnosis):
         reading = (
-            "That is far more than the balances show: either the bench moves in a way that the "
-            "model does not contain, such as chatter, or the control loop of the simulation is "
-            "damped differently."
+            "That is far more than the balances show, which are means over 0.16 s: either the "
+            "bench moves in a way that the model does not contain, such as chatter, or the control "
+            "loop of the simulation is damped differently."
         )
     return (
         "Simulated in closed loop with the model of model.yaml, held-out runs deviate in "
@@ -264,10 +263,10 @@ def significant_gaps(gaps: Sequence[Gap]) -> str:
     return f"Significant, but too small to matter: {listed(parts)}." if parts else ""
 
 
-def significance(gaps: Sequence[Gap]) -> str:
+def probability(gaps: Sequence[Gap]) -> str:
     """Return how probable such deviations are with a correct model."""
-    parts = [f"{p_words(gap.p_value)} ({balance(gap.name).title})" for gap in gaps[:_FEW]]
-    return f"Probability of such a deviation with a correct model, after Holm: {listed(parts)}."
+    largest = p_words(max(gap.p_value for gap in gaps[:_FEW])).replace("<", "less than")
+    return f"A correct model would deviate as much with a probability of {largest}."
 
 
 def too_small_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:

@@ -1,6 +1,6 @@
 """The page of a diagnosis."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
@@ -14,7 +14,7 @@ from hbench.report.diagnosis.names import (
     of_the_mass,
     value_words,
 )
-from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
 from hbench.report.diagnosis.tables import effect_tables, gap_tables
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
 from hbench.report.diagnosis.tables.run_gaps import run_table
@@ -50,7 +50,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         (gap_line(diagnosis),),
         drawings=drawn("gap"),
         tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
-        facts=definitions.of_gaps(diagnosis),
+        facts=(*_answers(diagnosis, OF_GAPS), *definitions.of_gaps(diagnosis)),
         parts=(
             *_numbers("Gaps of held-out runs in numbers", *_held_out_tables(diagnosis)),
             *_run_part(diagnosis),
@@ -72,7 +72,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
         (_sentence(keys_in_words(diagnosis.why)),),
         drawings=drawn("ranking"),
-        facts=definitions.WHICH,
+        facts=(*_answers(diagnosis, OF_CANDIDATES), *definitions.WHICH),
         parts=(
             *_numbers(
                 "All candidates in numbers", _untitled(effect_tables.ranking_table(diagnosis))
@@ -84,6 +84,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Refitted values",
         (_refitted_words(diagnosis),),
         drawings=drawn("refitted"),
+        facts=_answers(diagnosis, OF_REFIT),
         parts=_numbers("Refitted values in numbers", _refitted_table(diagnosis)),
     )
     details = (*changes_tables(diagnosis), *lookalikes_tables(diagnosis))
@@ -131,10 +132,8 @@ def _title_of_gaps(diagnosis: Diagnosis) -> str:
 
 def _answer(diagnosis: Diagnosis) -> Section:
     """Return the first section: the engineer's answers, and the files beside the page."""
-    known = tuple(
-        (question, of_the_mass(diagnosis, keys_in_words(words)))
-        for question, words in answers(diagnosis)
-    )
+    of_method = (*OF_GAPS, *OF_CANDIDATES, *OF_REFIT)
+    known = _answers(diagnosis, {name for name, _ in answers(diagnosis)}.difference(of_method))
     if diagnosis.refit_refused:
         added = added_words(diagnosis)
         fitted = definitions.FITTED_WITH.format(added=added) if added and diagnosis.refitted else ""
@@ -142,6 +141,15 @@ def _answer(diagnosis: Diagnosis) -> Section:
             ("Refit", f"{diagnosis.refit_refused} {definitions.REFUSED.format(fitted=fitted)}"),
         )
     return Section(facts=(*known, ("Files beside this page", _files(diagnosis))))
+
+
+def _answers(diagnosis: Diagnosis, questions: Collection[str]) -> tuple[tuple[str, str], ...]:
+    """Return the answers to some questions in the words of the page."""
+    return tuple(
+        (question, of_the_mass(diagnosis, keys_in_words(words)))
+        for question, words in answers(diagnosis)
+        if question in questions
+    )
 
 
 def _files(diagnosis: Diagnosis) -> str:
@@ -241,11 +249,6 @@ def _run_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
     table = run_table(diagnosis, _MOST_RUNS)
     parts = _numbers(table.title, _untitled(table))
     return tuple(replace(part, paragraphs=(definitions.RUNS,)) for part in parts)
-
-
-def _ranking_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
-    table = effect_tables.ranking_table(diagnosis)
-    return _numbers("All candidates in numbers", _untitled(table))
 
 
 def _matrix_part(diagnosis: Diagnosis) -> tuple[Section, ...]:

@@ -17,7 +17,7 @@ from hbench.report.diagnosis.names import (
     shown,
 )
 from hbench.report.render.numbers import short, significant
-from hbench.report.render.symbols import listed
+from hbench.report.render.symbols import capital, listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, or places, in a sentence
@@ -101,18 +101,14 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
         return ""
     worst = places[0]
     (gap,) = (each for each in diagnosis.where if each.name == name)
-    there, least = (in_unit(gap, scatters * gap.scatter) for scatters in (worst.gap, worst.least))
-    return (
-        f"Over all runs, {in_sentence(name)} deviates most {worst.words} (about {there} RMS there, "
-        f"{least} where it is smallest)."
-    )
+    there = in_unit(gap, worst.gap * gap.scatter)
+    return f"{capital(in_sentence(name))} deviates most {worst.words} (about {there} RMS)."
 
 
 class Place(NamedTuple):
     """Region of the largest gap on an axis, which is clearly larger than the smallest one."""
 
     gap: float
-    least: float  # smallest gap of the axis
     axis: str
     words: str  # adverb of place
 
@@ -138,5 +134,5 @@ def worst_places(diagnosis: Diagnosis, name: str) -> list[Place]:
             low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
             stretch = f"at a {display.title} of {low} to {high} {display.unit}"
             way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
-            places.append(Place(largest, least, display.title, way or stretch))
+            places.append(Place(largest, display.title, way or stretch))
     return sorted(places, key=lambda place: -place.gap)[:_FEW]

@@ -137,25 +137,12 @@ def agreement(diagnosis: Diagnosis) -> str:
     total = diagnosis.gap_heldout.total
     if not isfinite(total.refitted):
         return ""
-    after = f" and {gap_number(total.after)} with the unnamed laws" if diagnosis.unnamed else ""
     together = ", all balances together," if len(diagnosis.gap_heldout.balances) > 1 else ""
     return (
         f"The gap of {len(diagnosis.heldout_runs)} held-out runs{together} is "
-        f"{gap_number(total.refitted)} with the {compared_model(diagnosis)}{after}, where 1 is the "
+        f"{gap_number(total.refitted)} with the {compared_model(diagnosis)}, where 1 is the "
         "repeatability of the bench. A correct model whose values are as uncertain would have "
-        f"{gap_number(total.floor)} on average.{_worst_heldout(diagnosis)}"
-    )
-
-
-def _worst_heldout(diagnosis: Diagnosis) -> str:
-    """Return the held-out gap of the first balance that no effect explains; empty without any."""
-    name = diagnosis.rest[0].name if diagnosis.rest else ""
-    gap = diagnosis.gap_heldout.balances.get(name)
-    if gap is None or len(diagnosis.gap_heldout.balances) < 2:
-        return ""
-    return (
-        f" In these runs {in_sentence(name)} alone has {gap_number(gap.refitted)}, and would have "
-        f"{gap_number(gap.floor)}; in all runs it has {gap_number(diagnosis.rest[0].gap)}."
+        f"{gap_number(total.floor)} on average."
     )
 
 

@@ -14,6 +14,7 @@ from hbench.report.diagnosis.action_words import (
     advice,
     confirmation,
     next_step,
+    other_inspections,
     separation,
     zero_check,
     zero_readings,
@@ -34,7 +35,6 @@ from hbench.report.diagnosis.deviation_words import (
     not_expected,
     poorly_simulated,
     remainder,
-    significance,
     significant_gaps,
     undecided_words,
     unreliable,
@@ -53,6 +53,7 @@ from hbench.report.diagnosis.sentences import (
     agreement,
     best_candidate,
     closeness,
+    doubtful_volume,
     gap_change,
     odds_words,
     refit_words,
@@ -83,8 +84,14 @@ _NO_GAIN = (
     "runs do not confirm it, so model.yaml and all gaps below are those of the model without it."
 )
 _EXPECTED, _READINGS = "Expected deviations", "Expected readings"
-_WORSE, _CLOSEST = "What gets worse", "Closest known effect"
 _UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
+_CLOSEST, _SCORES, _DETECTABLE = "Closest known effect", "Scores", "What these runs can show"
+_WORSE, _REMAINDER = "What gets worse", "Remaining gap"
+_MOTION, _SIMULATION = "Force and motion", "Simulation"
+# Answers on the method, by the section of the page that they belong to.
+OF_GAPS = (_REMAINDER, _EXPECTED, _MOTION, _SIMULATION)
+OF_CANDIDATES = (_CLOSEST, _SCORES, _DETECTABLE)
+OF_REFIT = (_REFIT,)
 
 
 def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
@@ -118,17 +125,18 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         own = "Second deviation" if diagnosis.effects else ""
         for question, sentence in _ambiguous(diagnosis):
             yield _of(own, question), sentence
+        yield _SCORES, closeness(diagnosis.alternatives)
     if diagnosis.effects:
-        yield "Remaining gap", remainder(diagnosis)
+        yield _REMAINDER, remainder(diagnosis)
         yield from _remaining(diagnosis)
     if not (diagnosis.effects or diagnosis.alternatives):
         if diagnosis.verdict == "unknown":
             yield from _unknown(diagnosis) if diagnosis.where else _insufficient(diagnosis)
         else:
             yield from _none(diagnosis)
-    yield "Force and motion", one_sided_words(diagnosis)
-    yield "Force and motion", drift_words(diagnosis)
-    yield "Simulation", poorly_simulated(diagnosis)
+    yield _MOTION, one_sided_words(diagnosis)
+    yield _MOTION, drift_words(diagnosis)
+    yield _SIMULATION, poorly_simulated(diagnosis)
 
 
 def _remaining(diagnosis: Diagnosis) -> Iterator[Answer]:
@@ -229,7 +237,6 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
         if candidate.name in practice:
             yield _SENSORS, common_error(practice[candidate.name])
     yield _FRICTION, friction_words(diagnosis)
-    yield _EVIDENCE, closeness(diagnosis.alternatives)
     for sentence in zero_check(diagnosis) or separation(diagnosis):
         yield _ACTION, sentence
     yield _READINGS, capital(zero_readings(diagnosis))
@@ -255,13 +262,13 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
+    yield _ACTION, other_inspections(diagnosis)
+    yield _ACTION, doubtful_volume(diagnosis)
     yield _ACTION, _OWN_EFFECT
     if diagnosis.unnamed:
         yield _ACTION, _MEANWHILE
     yield _UNNAMED, law_summary(diagnosis.unnamed)
     yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
-    yield _EVIDENCE, significance(gaps)
-    yield _EVIDENCE, agreement(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield _REFIT, refit_words(diagnosis)
@@ -280,11 +287,10 @@ def _narrowing(diagnosis: Diagnosis, name: str) -> str:
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, "Use model.yaml, which has the refitted values."
-    yield _EVIDENCE, agreement(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield _REFIT, refit_words(diagnosis)
-    yield "What these runs can show", detectable(diagnosis)
+    yield _DETECTABLE, detectable(diagnosis)
     yield "Runs that show more", diagnosis.next_experiment or ""
     largest = largest_deviation(diagnosis.where)
     first = [largest.name] if largest else []

@@ -33,6 +33,7 @@ from hbench.report.diagnosis.deviation_words import (
     increased,
     largest_deviation,
     not_expected,
+    probability,
     too_small_words,
     undecided_words,
 )
@@ -46,7 +47,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
 )
 from hbench.report.diagnosis.place_words import change_clauses
-from hbench.report.diagnosis.sentences import doubtful_volume, favoured
+from hbench.report.diagnosis.sentences import favoured
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.numbers import number
@@ -281,7 +282,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     yield (
         f"No known effect explains how the measurement deviates from the model: {deviations(gaps)}."
     )
-    yield doubtful_volume(diagnosis)
+    yield probability(gaps)
     yield beyond_balances(diagnosis)
     yield errors_in_words(diagnosis)
     yield next_step(diagnosis)
