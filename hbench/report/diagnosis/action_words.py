@@ -146,8 +146,7 @@ def advice(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     """Return what to inspect and what to do then; that neither is needed for a small effect."""
     words = inspection(diagnosis, effect)
     if too_small_words(diagnosis, effect):
-        cause = f" To see its cause, inspect {words}." if words else ""
-        return f"{_TOO_SMALL}{cause}"
+        return _TOO_SMALL
     return " ".join(filter(None, (f"Inspect {words}." if words else "", effect.repair)))
 
 

@@ -234,25 +234,13 @@ def _object(change: Change, *, computed: bool, inertia: bool) -> str:
     return _OBJECTS.get(name, f"the {quantity(name)}")
 
 
-def along_words(effect: EffectInPractice) -> str:
-    """Return what an effect changes over all measured motion, as objects of a sentence."""
-    return listed(
-        [
-            f"{thing} by {significant(change.along, 2)} {change.unit} "
-            f"(root mean square; up to {significant(change.largest, 2)} {change.unit})"
-            for thing, change in _along(effect)
-        ]
-    )
-
-
 def largest_words(effect: EffectInPractice) -> str:
     """Return the largest changes over all measured motion, as objects of a sentence."""
-    return listed(
-        [
-            f"{thing} by up to {significant(change.largest, 2)} {change.unit}"
-            for thing, change in _along(effect)
-        ]
-    )
+    things: dict[str, list[str]] = {}  # by their common size
+    for thing, change in _along(effect):
+        size = f"{significant(change.largest, 2)} {change.unit}"
+        things.setdefault(size, []).append(thing)
+    return listed([f"{listed(each)} by up to {size}" for size, each in things.items()])
 
 
 def steady_words(effect: EffectInPractice) -> str:

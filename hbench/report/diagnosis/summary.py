@@ -13,6 +13,7 @@ from hbench.records import (
 from hbench.report.diagnosis.action_words import (
     advice,
     confirmation,
+    inspection,
     next_step,
     other_inspections,
     separation,
@@ -20,7 +21,6 @@ from hbench.report.diagnosis.action_words import (
     zero_readings,
 )
 from hbench.report.diagnosis.change_words import (
-    along_words,
     common_error,
     friction_words,
     main_changes,
@@ -36,6 +36,7 @@ from hbench.report.diagnosis.deviation_words import (
     poorly_simulated,
     remainder,
     significant_gaps,
+    too_small_words,
     undecided_words,
     unreliable,
 )
@@ -67,7 +68,7 @@ from hbench.report.render.symbols import capital, listed
 Answer = tuple[str, str]  # question in a few words, and sentences
 
 _AGAIN = "At the working point,"  # which is described before
-_SIZE, _ALONG, _SENSORS = "Size", "Size over all runs", "Several sensors"
+_SIZE, _SENSORS = "Size", "Several sensors"
 _RESIDUALS, _FRICTION = "Residuals", "Friction"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
 _OWN_EFFECT = (
@@ -201,15 +202,16 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     if practice:
         yield _SIZE, _condition(effect)
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
-        if along := along_words(practice):
-            yield _SIZE if several else _ALONG, f"Over all runs it changes {along}."
         yield _SENSORS, common_error(practice)
     yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
     yield _EVIDENCE, odds_words(effect)
     if several:
         yield _EVIDENCE, gap_change(effect)
     yield _EVIDENCE, ruled_out_words(diagnosis)
-    yield _ACTION, _what_to_do(diagnosis, effect)
+    if len(diagnosis.effects) > 1 or not effect.confirmed:
+        yield _ACTION, _what_to_do(diagnosis, effect)
+    elif practice and inspection(diagnosis, practice) and not too_small_words(diagnosis, practice):
+        yield "Repair", practice.repair  # the first paragraph has what to inspect
 
 
 def _condition(effect: AddedEffect) -> str:

@@ -79,7 +79,8 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
     if gaps := not_expected(diagnosis):
         yield f"Not explained: {deviations(gaps)}."
         yield increased(diagnosis)
-    yield expected_words(diagnosis, brief=True)
+    else:
+        yield expected_words(diagnosis, brief=True)
     yield next_step(diagnosis)
 
 
