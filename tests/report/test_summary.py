@@ -21,6 +21,7 @@ from hbench.report.diagnosis.tables.change_tables import changes_tables
 from hbench.report.diagnosis.tables.separability_tables import lookalikes_tables
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.render.symbols import capital
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import CELL, LEAK, added, summary
 
@@ -249,6 +250,13 @@ def test_offsets_are_separated_by_a_zero_check_with_what_each_sensor_shows_then(
     assert rows["Expected readings"] == f"W{expected.removeprefix('Expected readings: w')}."
     verdict = ordinary_spaces(verdict_words(offsets))
     assert check in verdict and expected not in verdict  # once on the page
+    assert "Size" not in rows  # the errors are the readings of the check
+    wrong = Change("force_load", "N", -84.0, None, 84.0, 84.0)
+    pressures = replace(offsets.practice[1], changes=(*offsets.practice[1].changes, wrong))
+    size = dict(answers(replace(offsets, practice=(offsets.practice[0], pressures))))["Size"]
+    assert "Pressure offset would mean that the computed friction of the load" in capital(
+        ordinary_spaces(size).partition("), ")[2]
+    )
     known = replace(offsets, zero_tolerances={"p_tp": 1.2, "p_s": 0.8, "f_applied": 69.3})
     limits = "(±1.2 bar for pressures and ±69 N for the load cell)."
     assert f"{expected} {limits}" in ordinary_spaces(short_summary(known))

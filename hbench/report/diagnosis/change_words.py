@@ -18,9 +18,9 @@ from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 
 FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
-_READINGS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
+READINGS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
 _GROUPS: tuple[tuple[str, ...], ...] = (
-    _READINGS,
+    READINGS,
     FLOWS,
     ("speed",),
     ("force_test", "force_load", MOTION_BALANCE),
@@ -35,7 +35,7 @@ _OBJECTS = {
     "force_band": "friction in both directions",
     "force_middle": "the force against extension, the same in both directions,",
 }
-_FRICTION = "force_test"  # balance of the friction of the test cylinder
+TEST_FRICTION = "force_test"  # balance of the friction of the test cylinder
 _LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
 CYLINDERS = {
     "force_test": "friction of the test cylinder",
@@ -68,7 +68,7 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
         return _friction_of_strokes(chosen)
     parts, errors = [], []
     for effect in chosen:
-        change = next((c for c in effect.changes if c.quantity == _FRICTION), None)
+        change = next((c for c in effect.changes if c.quantity == TEST_FRICTION), None)
         if change is None:
             words = "is measured correctly, and none of it is due to this effect"
         elif wrong_readings(effect):
@@ -110,7 +110,7 @@ def readings_words(effect: EffectInPractice) -> str:
         [
             f"{PRESSURE_SYMBOLS.get(change.quantity, 'the load cell')} {interval(change)}"
             for change in effect.changes
-            if change.quantity in _READINGS
+            if change.quantity in READINGS
         ]
     )
 
@@ -120,7 +120,7 @@ def common_error(effect: EffectInPractice) -> str:
 
     They may have one cause where their intervals have a value in common.
     """
-    ends = [change.ci95 for change in effect.changes if change.quantity in _READINGS]
+    ends = [change.ci95 for change in effect.changes if change.quantity in READINGS]
     if len(ends) < 2:
         return ""
     words = (
@@ -154,7 +154,7 @@ def _friction_of_strokes(effects: Sequence[EffectInPractice]) -> str:
 
 def wrong_readings(effect: EffectInPractice) -> int:
     """Count the readings that an error of the instruments changes; 0 for an effect of the bench."""
-    return sum(change.quantity in _READINGS for change in effect.changes)
+    return sum(change.quantity in READINGS for change in effect.changes)
 
 
 def main_changes(effect: EffectInPractice) -> list[Change]:
@@ -172,7 +172,7 @@ def phrase(change: Change, direction: str, readings: int = 0) -> str:
     """Return a change at the working point as a clause; of ``readings`` that are wrong, if any."""
     more, size, name = change.at_point > 0, _size(change), change.quantity
     way = "higher" if more else "lower"
-    if name in _READINGS:
+    if name in READINGS:
         symbol = PRESSURE_SYMBOLS.get(name)
         sensor = f"the transducer of {symbol}" if symbol else "the load cell"
         words = f"{sensor} shows {size} too {'much' if more else 'little'}"
@@ -228,7 +228,7 @@ def _object(change: Change, *, computed: bool, inertia: bool) -> str:
         return f"the {'computed ' if computed else ''}{_thing(name)}"
     if name in BALANCE_NAMES:
         return in_sentence(name)
-    if name in _READINGS:
+    if name in READINGS:
         symbol = PRESSURE_SYMBOLS.get(name)
         return f"the reading of {symbol or 'the load cell'}"
     return _OBJECTS.get(name, f"the {quantity(name)}")

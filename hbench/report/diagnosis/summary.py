@@ -8,7 +8,9 @@ from collections.abc import Iterator
 
 from hbench.records import (
     AddedEffect,
+    Change,
     Diagnosis,
+    EffectInPractice,
 )
 from hbench.report.diagnosis.action_words import (
     advice,
@@ -21,6 +23,8 @@ from hbench.report.diagnosis.action_words import (
     zero_readings,
 )
 from hbench.report.diagnosis.change_words import (
+    READINGS,
+    TEST_FRICTION,
     common_error,
     friction_words,
     main_changes,
@@ -253,10 +257,18 @@ def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     parts = [
         f"{in_words(effect.name)} would mean that {listed(change_clauses(effect, changes, point))}."
         for effect in chosen
-        if (changes := main_changes(effect)[: 1 if brief else None])
+        if (changes := main_changes(effect)[:1] if brief else _only_in_size(diagnosis, effect))
     ]
     sentences = " ".join((*parts[:1], *map(capital, parts[1:])))
     return f"{where_words(point)} {sentences}" if parts else ""
+
+
+def _only_in_size(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change]:
+    """Return the main changes by an effect of an ambiguous set that no other answer has."""
+    elsewhere = set(READINGS) if zero_readings(diagnosis) else set[str]()
+    if friction_words(diagnosis) and not of_strokes(diagnosis):
+        elsewhere.add(TEST_FRICTION)
+    return [change for change in main_changes(effect) if change.quantity not in elsewhere]
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
