@@ -126,6 +126,7 @@ def test_coefficients_that_may_be_0_are_marked(named):
     )
     page = ordinary_spaces(diagnosis_page(replace(named, effects=(heavy,)), ()))
     assert "2.0 ± 4.9 kg (not distinguishable from 0)" in page
+    assert "not distinguishable" not in coefficients_words(heavy, brief=True)
     assert "5.2 kg (not" not in page
 
 

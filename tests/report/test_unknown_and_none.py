@@ -226,6 +226,7 @@ def test_a_signal_that_deviates_far_more_than_the_balances_is_in_the_verdict(com
     text = ordinary_spaces(verdict_words(found(11.7, overlays=(run,))))
     assert "the velocity deviates by 3.5 mm/s RMS in run 0042: look there for fast motion" in text
     assert "trial scatters" not in text
+    assert "deviates most" not in text  # run 0042 is where to look first
     assert "simulation shows more" not in verdict_words(compared)  # nothing was simulated
 
 

@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.report.diagnosis.change_words import readings_words
 from hbench.report.diagnosis.coefficient_words import parts_present
-from hbench.report.diagnosis.deviation_words import too_small_words
+from hbench.report.diagnosis.deviation_words import beyond_balances, too_small_words
 from hbench.report.diagnosis.names import (
     CHAMBERS,
     PRESSURE_SYMBOLS,
@@ -231,7 +231,7 @@ def _where_to_look(diagnosis: Diagnosis) -> str:
     if not inspect:
         return ""
     words = (
-        worst_region(diagnosis, name),
+        "" if beyond_balances(diagnosis) else worst_region(diagnosis, name),
         f"Next, inspect {inspect}.",
         first_edge(diagnosis, name),
     )

@@ -237,7 +237,7 @@ def _object(change: Change, *, computed: bool, inertia: bool) -> str:
 def largest_words(effect: EffectInPractice) -> str:
     """Return the largest changes over all measured motion, as objects of a sentence."""
     things: dict[str, list[str]] = {}  # by their common size
-    for thing, change in _along(effect):
+    for thing, change in _consequences(effect):
         size = f"{significant(change.largest, 2)} {change.unit}"
         things.setdefault(size, []).append(thing)
     return listed([f"{listed(each)} by up to {size}" for size, each in things.items()])
@@ -245,7 +245,7 @@ def largest_words(effect: EffectInPractice) -> str:
 
 def steady_words(effect: EffectInPractice) -> str:
     """Return the changes of the quantities of ``largest_words`` at the working point."""
-    changes = [change for _, change in _along(effect)]
+    changes = [change for _, change in _consequences(effect)]
     if not any(map(_at_the_point, changes)):
         return "but nothing in steady motion at the working point"
     return f"and at the working point by {listed([_at_point(change) for change in changes])}"
@@ -293,6 +293,15 @@ def _along(effect: EffectInPractice) -> list[tuple[str, Change]]:
     chosen = (max(group, key=lambda change: _rounded(change.along)) for group in groups if group)
     inertia = effect.name == INERTIA
     return [(_object(change, computed=computed, inertia=inertia), change) for change in chosen]
+
+
+def _consequences(effect: EffectInPractice) -> list[tuple[str, Change]]:
+    """Return the changes along the logs, of an instrument's error only those in computed values.
+
+    The error itself is one of the effect's coefficients.
+    """
+    changes = _along(effect)
+    return [each for each in changes if each[1].quantity not in READINGS] or changes
 
 
 def _rounded(value: float) -> float:

@@ -45,15 +45,19 @@ def effect_words(effect: AddedEffect) -> str:
     return f"{effect.name} ({coefficients_words(effect)})"
 
 
-def coefficients_words(effect: AddedEffect) -> str:
-    """Return an effect's coefficients with their intervals; see ``effect_words``."""
+def coefficients_words(effect: AddedEffect, *, brief: bool = False) -> str:
+    """Return an effect's coefficients with their intervals; see ``effect_words``.
+
+    In brief, those that may be 0 are left out where others are not.
+    """
     free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
     chosen = free or effect.parameters
     zero = [name for name, p in chosen.items() if _contains_zero(p)]
     texts = {name: f"{coefficient_words(name)} {_size_text(effect, name)}" for name in chosen}
     known = [text for name, text in texts.items() if name not in zero]
     words = ("; " if any(", " in text for text in known) else ", ").join(known)
-    unknown = f"{_ZERO}: {', '.join(texts[name] for name in zero)}" if zero else ""
+    left_out = not zero or (brief and known)
+    unknown = "" if left_out else f"{_ZERO}: {', '.join(texts[name] for name in zero)}"
     return "; ".join(filter(None, (words, unknown)))
 
 

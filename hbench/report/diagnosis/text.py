@@ -93,8 +93,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         finding = (
             f"{refitted}the model deviates from held-out runs by {gap_number(total.refitted)} "
             f"times the repeatability of the bench, a correct one by {gap_number(total.floor)} on "
-            "average. No known effect explains the difference, and no deviation is so clear that "
-            "an unknown one must be present"
+            "average. No known effect explains the difference"
         )
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
         return f"none: in the balances that these channels determine, {finding}."

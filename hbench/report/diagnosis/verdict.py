@@ -162,7 +162,7 @@ def _finding(effect: AddedEffect) -> str:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
     elif not sure:
         missing = f"{capital(name)} may be missing in the model"
-    values = f" ({coefficients_words(effect)}; 95 % intervals)"
+    values = f" ({coefficients_words(effect, brief=True)}; 95 % intervals)"
     return f"{missing}: {description_words(effect)}{values}."
 
 
@@ -268,8 +268,7 @@ def _largest(gaps: Sequence[Gap]) -> str:
         True: "That is significant and large enough to matter, but only more than "
         f"{number(UNEXPLAINED_GAP, 0)} trial scatters are reported as unexplained: a small effect "
         "outside the catalogue is possible there.",
-        False: "That would be large enough to matter, but is not distinguishable from the scatter "
-        "of the trials.",
+        False: "That is not distinguishable from the scatter of the trials.",
     }
     return " ".join(f"{capital(words)}. {ends[real]}" for real, words in parts.items())
 
