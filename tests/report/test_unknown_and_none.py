@@ -179,8 +179,9 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "agrees" not in text
     assert "by 1.70 times the repeatability of the bench, a correct one by 1.20 on average" in text
     assert "The force of the test cylinder deviates by 19 N RMS (matters above 12 N). That" in text
-    assert "12 N). That is significant and large enough to" in text
-    assert "but only more than 2 trial scatters are reported as unexplained: a small" in text
+    small = "That is significant, but below the limit for an unknown effect: a small one is"
+    assert f"12 N). {small}" in text and "trial scatters" not in text
+    assert "and its gap is more than 2 trial scatters." in diagnosis_page(compared, ())
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
     assert "agrees" in text and "is not distinguishable from the scatter of the trials" in text

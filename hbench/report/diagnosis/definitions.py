@@ -1,7 +1,7 @@
 """Definitions of the words and columns of a diagnosis's page."""
 
 from hbench.records import Diagnosis
-from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, UNEXPLAINED_GAP
 from hbench.report.diagnosis.change_words import wrong_readings
 from hbench.report.diagnosis.error_words import scatter_words
 from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
@@ -143,6 +143,11 @@ _ALLOWED = (
     "Tolerances allow",
     "Deviation that sensors within their tolerances may cause in a model that is not refitted.",
 )
+_UNEXPLAINED = (
+    "Limit for an unknown effect",
+    "A balance is reported as unexplained where its deviation is significant and large enough to "
+    f"matter, and its gap is more than {UNEXPLAINED_GAP:g} trial scatters.",
+)
 _EDGE = (
     "Metering edge",
     "Edge of the valve's spool that connects the chamber with the supply or the tank. Where one "
@@ -184,7 +189,7 @@ def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
         return _ALL_RUNS, _STRUCTURED, _P, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
     p_value = _P_OF_MOTION if diagnosis.errors else _P
     edges = (_EDGE,) if any(gap.name in EDGES for gap in diagnosis.where) else ()
-    return _ALL_RUNS, _STRUCTURED, p_value, _DEVIATION, _ALLOWED, *edges
+    return _ALL_RUNS, _STRUCTURED, p_value, _DEVIATION, _ALLOWED, _UNEXPLAINED, *edges
 
 
 def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:

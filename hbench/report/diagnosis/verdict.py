@@ -7,7 +7,6 @@ in the tables.
 from collections.abc import Iterator, Sequence
 
 from hbench.records import AddedEffect, Diagnosis, Gap
-from hbench.records.diagnosis import UNEXPLAINED_GAP
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.action_words import first_step, next_step
 from hbench.report.diagnosis.change_words import (
@@ -50,7 +49,6 @@ from hbench.report.diagnosis.place_words import change_clauses
 from hbench.report.diagnosis.sentences import favoured
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
-from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
 
@@ -265,9 +263,8 @@ def _largest(gaps: Sequence[Gap]) -> str:
         if gaps
     }
     ends = {
-        True: "That is significant and large enough to matter, but only more than "
-        f"{number(UNEXPLAINED_GAP, 0)} trial scatters are reported as unexplained: a small effect "
-        "outside the catalogue is possible there.",
+        True: "That is significant, but below the limit for an unknown effect: a small one is "
+        "possible there.",
         False: "That is not distinguishable from the scatter of the trials.",
     }
     return " ".join(f"{capital(words)}. {ends[real]}" for real, words in parts.items())
