@@ -71,6 +71,11 @@ class MeasuredCampaign:
         """Standard deviations [SI] of the sensors' drifts over the campaign, by channel."""
         return drift_deviations(self.tolerances)
 
+    @property
+    def cylinders(self) -> tuple[str, ...]:
+        """Those whose dry friction has a ripple."""
+        return CYLINDERS
+
     @cached_property
     def ripple(self) -> Table:
         """Table of a share of dry friction over the position, with its modes."""
@@ -85,7 +90,7 @@ class MeasuredCampaign:
             *(f"/{path}" for path in nuisances(self.plant)),
             *map(".".join, self.tolerances),
             *map(drift_name, self.drifts),
-            *(ripple_name(each, mode) for each in CYLINDERS for mode in range(_RIPPLE_KNOTS)),
+            *(ripple_name(each, mode) for each in self.cylinders for mode in range(_RIPPLE_KNOTS)),
         ]
 
     @cached_property
@@ -102,6 +107,7 @@ class MeasuredCampaign:
         return self._disturbed(balance_model(self.bench, hypothesis.plant(self.plant)), hypothesis)
 
     def _disturbed(self, model: BalanceModel, hypothesis: Hypothesis) -> BalanceModel:
+        """Return the model with the disturbances of a hypothesis."""
         at = hypothesis.disturbances
         drifts = {name: at.get(drift_name(name), 0.0) * size for name, size in self.drifts.items()}
         modes = [

@@ -49,15 +49,15 @@ class SimulatedStages:
     ):
         self._maps: dict[str, list[GapMap]] = {}
         self._runs: dict[str, list[dict[str, np.ndarray]]] = {}
-        own = {"signals": lambda run: True, "open_loop": lambda run: point_of(run.plan) in held_out}
+        points = frozenset(point_of(run.plan) for run in measured)
         for name, evaluate in _EVALUATIONS.items():
-            chosen = list(filter(own[name], measured))
+            chosen = points & held_out if name == "open_loop" else points
             if not chosen:
                 continue
             pairs = [
                 (
-                    _evaluated(evaluate, chosen, model),
-                    _evaluated(evaluate, list(filter(own[name], runs)), model),
+                    _evaluated(evaluate, measured, model, chosen),
+                    _evaluated(evaluate, runs, model, chosen),
                 )
                 for runs, model in simulated
             ]
@@ -115,10 +115,14 @@ def gaps_of_runs(
 
 
 def _evaluated(
-    evaluate: Callable[[Run, BalanceModel], WindowedRun], runs: Sequence[Run], model: BalanceModel
+    evaluate: Callable[[Run, BalanceModel], WindowedRun],
+    runs: Sequence[Run],
+    model: BalanceModel,
+    points: frozenset[Hashable],
 ) -> list[WindowedRun]:
-    """Evaluate each run; open loops are compiled and run in parallel threads."""
-    return map_on_threads(lambda run: evaluate(run, model), runs)
+    """Evaluate the runs at some points; open loops are compiled and run in parallel threads."""
+    chosen = [run for run in runs if point_of(run.plan) in points]
+    return map_on_threads(lambda run: evaluate(run, model), chosen)
 
 
 def _by_name(

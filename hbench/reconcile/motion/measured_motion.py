@@ -64,6 +64,11 @@ class MeasuredMotion(MeasuredCampaign):
         """No drift of a sensor: the order of imported files need not be that of the time."""
         return {}
 
+    @property
+    def cylinders(self) -> tuple[str, ...]:
+        """The driven mass is that of the test cylinder."""
+        return ("test",)
+
     def balance_model(self, hypothesis: Hypothesis) -> BalanceModel:
         """Return the balances' model of a hypothesis."""
         plant = hypothesis.plant(self.plant)
@@ -137,8 +142,7 @@ class MeasuredMotion(MeasuredCampaign):
 
     def columns(self, hypothesis: Hypothesis, names: Iterable[str]) -> Columns:
         """Return the columns ``names`` at a hypothesis, without those of a load cylinder."""
-        of_load = tuple(name for name in names if name.endswith(".load") or "_load." in name)
-        return super().columns(hypothesis, [name for name in names if name not in of_load])
+        return super().columns(hypothesis, [n for n in names if not n.endswith(".load")])
 
     def _ranges(self, model: BalanceModel) -> np.ndarray:
         return np.full(len(BALANCES), self.largest_force)
