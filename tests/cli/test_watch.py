@@ -607,3 +607,13 @@ def test_a_station_is_printed_with_all_its_cylinders(sample, tmp_path, require_t
             assert browser.run(hidden) == 0 and browser.run(hint) == "none"
     finally:
         browser.close()
+
+
+@pytest.mark.parametrize("option", [(), ("--station",)])
+def test_a_file_is_refused_before_a_page_is_served(tmp_path, option):
+    file = tmp_path / "run.csv"
+    file.write_text("t_s\n")
+    process = hbench(tmp_path, "watch", file, *option)
+    out, told = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2 and not out
+    assert f"{file}: is a file" in told and "Give the campaign's folder." in told
