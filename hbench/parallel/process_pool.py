@@ -1,6 +1,7 @@
 """Process pool: one function with many arguments, on all cores of the machine."""
 
 import os
+import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -43,7 +44,7 @@ def map_on_cores(work: Callable[[Any], Any], arguments: Iterable[Any]) -> Iterat
     spawn = get_context("spawn")  # a fork would copy the locks of other threads
     watched, held = spawn.Pipe(duplex=False)  # no data: the pipe ends when ``held`` is closed
     processes = usable_cores()
-    pool = ProcessPoolExecutor(processes, spawn, _start_worker, (watched, work))
+    pool = ProcessPoolExecutor(processes, spawn, _start_worker, (watched, pickle.dumps(work)))
     taken = iter(arguments)
     running: dict[Future, Any] = {}
     last: list[Any] = []  # taken, not submitted yet
@@ -153,10 +154,10 @@ def _single_threaded() -> Iterator[None]:
 _work: Callable[[Any], Any]  # of a worker
 
 
-def _start_worker(watched: Connection, work: Callable[[Any], Any]) -> None:
+def _start_worker(watched: Connection, pickled_work: bytes) -> None:
     global _work
-    _work = work
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
+    _work = pickle.loads(pickled_work)  # imports for a second, in which the parent may end
 
 
 def _end_with_parent(watched: Connection) -> None:
