@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import factorial
 
 import numpy as np
 
@@ -155,6 +156,12 @@ def _sustained(found: np.ndarray) -> np.ndarray:
     return kept
 
 
+def _weights(samples: int, order: int, derivative: int, at: int) -> np.ndarray:
+    """Return the weights (samples,) of a polynomial's derivative at one of its samples."""
+    powers = np.vander(np.arange(samples) - at, order + 1, increasing=True)
+    return np.linalg.pinv(powers)[derivative] * factorial(derivative)
+
+
 def _filtered(
     y: np.ndarray, edges: np.ndarray, samples: int, order: int, derivative: int, dt_s: float
 ) -> np.ndarray:
@@ -162,11 +169,8 @@ def _filtered(
 
     All runs at once; near its ends a run has the values of its first and last polynomial.
     """
-    from scipy.signal import savgol_coeffs  # slow import
-
-    rows = np.array(
-        [savgol_coeffs(samples, order, derivative, dt_s, at, "dot") for at in range(samples)]
-    )
+    rows = np.array([_weights(samples, order, derivative, at) for at in range(samples)])
+    rows /= dt_s**derivative
     half, out = samples // 2, np.empty_like(y)
     if len(y) >= samples:
         out[half : len(y) - half] = np.correlate(y, rows[half], "valid")

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
-from scipy.stats import binned_statistic_2d
 
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
@@ -156,11 +155,10 @@ def _cells(
     v, up, value = side.v_m_s[known], up[known], value[known]
     if not len(value):
         return v, up, value, value
-    wanted = [v, up, value]
-    means, *_, cell = binned_statistic_2d(v, up, wanted, "mean", bins=_CELLS)
-    count = binned_statistic_2d(v, up, None, "count", bins=_CELLS).statistic
+    count = np.histogram2d(v, up, _CELLS)[0]
+    sums = (np.histogram2d(v, up, _CELLS, weights=each)[0] for each in (v, up, value))
     some = count > 0
-    return (*(mean[some] for mean in means), count[some])
+    return (*(each[some] / count[some] for each in sums), count[some])
 
 
 def _points(
