@@ -48,6 +48,9 @@ _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger on
 _REFIT_ROUNDS = 16  # steps, or new columns
 _FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it
 _NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluation below
+# Shares of a step, and the radius of its damping in priors of nuisances and typical sizes.
+_SHORTER = tuple((share, np.inf) for share in (1.0, 0.5, 0.25))
+_DAMPED = tuple((1.0, radius) for radius in (1.0, 0.3, 0.1))
 _NEGLIGIBLE_GAIN = 0.5  # nats of a step, a tenth of what an effect must gain; it is the last one
 
 
@@ -172,7 +175,7 @@ class CandidateEvaluator:
         names = [start.data.names[i] for i in chosen] if renewed is None else renewed
         current, stale = start, False
         for _ in range(_REFIT_ROUNDS):
-            better = self._better(current, effects)
+            better = self._better(current, effects, _SHORTER + _DAMPED)
             gain = self._cost(current, effects) - self._cost(better, effects)
             current = better
             if gain >= _NEGLIGIBLE_GAIN:
@@ -183,30 +186,34 @@ class CandidateEvaluator:
                 current, stale = self.with_columns(current, names), False
         return self.with_columns(current, names) if stale else current
 
-    def _better(self, current: LinearisedModel, effects: Sequence[str]) -> LinearisedModel:
-        """Return the model at the best step from ``current``; the same model where none is."""
-        beta = self._fit(current, effects)
-        if np.abs(beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
-            return current
-        return self._step_towards(current, effects, beta) or current
+    def _better(
+        self,
+        current: LinearisedModel,
+        effects: Sequence[str],
+        steps: Sequence[tuple[float, float]],
+    ) -> LinearisedModel:
+        """Return the model at a better step from ``current``; the same model where none is.
 
-    def _step_towards(
-        self, current: LinearisedModel, effects: Sequence[str], beta: np.ndarray
-    ) -> LinearisedModel | None:
-        """Return the model at a step towards ``beta`` that is better; None where none is."""
+        The balances are not linear: where the whole step is not better, shorter ones are tried, and
+        then damped ones, which leave alone what the data hardly determine.
+        """
         chosen, before = current.index(effects), self._cost(current, effects)
-        for share in (1.0, 0.5, 0.25):
-            hypothesis = hypothesis_at(current, self.measured.plant, chosen, share * beta)
+        for share, radius in steps:
+            beta = share * self._fit(current, effects, radius)
+            if np.abs(beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
+                break
+            hypothesis = hypothesis_at(current, self.measured.plant, chosen, beta)
             model = self.linearise_at(current, hypothesis)
             if self._cost(model, effects) < before:
                 return model
-        return None
+        return current
 
-    def _fit(self, model: LinearisedModel, effects: Sequence[str]) -> np.ndarray:
+    def _fit(
+        self, model: LinearisedModel, effects: Sequence[str], radius: float = np.inf
+    ) -> np.ndarray:
         """Return the most likely steps of the columns of ``model.index(effects)``."""
-        return maximum_likelihood(
-            model.data, model.priors(effects), model.index(effects), self.train
-        )[0]
+        priors = model.priors(effects).damped(radius)
+        return maximum_likelihood(model.data, priors, model.index(effects), self.train)[0]
 
     def _cost(self, model: LinearisedModel, effects: Sequence[str]) -> float:
         return cost(model.data, model.priors(effects), model.index(effects), self.train)
@@ -307,8 +314,8 @@ class CandidateEvaluator:
         joined = (*added, name)
         before, with_effect = self._cross_validate(model, added), start
         for _ in range(_FULL_ROUNDS):
-            better = self._step_towards(with_effect, joined, self._fit(with_effect, joined))
-            if better is None:
+            better = self._better(with_effect, joined, _SHORTER)
+            if better is with_effect:
                 break
             with_effect = better
         candidate = self._judged(model, before, with_effect, joined)

@@ -50,6 +50,15 @@ class Priors:
             self.centre[columns], self.sigma[columns], self.low[columns], self.high[columns]
         )
 
+    def damped(self, radius: float) -> "Priors":
+        """Return the priors where beta is also near 0, by a normal prior of deviation ``radius``.
+
+        What data determine still moves far, what they hardly determine does not (Levenberg 1944,
+        Marquardt 1963).
+        """
+        own, both = self.sigma**-2.0, self.sigma**-2.0 + radius**-2.0
+        return replace(self, centre=self.centre * own / both, sigma=both**-0.5)
+
 
 def maximum_likelihood(
     data: Products,

@@ -61,6 +61,7 @@ _MOST_AFRESH = 3  # candidates; their columns are far from the fit, so a score s
 _LEAST_SHARE = 0.3  # of the best score; candidates below are not evaluated in full
 _LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not evaluated in full
 _MOST_EFFECTS = 4
+_AS_SMALL = 1.02  # times the smallest gap: no reason to prefer a model
 _REFUSED = (
     "Refitting the poorly known values of the model would increase the gap of the held-out runs "
     "from {} to {}, so the values of the model file are kept."
@@ -156,9 +157,9 @@ class CampaignSearch(CandidateEvaluator):
         step may be better. Those of the nuisances then stay, as refinement changes them little.
 
         Deviations that do not matter may determine an effect, but where the law of another one is
-        wrong they can also cost more of those that do. So the nuisances are refitted to these once
-        more. Of the models before, between and after, that with the smallest gap of the training
-        points is returned.
+        wrong they can also cost more of those that do. So the nuisances are then refitted to what
+        matters alone. Of the refined model, this one and the one before, the first is returned
+        whose gap of the training points is about the smallest.
         """
         taking_part = [model.data.names[i] for i in model.index(names)]
         residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
@@ -179,9 +180,10 @@ class CampaignSearch(CandidateEvaluator):
                 best = shaped if gain[1] > gain[0] else best
         fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
         settled = self.refit(fine, self._tolerated(names), renewed=())
-        return min(
-            (fine, settled, model),
-            key=lambda each: gap_of_balances(each.gap_map, each.gap_map.names, self.train),
+        models = (fine, settled, model)
+        gaps = [gap_of_balances(one.gap_map, one.gap_map.names, self.train) for one in models]
+        return next(
+            one for one, gap in zip(models, gaps, strict=True) if gap <= _AS_SMALL * min(gaps)
         )
 
     def _tolerated(self, names: Iterable[str]) -> list[str]:
