@@ -184,7 +184,7 @@ ROWS = {
         states=1,
         law="force m dw/dt, lag dw/dt = v - w, m = test or load",
         signals="Forces while the speed changes; nothing at constant speed.",
-        inspect="the masses of rod, coupling, load cell and oil columns by weighing",
+        inspect="the moving masses by weighing: rod, coupling, load cell and oil columns",
         repair="Enter the weighed masses in the bench file.",
         source="Newton's law, on a mount that yields over the lag",
     ),

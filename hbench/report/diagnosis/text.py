@@ -68,7 +68,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """Return the verdict in one sentence, with the effects' coefficients or the set."""
     effects = "; ".join(map(_finding, diagnosis.effects))
-    names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
+    names = listed([candidate.name for candidate in diagnosis.alternatives], "or")
     if diagnosis.verdict == "named":
         also = f" Also {names}; these data cannot distinguish them." if names else ""
         gaps = not_expected(diagnosis)
@@ -93,7 +93,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         finding = (
             f"{refitted}the model deviates from held-out runs by {gap_number(total.refitted)} "
             f"times the repeatability of the bench, a correct one by {gap_number(total.floor)} on "
-            "average. No known effect explains the difference"
+            "average; no known effect explains the difference"
         )
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
         return f"none: in the balances that these channels determine, {finding}."
