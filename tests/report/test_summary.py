@@ -1,6 +1,7 @@
 """The paragraph for the engineer: every verdict, in the units of the bench."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -33,10 +34,11 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     verdict = ordinary_spaces(verdict_words(named))
     assert verdict.startswith(
         "The model does not contain internal leakage: oil leaks (test cylinder 0.00300 ± 0.00020 "
-        "l/min/bar; 95 % interval). At the working point, 0.18 l/min less oil enters the piston "
-        "side of the test cylinder (Tp) and the piston is 2.4 mm/s slower at the same commands; in "
-        "95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it, their error in runs outside the fit "
-        "falls from 16.7 to 1.60 times the repeatability. Next, inspect the piston seal."
+        "l/min/bar; 95 % interval). At the working point (extending at 80 mm/s), 0.18 l/min less "
+        "oil enters the piston side of the test cylinder (Tp) and the piston is 2.4 mm/s slower at "
+        "the same commands; in 95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it, their "
+        "error in runs outside the fit falls from 16.7 to 1.60 times the repeatability. Next, "
+        "inspect the piston seal."
     )
     assert "oil leaks" not in text  # once on the page is enough
     assert text.startswith(
@@ -161,7 +163,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     text = verdict(named)
     order = (
         "The model does not contain internal leakage: oil leaks (",
-        "At the working point, 0.18 l/min less oil enters",
+        "At the working point (extending at 80 mm/s), 0.18 l/min less oil enters",
         "With it, their error in runs outside the fit falls from 16.7 to 1.60 times",
         "Next, inspect the piston seal.",
     )
@@ -181,11 +183,11 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     text = verdict(replace(sensor, practice=(CELL,)))
     assert text.startswith("The instruments have an error, load cell gain: oil leaks (test ")
     assert (
-        "At the working point, the load cell shows 50 N too much and the computed friction of the "
-        "test cylinder is 50 N too low; in 95 % of the motion up to 100 N."
+        "At the working point (extending at 80 mm/s), the load cell shows 50 N too much and the "
+        "computed friction of the test cylinder is 50 N too low. With it, their error"
     ) in text
-    still = replace(CELL, changes=tuple(replace(each, largest=49.8) for each in CELL.changes))
-    assert "is 50 N too low. With it" in verdict(replace(sensor, practice=(still,)))
+    steady = tuple(replace(each, largest=abs(each.at_point)) for each in LEAK.changes[:1])
+    assert "(Tp). With it" in verdict(replace(named, practice=(replace(LEAK, changes=steady),)))
 
 
 def test_the_verdict_of_an_ambiguous_set_says_what_each_effect_means_for_friction(compared):
@@ -386,11 +388,16 @@ def test_two_effects_share_one_description_of_the_working_point(named):
     assert "0.00300" not in verdict  # brief: the coefficients are below
     assert verdict.startswith(
         "The model does not contain internal leakage (test cylinder); the instruments have an "
-        "error, load cell gain. At the working point, 0.18 l/min less oil enters the piston side "
-        "of the test cylinder (Tp), and the load cell shows 50 N too much. "
+        "error, load cell gain. At the working point (extending at 80 mm/s), 0.18 l/min less "
+        "oil enters the piston side of the test cylinder (Tp), and the load cell shows 50 N too "
+        "much. "
     )
     assert "With both, the error in runs outside the fit falls from 9.50 to 9.50 times" in verdict
     assert verdict.endswith("Inspect first the piston seal, then known weights.")
+    law = SimpleNamespace(balances=("force_test",))
+    with_laws = verdict_words(replace(both, unnamed=(law,)))
+    assert "Each is favoured by odds of more than 1000 to 1." in with_laws
+    assert "With both" not in with_laws  # the gaps are those with the laws
     rows = [question for question, _ in answers(both)]
     assert rows[:6] == [
         f"{name}: {question}"

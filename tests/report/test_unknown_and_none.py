@@ -44,7 +44,10 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     )
     assert "It is not named: its size of 0.22 times a typical one is too small" in text
     assert "Take it as a hint" in text and "chance" not in text
-    line = "Gap of held-out runs: 12.0 as given, 9.50 refitted. A correct model whose values are"
+    line = (
+        "Gap of held-out runs in multiples of the repeatability: 12.0 as given, 9.50 refitted. A "
+        "correct model whose values are"
+    )
     assert line in ordinary_spaces(diagnosis_page(compared, ())) and "9.50" not in text
     assert "more steady runs where the deviation is largest, while retracting, and" in text
 

@@ -65,7 +65,7 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     if len(chosen) < 2:
         return ""
     if of_strokes(diagnosis):
-        return _friction_of_strokes(chosen, brief=brief)
+        return _friction_of_strokes(chosen)
     parts, errors = [], []
     for effect in chosen:
         change = next((c for c in effect.changes if c.quantity == TEST_FRICTION), None)
@@ -135,7 +135,7 @@ def common_error(effect: EffectInPractice) -> str:
     return f"{capital(words)}."
 
 
-def _friction_of_strokes(effects: Sequence[EffectInPractice], *, brief: bool) -> str:
+def _friction_of_strokes(effects: Sequence[EffectInPractice]) -> str:
     """Return by how much friction differs between effects that change the mean of both directions.
 
     A pair of strokes shows friction as half the difference of both directions.
@@ -145,12 +145,7 @@ def _friction_of_strokes(effects: Sequence[EffectInPractice], *, brief: bool) ->
         for effect in effects
     ]
     differ = significant(max(bands) - min(bands), 2)
-    if brief:
-        return f"Friction differs by no more than {differ} N from case to case."
-    return (
-        "Friction, half the difference of both directions, differs by no more than "
-        f"{differ} N from case to case at the working point."
-    )
+    return f"Friction differs by no more than {differ} N from case to case at the working point."
 
 
 def wrong_readings(effect: EffectInPractice) -> int:

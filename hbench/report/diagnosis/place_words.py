@@ -39,7 +39,7 @@ def where_words(point: WorkingPoint | None) -> str:
     """Return the working point, medians of the campaign, as the beginning of a sentence."""
     if point is None:
         return "In these runs,"
-    motion = f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
+    motion = _motion(point)
     if isfinite(point.f_applied_n):
         motion += f", load cell {short(point.f_applied_n)} N"
     pressures = {
@@ -49,6 +49,15 @@ def where_words(point: WorkingPoint | None) -> str:
     }
     parts = [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
     return f"At the median working point ({', '.join((motion, *parts))}),"
+
+
+def lead_words(point: WorkingPoint) -> str:
+    """Return the working point by its motion alone, as the beginning of a sentence."""
+    return f"At the working point ({_motion(point)}),"
+
+
+def _motion(point: WorkingPoint) -> str:
+    return f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
 
 
 def at_point_words(
@@ -81,9 +90,10 @@ def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     here = {rounded(change, abs(change.at_point)) for change in changes}
     most = dict.fromkeys(rounded(change, change.largest) for change in changes if change.largest)
     beyond = ""
-    if not (of_strokes(diagnosis) or here.issuperset(most)):
+    in_proportion = of_strokes(diagnosis) or wrong_readings(effect)  # to what the finding has
+    if not (in_proportion or here.issuperset(most)):
         beyond = f"; in 95 % of the motion up to {listed(list(most))}"
-    return f"{AT_POINT} {listed(clauses)}{beyond}."
+    return f"{lead_words(point)} {listed(clauses)}{beyond}."
 
 
 def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
@@ -99,7 +109,7 @@ def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
         parts += [f"{clause}{due}" for clause in clauses]
         still += [] if clauses else [in_words(effect.name)]
     nothing = f"{AT_POINT} {listed(still)} changes nothing." if still else ""
-    here = f"{AT_POINT} {', and '.join(parts)}." if parts else ""
+    here = f"{lead_words(point)} {', and '.join(parts)}." if parts else ""
     return " ".join(filter(None, (here, nothing)))
 
 

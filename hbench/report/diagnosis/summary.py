@@ -248,7 +248,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     for candidate in diagnosis.alternatives:
         if candidate.name in practice:
             yield _SENSORS, common_error(practice[candidate.name])
-    yield _FRICTION, friction_words(diagnosis)
+    yield _SIZE if of_strokes(diagnosis) else _FRICTION, friction_words(diagnosis)
     for sentence in zero_check(diagnosis) or separation(diagnosis):
         yield _ACTION, sentence
     yield _READINGS, capital(zero_readings(diagnosis))

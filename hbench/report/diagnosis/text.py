@@ -37,16 +37,12 @@ from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
 from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
 
-_UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability of the bench."
-
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    in_scatters = diagnosis.gap_heldout.balances and not diagnosis.held_out_loads
-    unit = _UNIT_OF_GAP if in_scatters else ""
     blocks = [
         f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}",
-        f"{gap_line(diagnosis)} {unit}".strip(),
+        gap_line(diagnosis),
     ]
     errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
     blocks += (
@@ -126,8 +122,9 @@ def gap_line(diagnosis: Diagnosis) -> str:
     remark = " The refit increases it." if worse else ""
     every = ", all balances" if len(diagnosis.gap_heldout.balances) > 1 else ""
     words = (
-        f"Gap of held-out runs{every}: {steps}.{remark} A correct model whose values are as "
-        f"uncertain would have {gap_number(total.floor)} on average.",
+        f"Gap of held-out runs in multiples of the repeatability{every}: {steps}.{remark} A "
+        "correct model whose values are as uncertain would have "
+        f"{gap_number(total.floor)} on average.",
         _most_in(diagnosis),
     )
     return " ".join(filter(None, words))

@@ -41,7 +41,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
 )
 from hbench.report.diagnosis.place_words import change_clauses, each_size, extent_words, size_words
-from hbench.report.diagnosis.sentences import favoured
+from hbench.report.diagnosis.sentences import favoured, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.symbols import capital, listed
@@ -178,10 +178,10 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 def _together(diagnosis: Diagnosis) -> str:
     """State what several effects do to the deviation of the model in held-out runs.
 
-    Empty where unnamed laws contribute: then each effect's own evidence is below.
+    Where unnamed laws contribute, state the odds of the effects instead.
     """
     if diagnosis.unnamed:
-        return ""
+        return least_odds(diagnosis.confirmed)
     total = diagnosis.gap_heldout.total
     effects = "both" if len(diagnosis.confirmed) == 2 else "these effects"
     return (
