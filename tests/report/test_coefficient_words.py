@@ -78,7 +78,7 @@ def test_two_effects_that_are_both_present_are_both_inspected(named):
     assert "less oil enters the piston side of the test cylinder (Tp) due to tank back" in text
     still = replace(line, changes=())
     brief = verdict_words(replace(both, practice=(LEAK, still)))
-    assert "At the working point, tank back pressure changes nothing." in brief
+    assert "l/min), and tank back pressure changes nothing. With both" in brief
     more = replace(line, inspect="the return filter, and the bore: its size")
     brief = verdict_words(replace(both, practice=(LEAK, more)))
     assert "Inspect first the piston seal, then the return filter." in brief  # the rest is below

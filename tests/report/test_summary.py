@@ -84,7 +84,7 @@ def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_
     worse = replace(named, effects=(replace(effect, gap_before=1.02, gap_after=1.04),))
     assert f"{plain}1.02 without it and 1.04 with it" in short_summary(worse)
     page = ordinary_spaces(diagnosis_page(worse, ()))
-    words = "held-out runs do not confirm it (gap 1.02 without it, 1.04 with it)."
+    words = "runs do not confirm it (error 1.02 times the repeatability without it, 1.04 with it)."
     assert words in page[: page.index("<nav")]  # in the verdict
     assert "does not reduce" not in summary(named) + diagnosis_page(named, ())
 
@@ -104,7 +104,7 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
         "Internal leakage may be missing in the model: oil leaks (test cylinder 0.00300 ± 0.00020",
         "It would change the flow",
         "The evidence is contradictory: in the runs of the fit, the cross-validation favours it",
-        "by odds of more than 1000 to 1, but held-out runs do not confirm it (gap 1.02",
+        "by odds of more than 1000 to 1, but other runs do not confirm it (error 1.02 times",
         "without it, 1.04 with it). So model.yaml does not contain it.",
         "To confirm internal leakage, repeat the runs and reconcile again; replace or adjust",
     )
@@ -119,7 +119,9 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
         assert "before that. If they confirm it: inspect the piston seal. Replace it." in then
     small = replace(LEAK, changes=(Change("force_test", "N", 0.0, None, 4.0, 4.0),))
     brief = verdict_words(replace(worse, practice=(small,)))
-    assert "(gap 1.02 without it, 1.04 with it). So" in brief and "odds" not in brief
+    assert (
+        "Runs outside the fit do not confirm it (error 1.02 times" in brief and "odds" not in brief
+    )
     text = summary(replace(worse, practice=(small,)))
     assert "by odds of more than 1000 to 1; held-out runs" in text
     assert "for an effect of this size; the new model.yaml contains it." in text
@@ -174,11 +176,11 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     smaller = (replace(rest, deviation=10.0), *compared.where[1:])
     text = verdict(replace(named, rest=(rest,), where=smaller))
     assert "Not explained: 40 N RMS in the force of the test cylinder (matters above 12 N)." in text
+    two = verdict(replace(named, rest=(rest, rest)))
+    assert "(matters above 12 N), and 1 more." in two
     larger = summary(replace(named, rest=(rest,), where=smaller))
     assert f"{fitted} 10 N: the values that are fitted together" in ordinary_spaces(larger)
     assert fitted not in summary(replace(named, rest=(rest,)))  # 40 N without them too
-    two = verdict(replace(named, rest=(rest, rest)))
-    assert "(matters above 12 N), and 1 more." in two
     sensor = replace(named, effects=(added("load_cell_gain", 40.0, of_sensor=True),))
     text = verdict(replace(sensor, practice=(CELL,)))
     assert text.startswith("The instruments have an error, load cell gain: oil leaks (test ")
@@ -388,9 +390,9 @@ def test_two_effects_share_one_description_of_the_working_point(named):
     assert "0.00300" not in verdict  # brief: the coefficients are below
     assert verdict.startswith(
         "The model does not contain internal leakage (test cylinder); the instruments have an "
-        "error, load cell gain. At the working point (extending at 80 mm/s), 0.18 l/min less "
-        "oil enters the piston side of the test cylinder (Tp), and the load cell shows 50 N too "
-        "much. "
+        "error, load cell gain. At the working point, 0.18 l/min less oil enters the piston "
+        "side of the test cylinder (Tp) (elsewhere up to 0.35 l/min), and the load cell shows 50 N "
+        "too much. "
     )
     assert "With both, the error in runs outside the fit falls from 9.50 to 9.50 times" in verdict
     assert verdict.endswith("Inspect first the piston seal, then known weights.")

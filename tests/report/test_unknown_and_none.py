@@ -133,8 +133,7 @@ def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first
         return summary(replace(compared, where=(gap,), rest=(gap,), regions=regions))
 
     begin = (
-        "Begin with the edge of its valve to tank: over all runs the gap is 17.8 there and 8.6 at "
-        "that"
+        "Begin with the valve's edge to tank: over all runs the gap is 17.8 there and 8.6 at that"
     )
     assert f"{begin} to supply." in of_flow(
         17.8, 8.6
@@ -181,9 +180,7 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     close, off = BeforeAfter(12.0, 1.25, 1.25, 1.2), BeforeAfter(12.0, 1.7, 1.7, 1.2)
     text = verdict(off, gap=1.9, deviation=19.0, p_value=0.008)
     assert "agrees" not in text
-    assert (
-        "by 1.70 times the repeatability of the bench, a correct one by 1.20 on average; no" in text
-    )
+    assert "by 1.70 times the repeatability, a correct one by 1.20 on average; no" in text
     largest = "The largest deviation, 19 N RMS in the force of the test cylinder (matters above"
     small = "is significant, but below the limit for an unknown effect: a small one is possible."
     assert f"{largest} 12 N), {small}" in text and "trial scatters" not in text

@@ -256,6 +256,6 @@ def first_edge(diagnosis: Diagnosis, name: str) -> str:
         return ""
     worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
     return (
-        f"Begin with the edge of its valve to {worst}: over all runs the gap is "
+        f"Begin with the valve's edge to {worst}: over all runs the gap is "
         f"{number(gaps[worst], 1)} there and {number(gaps[other], 1)} at that to {other}."
     )

@@ -67,8 +67,12 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     if of_strokes(diagnosis):
         return _friction_of_strokes(chosen)
     parts, errors = [], []
-    for effect in chosen:
-        change = next((c for c in effect.changes if c.quantity == TEST_FRICTION), None)
+    frictions = [
+        next((c for c in effect.changes if c.quantity == TEST_FRICTION), None) for effect in chosen
+    ]
+    if not (brief or any(frictions)):
+        return ""
+    for effect, change in zip(chosen, frictions, strict=True):
         if change is None:
             words = "is measured correctly, and none of it is due to this effect"
         elif wrong_readings(effect):

@@ -55,7 +55,7 @@ def change_of_errors(diagnosis: Diagnosis) -> str:
     if added and len(diagnosis.confirmed) == 1 and not diagnosis.unnamed:
         model = "it"
     join = ", but " if len(verbs) > 1 else " and "
-    return f"With {model}, {join.join(parts)} in held-out runs." if parts else ""
+    return f"With {model}, {join.join(parts)} in runs outside the fit." if parts else ""
 
 
 def use_words(diagnosis: Diagnosis) -> str:

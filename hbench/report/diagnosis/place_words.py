@@ -51,11 +51,6 @@ def where_words(point: WorkingPoint | None) -> str:
     return f"At the median working point ({', '.join((motion, *parts))}),"
 
 
-def lead_words(point: WorkingPoint) -> str:
-    """Return the working point by its motion alone, as the beginning of a sentence."""
-    return f"At the working point ({_motion(point)}),"
-
-
 def _motion(point: WorkingPoint) -> str:
     return f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
 
@@ -93,7 +88,7 @@ def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     in_proportion = of_strokes(diagnosis) or wrong_readings(effect)  # to what the finding has
     if not (in_proportion or here.issuperset(most)):
         beyond = f"; in 95 % of the motion up to {listed(list(most))}"
-    return f"{lead_words(point)} {listed(clauses)}{beyond}."
+    return f"At the working point ({_motion(point)}), {listed(clauses)}{beyond}."
 
 
 def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
@@ -104,13 +99,19 @@ def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
     parts, still = [], []
     alone = sum(not wrong_readings(effect) for effect in effects) == 1
     for effect in effects:
-        clauses = change_clauses(effect, main_changes(effect)[:1], point, brief=True)
-        due = "" if alone or wrong_readings(effect) else f" due to {in_words(effect.name)}"
-        parts += [f"{clause}{due}" for clause in clauses]
+        changes, computed = main_changes(effect)[:1], wrong_readings(effect)
+        clauses = change_clauses(effect, changes, point, brief=True)
+        due = "" if alone or computed else f" due to {in_words(effect.name)}"
+        most = [
+            rounded(change, change.largest)
+            for change in changes
+            if rounded(change, change.largest) != rounded(change, abs(change.at_point))
+        ]
+        beyond = f" (elsewhere up to {listed(most)})" if most and not computed else ""
+        parts += [f"{clause}{due}{beyond}" for clause in clauses]
         still += [] if clauses else [in_words(effect.name)]
-    nothing = f"{AT_POINT} {listed(still)} changes nothing." if still else ""
-    here = f"{lead_words(point)} {', and '.join(parts)}." if parts else ""
-    return " ".join(filter(None, (here, nothing)))
+    parts += [f"{listed(still)} changes nothing"] if still else []
+    return f"{AT_POINT} {', and '.join(parts)}."
 
 
 def extent_words(diagnosis: Diagnosis) -> str:

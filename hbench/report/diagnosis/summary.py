@@ -89,10 +89,7 @@ _MEANWHILE = (
     "measured range."
 )
 _IF_PRESENT = "The sizes that follow apply only if {name} is present."
-_NO_GAIN = (
-    "The effect is named by its score in the cross-validation over the runs of the fit. Held-out "
-    "runs do not confirm it, so model.yaml and all gaps below are those of the model without it."
-)
+_NO_GAIN = "So model.yaml and all gaps below are those of the model without it."
 _EXPECTED, _READINGS = "Expected deviations", "Expected readings"
 _UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
 _CLOSEST, _SCORES, _DETECTABLE = "Closest known effect", "Scores", "What these runs can show"
@@ -214,8 +211,8 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
         yield _SIZE, f"Coefficients with 95 % intervals: {coefficients_words(effect)}."
     if practice:
         yield _SENSORS, common_error(practice)
-    yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
     yield _EVIDENCE, odds_words(effect)
+    yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
     if several:
         yield _EVIDENCE, gap_change(effect)
     yield _EVIDENCE, ruled_out_words(diagnosis)
@@ -279,10 +276,10 @@ def _only_in_size(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
+    yield _ACTION, first_edge(diagnosis, gaps[0].name)
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
-    yield _ACTION, first_edge(diagnosis, gaps[0].name)
     yield _ACTION, other_inspections(diagnosis)
     yield _ACTION, doubtful_volume(diagnosis)
     yield _ACTION, _OWN_EFFECT
@@ -296,11 +293,14 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
 
 
 def _narrowing(diagnosis: Diagnosis, name: str) -> str:
-    """Return which measurement narrows the cause of a balance's residual."""
-    if diagnosis.missing:
-        return diagnosis.missing[0]
+    """Return which measurement narrows the cause of a balance's residual.
+
+    Where no place stands out, one that is missing for a better verdict.
+    """
     places = worst_places(diagnosis, name)
     set_by_run = [place for place in places if place.axis != "time in the run"]
+    if diagnosis.missing and not set_by_run:
+        return diagnosis.missing[0]
     where = "".join(f" where the deviation is largest, {place.words}," for place in set_by_run[:1])
     return f"more steady runs{where} and vary speed, load and pressure one at a time"
 

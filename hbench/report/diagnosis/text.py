@@ -87,9 +87,9 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if not agrees(diagnosis):
         total = diagnosis.gap_heldout.total
         finding = (
-            f"{refitted}the model deviates from held-out runs by {gap_number(total.refitted)} "
-            f"times the repeatability of the bench, a correct one by {gap_number(total.floor)} on "
-            "average; no known effect explains the difference"
+            f"{refitted}the model deviates from runs outside the fit by "
+            f"{gap_number(total.refitted)} times the repeatability, a correct one by "
+            f"{gap_number(total.floor)} on average; no known effect explains the difference"
         )
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
         return f"none: in the balances that these channels determine, {finding}."

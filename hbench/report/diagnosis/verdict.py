@@ -196,12 +196,15 @@ def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     The odds of an effect that is too small to matter are below.
     """
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
-    gaps = f"confirm it (gap {before} without it, {after} with it). So model.yaml does not contain"
+    gaps = (
+        f"confirm it (error {before} times the repeatability without it, {after} with it). So "
+        "model.yaml does not contain"
+    )
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     if practice and too_small_words(diagnosis, practice):
-        return f"Held-out runs do not {gaps} it."
+        return f"Runs outside the fit do not {gaps} it."
     return (
-        f"The evidence is contradictory: in the runs of the fit, {favoured(effect)}, but held-out "
+        f"The evidence is contradictory: in the runs of the fit, {favoured(effect)}, but other "
         f"runs do not {gaps} it."
     )
 
