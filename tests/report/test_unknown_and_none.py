@@ -52,6 +52,14 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "more steady runs where the deviation is largest, while retracting, and" in text
 
 
+def test_the_cause_is_narrowed_where_the_deviation_is_largest_and_else_by_what_is_missing(compared):
+    """Missing data may be of another balance."""
+    missing = replace(compared, missing=("one load at two pressures",))
+    assert "measure more steady runs where the deviation is largest" in summary(missing)
+    nowhere = replace(missing, regions=())
+    assert "To narrow the cause, measure one load at two pressures." in summary(nowhere)
+
+
 def test_each_balance_that_no_effect_explains_has_its_parts_to_inspect(compared):
     first, second = (replace(gap, gap=9.0) for gap in compared.where)
     both = replace(compared, rest=(first, second))

@@ -173,7 +173,7 @@ ROWS = {
         source="laminar gap of a cushion spear",
     ),
     "added_mass": Effect(
-        description="the moving masses are larger",
+        description="more mass moves than in the model",
         coefficients={
             "test": Coefficient("kg", 20, 0, 500),
             "load": Coefficient("kg", 20, 0, 500),

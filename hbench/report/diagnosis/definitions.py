@@ -182,7 +182,9 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
 
 def of_numbers(diagnosis: Diagnosis) -> tuple[Fact, Fact]:
     """Return the definitions of the gaps in numbers, which only these need for strokes."""
-    return ("Gap", f"{_GAP} {scatter_words(diagnosis) or _DRAWN}"), ("Expected", _EXPECTED)
+    drawn = "" if diagnosis.errors else _DRAWN  # a single gap has no figure
+    gap = f"{_GAP} {scatter_words(diagnosis) or drawn}".strip()
+    return ("Gap", gap), ("Expected", _EXPECTED)
 
 
 def _not_fitted(diagnosis: Diagnosis) -> str:
