@@ -66,8 +66,15 @@ def test_without_an_effect_the_verdict_is_none_and_both_errors_are_reported(seed
     errors = errors_of(found)
     assert errors["force"].after == errors["force"].refitted < 0.3 * errors["force"].before
     assert errors["position"].after == errors["position"].refitted < errors["position"].before
-    for text in (diagnosis_text(found), diagnosis_page(found, ()), revised_yaml(found)):
+    for text in (diagnosis_text(found), revised_yaml(found)):
         assert "force error is" in text and "position error is" in " ".join(text.split("\n# "))
+    lead = verdict_words(found)
+    assert lead.startswith(
+        "No missing effect is found. With refitted values, the force error falls"
+    )
+    assert "and the open-loop position error falls from" in lead
+    page = diagnosis_page(found, ())
+    assert "force along the motion (N)" in page and "open-loop position (mm)" in page
 
 
 @pytest.mark.parametrize(
@@ -154,6 +161,9 @@ def test_each_step_that_improves_one_error_alone_is_in_the_words(force, position
     assert f"{force[2]:.2f} N with the effects" in words
     assert f"{position[0]:.2f} mm as given" in words
     force_alone = force[2] < force[0] and position[2] >= position[0]
+    lead, change = verdict_words(found), position[2] - position[1]
+    verb = "stays at" if change == 0 else "rises from" if change > 0 else "falls from"
+    assert "With it, the force error " in lead and f"position error {verb}" in lead
     use = "Use the model for forces, not for positions."
     assert (use in verdict_words(found)) == force_alone
 

@@ -53,11 +53,11 @@ def test_friction_that_is_larger_in_one_direction_has_the_direction(named):
         )  # fmt: skip
         return verdict_words(replace(named, effects=(effect,)))
 
-    mean = "than the mean of both directions (test"
+    mean = "than the mean of both directions (both cylinders)"
     assert f"dry friction is larger while extending {mean}" in words(12.0, 8.0)
     assert f"dry friction is larger while retracting {mean}" in words(-12.0, -8.0)
     assert "larger while extending than" in words(12.0, 1.0)  # one of them may be 0
-    assert "dry friction is larger in one direction (test" in words(12.0, -8.0)
+    assert "dry friction is larger in one direction (both" in words(12.0, -8.0)
 
 
 def test_an_effect_with_nothing_to_inspect_has_what_to_do_in_the_verdict(named):
@@ -70,16 +70,18 @@ def test_two_effects_that_are_both_present_are_both_inspected(named):
     line = replace(LEAK, name="tank_back_pressure", inspect="the return line", lookalikes=())
     both = replace(named, effects=(*named.effects, other), practice=(LEAK, line))
     text = ordinary_spaces(verdict_words(both))
-    assert "Inspect first the piston seal and the return line." in text
+    assert "Inspect first the piston seal, then the return line." in text
     assert text.startswith(
         "The model does not contain internal leakage (test cylinder) and tank back pressure (test "
         "cylinder). "
     )
-    # The quantity that both change has its name once.
-    assert "at the working point (up to 0.35 l/min), tank back pressure by −0.180 l/min" in text
+    assert "less oil enters the piston side of the test cylinder (Tp) due to tank back" in text
+    still = replace(line, changes=())
+    brief = verdict_words(replace(both, practice=(LEAK, still)))
+    assert "l/min), and tank back pressure changes nothing. With both" in brief
     more = replace(line, inspect="the return filter, and the bore: its size")
     brief = verdict_words(replace(both, practice=(LEAK, more)))
-    assert "Inspect first the piston seal and the return filter." in brief  # the rest is below
+    assert "Inspect first the piston seal, then the return filter." in brief  # the rest is below
     assert "Inspect the return filter, and the bore: its size." in summary(
         replace(both, practice=(LEAK, more))
     )
@@ -126,7 +128,8 @@ def test_coefficients_that_may_be_0_are_marked(named):
     )
     page = ordinary_spaces(diagnosis_page(replace(named, effects=(heavy,)), ()))
     assert "2.0 ± 4.9 kg (not distinguishable from 0)" in page
-    assert "not distinguishable" not in coefficients_words(heavy, brief=True)
+    lead = ordinary_spaces(verdict_words(replace(named, effects=(heavy,))))
+    assert "oil leaks (load cylinder 16.2 ± 5.2 kg; 95 % interval)." in lead
     assert "5.2 kg (not" not in page
 
 

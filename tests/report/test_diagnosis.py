@@ -510,12 +510,18 @@ def test_a_refused_refit_has_its_reason_and_no_marks_of_its_own(named):
     assert json.loads(diagnosis_json(named))["refit_refused"] is None
 
 
-def test_a_signal_that_the_effects_make_worse_is_named_before_the_figures(named):
+def test_a_single_gap_has_no_figure(named):
+    balances = dict(list(named.gap_heldout.balances.items())[:1])
+    alone = replace(named, gap_heldout=replace(named.gap_heldout, balances=balances))
+    assert "Balances" in gap_figures(named) and "Balances" not in gap_figures(alone)
+
+
+def test_a_signal_that_the_effects_make_worse_is_named_with_the_gaps(named):
     worse = BeforeAfter(5.5, 5.4, 6.7, float("nan"))
     table = replace(named.gap_heldout, signals=named.gap_heldout.signals | {"v": worse})
     page = diagnosis_page(replace(named, gap_heldout=table), ())
     place = page.index("velocity in closed loop (5.40 to 6.70)")
-    assert place < page.index("<h2")
+    assert page.index('<h2 id="the-gap') < place < page.index('<h2 id="the-effects')
     better = replace(worse, after=5.5)
     table = replace(table, signals=table.signals | {"v": better})
     assert "velocity in closed loop" not in diagnosis_page(replace(named, gap_heldout=table), ())

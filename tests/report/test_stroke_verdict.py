@@ -12,7 +12,8 @@ from hbench.records import (
     HeldOutLoad,
 )
 from hbench.report.diagnosis.page import diagnosis_page
-from hbench.report.diagnosis.tables.gap_tables import loads_table
+from hbench.report.diagnosis.tables.effect_tables import effects_table
+from hbench.report.diagnosis.tables.gap_tables import loads_table, where_table
 from hbench.report.diagnosis.text import diagnosis_text, gap_line
 from hbench.report.diagnosis.verdict import verdict_words
 from tests.support.report.spaces import ordinary_spaces
@@ -49,10 +50,8 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     )  # fmt: skip
     page = ordinary_spaces(diagnosis_page(found, ()))
     text = summary(found)
-    assert "friction deviates by 0.72 N (3.6 trial scatters) over all runs" in text
-    assert (
-        "Friction, half the difference of both directions, differs by no more than 0.16 N" in text
-    )
+    assert "friction deviates by 0.72 N (repeated trials scatter by 0.20 N) over all runs" in text
+    assert "Friction differs by no more than 0.16 N from case to case at the working" in text
     assert "measured correctly" not in text
     assert "Each load in turn, predicted with values that were fitted to the other loads" in page
     assert (
@@ -61,13 +60,11 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     assert "Tolerances allow" not in page
     verdict = verdict_words(found)
     assert (
-        "It changes friction in both directions by up to 10 N, and at the working point by 7.80 N. "
+        "At the working point (extending at 80 mm/s), friction is 7.8 N higher in both directions. "
         "A second deviation may be due to direction asymmetry (mean force of both directions "
-        "−3.50 N at the working point) or load cell gain (−3.90 N); these runs cannot distinguish "
-        "them."
+        "−3.5 N) or load cell gain (−3.9 N)."
     ) in ordinary_spaces(verdict)
-    assert "Not explained: friction deviates by 0.72 N (3.6 trial scatters)." in verdict
-    assert "model as given" not in verdict
+    assert "scatter" not in verdict  # of trials: the answers have what is not explained
     assert verdict.endswith("Next, inspect the seal.")
     tests = "inspect part direction_asymmetry or part load_cell_gain"
     assert tests in text and "the sizes" not in verdict
@@ -87,7 +84,7 @@ def test_models_of_strokes_have_their_force_error_at_each_held_out_load(named):
     assert not loads_table(named).rows
     # The root of the mean of 4.52² and 3.60² is 4.1, that of 1.53² and 2.45² is 2.0.
     verdict = ordinary_spaces(verdict_words(strokes))
-    assert "outside the fit falls from 4.1 N (2.5 N as given) to 2.0 N RMS." in verdict
+    assert "at loads outside the fit is 2.0 N RMS, without it 2.5 N." in verdict
     line = (
         "Force error at held-out loads, root mean square: 2.5 N as given, 4.1 N refitted, 2.0 N "
         "with the effects, 0.95 N with the effects and load cell gain."
@@ -97,7 +94,11 @@ def test_models_of_strokes_have_their_force_error_at_each_held_out_load(named):
     assert line in page and '<h2 id="the-force-error-before-and-after">' in page
     assert "At 149 N the mean force of both directions repeats within 0.0066 N, so that" in page
     better = tuple(replace(load, before=9.0) for load in loads)
-    assert "as given" not in verdict_words(replace(strokes, held_out_loads=better))
+    lead = ordinary_spaces(verdict_words(replace(strokes, held_out_loads=better)))
+    assert "is 2.0 N RMS, without it 4.1 N." in lead
+    head = effects_table(strokes).head
+    assert "gap without it" not in head and "gap without it" in effects_table(named).head
+    assert "gap" not in where_table(strokes).head and "gap" in where_table(named).head
     assert "for hbench reconcile." in diagnosis_page(strokes, ())
     assert "for hbench run --plant" in diagnosis_page(named, ())
 

@@ -44,9 +44,20 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     )
     assert "It is not named: its size of 0.22 times a typical one is too small" in text
     assert "Take it as a hint" in text and "chance" not in text
-    line = "Gap of held-out runs: 12.0 as given, 9.50 refitted. A correct model whose values are"
+    line = (
+        "Gap of held-out runs in multiples of the repeatability: 12.0 as given, 9.50 refitted. A "
+        "correct model whose values are"
+    )
     assert line in ordinary_spaces(diagnosis_page(compared, ())) and "9.50" not in text
     assert "more steady runs where the deviation is largest, while retracting, and" in text
+
+
+def test_the_cause_is_narrowed_where_the_deviation_is_largest_and_else_by_what_is_missing(compared):
+    """Missing data may be of another balance."""
+    missing = replace(compared, missing=("one load at two pressures",))
+    assert "measure more steady runs where the deviation is largest" in summary(missing)
+    nowhere = replace(missing, regions=())
+    assert "To narrow the cause, measure one load at two pressures." in summary(nowhere)
 
 
 def test_each_balance_that_no_effect_explains_has_its_parts_to_inspect(compared):
@@ -65,12 +76,12 @@ def test_a_limit_that_two_deviations_share_is_written_once(compared):
     def text(*gaps):
         return ordinary_spaces(verdict_words(replace(compared, rest=gaps)))
 
-    shared = (
-        "40 N RMS; the force of the load cylinder deviates by 20 N RMS (each matters above 12 N)."
-    )
+    shared = "40 N RMS and the force of the load cylinder by 20 N RMS (each matters above 12 N)."
     assert f"the force of the test cylinder deviates by {shared}" in text(first, second)
     own = text(first, replace(second, material=9.0))
-    assert "40 N RMS (matters above 12 N); the force" in own and "20 N RMS (matters above 9" in own
+    assert (
+        "40 N RMS (matters above 12 N) and the force" in own and "20 N RMS (matters above 9" in own
+    )
 
 
 def test_a_place_is_a_stretch_of_its_axis(compared):
@@ -127,7 +138,7 @@ def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first
             Region("direction", way, NAN, NAN, 9, {"flow_tr": gap}) for way, gap in gaps.items()
         )
         gap = replace(compared.where[0], name="flow_tr")
-        return verdict_words(replace(compared, where=(gap,), rest=(gap,), regions=regions))
+        return summary(replace(compared, where=(gap,), rest=(gap,), regions=regions))
 
     begin = (
         "Begin with the valve's edge to tank: over all runs the gap is 17.8 there and 8.6 at that"
@@ -153,8 +164,8 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "mass and rest time (not tried): these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
-    lead = "repair anything. They would not show added mass and rest time (not tried) at a"
-    assert f"no reason to inspect or to {lead} typical size." in verdict_words(none)
+    lead = "repair anything. They would not show 2 of 3 known effects at a typical size."
+    assert f"no reason to inspect or to {lead}" in verdict_words(none)
     many = replace(none, not_tried={f"effect_{i}": "no breakaway" for i in range(6)})
     assert "would not show 7 of 8 known effects at a typical size." in verdict_words(many)
     assert next(iter(answers(compared)))[0] == "What to do"  # before the evidence
@@ -177,10 +188,10 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     close, off = BeforeAfter(12.0, 1.25, 1.25, 1.2), BeforeAfter(12.0, 1.7, 1.7, 1.2)
     text = verdict(off, gap=1.9, deviation=19.0, p_value=0.008)
     assert "agrees" not in text
-    assert "by 1.70 times the repeatability of the bench, a correct one by 1.20 on average" in text
-    assert "The force of the test cylinder deviates by 19 N RMS (matters above 12 N). That" in text
-    small = "That is significant, but below the limit for an unknown effect: a small one is"
-    assert f"12 N). {small}" in text and "trial scatters" not in text
+    assert "by 1.70 times the repeatability, a correct one by 1.20 on average; no" in text
+    largest = "The largest deviation, 19 N RMS in the force of the test cylinder (matters above"
+    small = "is significant, but below the limit for an unknown effect: a small one is possible."
+    assert f"{largest} 12 N), {small}" in text and "trial scatters" not in text
     assert "and its gap is more than 2 trial scatters." in diagnosis_page(compared, ())
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)

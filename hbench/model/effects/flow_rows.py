@@ -232,7 +232,7 @@ ROWS = {
                 "hold", "closed valves: a leak changes the pressures over time, an offset does not"
             ),
         },
-        inspect="the rod seal, the fittings and the valve's ports of that chamber for oil",
+        inspect="that chamber for leaking oil: rod seal, fittings and the valve's ports",
         repair="Replace the rod seal, or tighten the fitting.",
         source="Merritt (1967), section 6.1",
     ),

@@ -173,7 +173,7 @@ ROWS = {
         source="laminar gap of a cushion spear",
     ),
     "added_mass": Effect(
-        description="the moving masses are larger",
+        description="more mass moves than in the model",
         coefficients={
             "test": Coefficient("kg", 20, 0, 500),
             "load": Coefficient("kg", 20, 0, 500),
@@ -184,7 +184,7 @@ ROWS = {
         states=1,
         law="force m dw/dt, lag dw/dt = v - w, m = test or load",
         signals="Forces while the speed changes; nothing at constant speed.",
-        inspect="the masses of rod, coupling, load cell and oil columns by weighing",
+        inspect="the moving masses by weighing: rod, coupling, load cell and oil columns",
         repair="Enter the weighed masses in the bench file.",
         source="Newton's law, on a mount that yields over the lag",
     ),

@@ -111,16 +111,16 @@ class ExperimentLibrary:
             hidden -= seen
         if not chosen:
             return Proposal(None, None, notes)
-        each = [f"the {described(one)} show {listed(names)}" for one, names in chosen]
-        never = [name for name in effects if name in hidden]
+        added = listed([described(one) for one, _ in chosen])
+        shown_then = [name for name in effects if any(name in names for _, names in chosen)]
         words = (
-            f"{self._added()} runs that by simulation would show more effects at a typical size: "
-            f"{'; '.join(each)}."
+            f"{self._added()} {added}. By simulation they would show {listed(shown_then)} at a "
+            f"typical size. {self._command()}"
         )
-        if never:
+        if never := [name for name in effects if name in hidden]:
             words += f" No single experiment of {_LIBRARY} shows {listed(never)}."
         schedule = self._schedule("Show more effects", [one for one, _ in chosen])
-        return Proposal(f"{words} {self._command()}", schedule, notes)
+        return Proposal(words, schedule, notes)
 
     def _simulated(
         self, at: Hypothesis

@@ -74,7 +74,8 @@ def zero_check(diagnosis: Diagnosis) -> list[str]:
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
     inspect = [effect.inspect for effect in chosen if readings_words(effect) and effect.inspect]
     return [
-        f"Next step: a zero check with the supply off. Read {listed(inspect)}.",
+        "Next step: a zero check with the supply off.",
+        f"Read {listed(inspect)}.",
         "Zero the sensor that is off, or enter its offset in the bench file, and measure again.",
         _ZEROS,
     ]
@@ -160,14 +161,14 @@ def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     ]
     if effects and not matters:
         return _TOO_SMALL
-    parts = _inspections(diagnosis, matters)
-    if len(parts) > 1:  # the others, and how, are in the answers
-        first = [re.split(r"[:,]", part)[0] for part in parts]
-        return f"Inspect first {listed(first)}."
-    inspect = "".join(parts)
-    if inspect:
-        return f"Next, inspect {inspect}."
+    if parts := _first_parts(_inspections(diagnosis, matters)):
+        return f"{'Inspect first' if parts[1:] else 'Next, inspect'} {', then '.join(parts)}."
     return " ".join(practice[each.name].repair for each in matters if each.name in practice)
+
+
+def _first_parts(inspections: Sequence[str]) -> list[str]:
+    """Return what to inspect first for each effect; the rest, and how, is in the answers."""
+    return [re.split(r"[:,]", words)[0] for words in inspections]
 
 
 def first_step(diagnosis: Diagnosis) -> str:
@@ -205,18 +206,19 @@ def _joined(parts: Sequence[str], word: str) -> str:
 
 def next_step(diagnosis: Diagnosis) -> str:
     """Return the sentence of the verdict on what to do next; empty where nothing is missing."""
-    inspect = _either(_inspections(diagnosis, diagnosis.alternatives))
     if diagnosis.alternatives:
         if diagnosis.next_schedule:
             return "Next step: measure next.yaml; the command is below."
         if check := zero_check(diagnosis):
             return check[0]
         kinds = dict.fromkeys(_runs(other) for _, other in _separable_pairs(diagnosis))
-        runs = f"measure {listed(list(kinds))}, which separate them" if kinds else ""
-        steps = ", or ".join(filter(None, (runs, f"inspect {inspect}" if inspect else "")))
+        inspect = _either(_first_parts(_inspections(diagnosis, diagnosis.alternatives)))
+        step = f"inspect {inspect}" if inspect else ""
+        if kinds:  # what to inspect is in the answers
+            step = f"measure {listed(list(kinds))}, which separate them"
         first = first_step(diagnosis)
         begin = f"{first} To separate the possible causes" if first else "Next"
-        return f"{begin}, {steps}." if steps else first
+        return f"{begin}, {step}." if step else first
     if diagnosis.effects:
         return first_step(diagnosis)
     if diagnosis.verdict == "unknown" and diagnosis.where:
@@ -233,7 +235,6 @@ def _where_to_look(diagnosis: Diagnosis) -> str:
     words = (
         "" if beyond_balances(diagnosis) else worst_region(diagnosis, name),
         f"Next, inspect {inspect}.",
-        first_edge(diagnosis, name),
     )
     return " ".join(filter(None, words))
 

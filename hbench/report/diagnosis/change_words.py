@@ -67,8 +67,12 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     if of_strokes(diagnosis):
         return _friction_of_strokes(chosen)
     parts, errors = [], []
-    for effect in chosen:
-        change = next((c for c in effect.changes if c.quantity == TEST_FRICTION), None)
+    frictions = [
+        next((c for c in effect.changes if c.quantity == TEST_FRICTION), None) for effect in chosen
+    ]
+    if not (brief or any(frictions)):
+        return ""
+    for effect, change in zip(chosen, frictions, strict=True):
         if change is None:
             words = "is measured correctly, and none of it is due to this effect"
         elif wrong_readings(effect):
@@ -97,11 +101,10 @@ def second_deviation(diagnosis: Diagnosis) -> str:
         effect, size = practice.get(candidate.name), ""
         for change in main_changes(effect)[-1:] if effect else ():
             changed = "" if change.quantity == before else f"{quantity(change.quantity)} "
-            place = "" if before else " at the working point"
-            size, before = f" ({changed}{interval(change)}{place})", change.quantity
+            size, before = f" ({changed}{rounded(change, change.at_point)})", change.quantity
         parts.append(f"{in_words(candidate.name)}{size}")
     causes = " or ".join(parts)
-    return f"A second deviation may be due to {causes}; these runs cannot distinguish them."
+    return f"A second deviation may be due to {causes}."
 
 
 def readings_words(effect: EffectInPractice) -> str:
@@ -146,10 +149,7 @@ def _friction_of_strokes(effects: Sequence[EffectInPractice]) -> str:
         for effect in effects
     ]
     differ = significant(max(bands) - min(bands), 2)
-    return (
-        "Friction, half the difference of both directions, differs by no more than "
-        f"{differ} N from case to case at the working point."
-    )
+    return f"Friction differs by no more than {differ} N from case to case at the working point."
 
 
 def wrong_readings(effect: EffectInPractice) -> int:
@@ -168,9 +168,13 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
     return chosen
 
 
-def phrase(change: Change, direction: str, readings: int = 0) -> str:
-    """Return a change at the working point as a clause; of ``readings`` that are wrong, if any."""
-    more, size, name = change.at_point > 0, _size(change), change.quantity
+def phrase(change: Change, direction: str, readings: int = 0, *, brief: bool = False) -> str:
+    """Return a change at the working point as a clause; of ``readings`` that are wrong, if any.
+
+    In brief, without its interval.
+    """
+    more, name = change.at_point > 0, change.quantity
+    size = rounded(change, abs(change.at_point)) if brief else _size(change)
     way = "higher" if more else "lower"
     if name in READINGS:
         symbol = PRESSURE_SYMBOLS.get(name)
@@ -201,6 +205,11 @@ def interval(change: Change) -> str:
         return f"0 {change.unit}"
     text = parameter_text(FitParameter(change.at_point, None, change.ci95, None, change.unit))
     return text.removesuffix(" (not determined)")
+
+
+def rounded(change: Change, value: float) -> str:
+    """Write a value of a change with two digits and its unit."""
+    return f"{significant(value, 2)} {change.unit}"
 
 
 def _size(change: Change) -> str:
@@ -238,45 +247,8 @@ def largest_words(effect: EffectInPractice) -> str:
     """Return the largest changes over all measured motion, as objects of a sentence."""
     things: dict[str, list[str]] = {}  # by their common size
     for thing, change in _consequences(effect):
-        size = f"{significant(change.largest, 2)} {change.unit}"
-        things.setdefault(size, []).append(thing)
+        things.setdefault(rounded(change, change.largest), []).append(thing)
     return listed([f"{listed(each)} by up to {size}" for size, each in things.items()])
-
-
-def steady_words(effect: EffectInPractice) -> str:
-    """Return the changes of the quantities of ``largest_words`` at the working point."""
-    changes = [change for _, change in _consequences(effect)]
-    if not any(map(_at_the_point, changes)):
-        return "but nothing in steady motion at the working point"
-    return f"and at the working point by {listed([_at_point(change) for change in changes])}"
-
-
-def each_change(effects: Sequence[EffectInPractice]) -> str:
-    """Return what each of several effects changes first, as one sentence; empty without any.
-
-    A quantity that the effect before changes too is not repeated.
-    """
-    parts: list[str] = []
-    before = ""
-    for effect in effects:
-        thing, change = next(iter(_along(effect)), ("", None))
-        if change is None:
-            continue
-        verb, place = ("", "") if parts else ("changes ", " at the working point")
-        thing = in_sentence(change.quantity) if change.quantity in BALANCE_NAMES else thing
-        changed = "" if thing == before else f"{thing} "
-        largest = f"up to {significant(change.largest, 2)} {change.unit}"
-        name = in_words(effect.name)
-        words = f"{verb}{changed}by {_at_point(change)}{place} ({largest})"
-        parts.append(f"{name if parts else capital(name)} {words}")
-        before = thing
-    return f"{', '.join(parts)}." if parts else ""
-
-
-def _at_point(change: Change) -> str:
-    """Return a change at the working point with the digits of its interval, and without it."""
-    value = interval(change).split()[0] if _at_the_point(change) else "0"
-    return f"{value} {change.unit}"
 
 
 def _at_the_point(change: Change) -> bool:

@@ -45,19 +45,15 @@ def effect_words(effect: AddedEffect) -> str:
     return f"{effect.name} ({coefficients_words(effect)})"
 
 
-def coefficients_words(effect: AddedEffect, *, brief: bool = False) -> str:
-    """Return an effect's coefficients with their intervals; see ``effect_words``.
-
-    In brief, those that may be 0 are left out where others are not.
-    """
+def coefficients_words(effect: AddedEffect) -> str:
+    """Return an effect's coefficients with their intervals; see ``effect_words``."""
     free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
     chosen = free or effect.parameters
     zero = [name for name, p in chosen.items() if _contains_zero(p)]
     texts = {name: f"{coefficient_words(name)} {_size_text(effect, name)}" for name in chosen}
     known = [text for name, text in texts.items() if name not in zero]
     words = ("; " if any(", " in text for text in known) else ", ").join(known)
-    left_out = not zero or (brief and known)
-    unknown = "" if left_out else f"{_ZERO}: {', '.join(texts[name] for name in zero)}"
+    unknown = f"{_ZERO}: {', '.join(texts[name] for name in zero)}" if zero else ""
     return "; ".join(filter(None, (words, unknown)))
 
 
@@ -70,6 +66,19 @@ def description_words(effect: AddedEffect) -> str:
     way = "extending" if ways.pop() else "retracting"
     mean = "than the mean of both directions"
     return effect.description.replace("in one direction", f"while {way} {mean}")
+
+
+def only_coefficient(effect: AddedEffect) -> str:
+    """Return the only coefficient that is not 0, with its interval; empty where there are more.
+
+    Only a part of the bench is named with it.
+    """
+    free = [name for name, p in effect.parameters.items() if not p.at_bound]
+    known = [name for name in free if not _contains_zero(effect.parameters[name])] or free
+    if len(known) != 1:
+        return ""
+    part = _COEFFICIENTS.get(known[0], "")
+    return f"{part} {_size_text(effect, known[0])}".strip()
 
 
 def parts_present(effect: AddedEffect) -> list[str]:

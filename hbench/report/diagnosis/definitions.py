@@ -115,7 +115,7 @@ _ALL_RUNS = (
 _STRUCTURED = ("Structured", "Part of the gap beyond the repeatability of the trials: √(gap² − 1).")
 _P = (
     "p (Holm)",
-    "Probability of such a gap for a correct model, corrected after Holm for the number of "
+    "Probability of such a deviation for a correct model, corrected after Holm for the number of "
     "balances. It is computed from 999 random draws, so the smallest possible value is 0.001 times "
     "this number.",
 )
@@ -131,9 +131,7 @@ _DEVIATION = (
 )
 _SCATTER_OF_STROKES = (
     "Trial scatter",
-    "Root mean square over the loads. In a gap the residual at each load counts in the scatter of "
-    "that load, so a load with a small scatter can make it larger than deviation by trial scatter: "
-    "judge by the deviation.",
+    "Root mean square over the loads.",
 )
 _DEVIATION_OF_STROKES = (
     "Deviation",
@@ -169,14 +167,24 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     """Return the definitions of the section on the gap of held-out runs."""
     strokes = of_strokes(diagnosis)
     held_out = _LEAVE_ONE_OUT if strokes else _not_fitted(diagnosis)
-    return (
-        ("Gap", f"{_GAP} {scatter_words(diagnosis) or _DRAWN}"),
+    gap, expected = of_numbers(diagnosis)
+    every = (
+        gap,
         ("Balances", _MOTION if diagnosis.errors else _STROKES if strokes else _BALANCES),
         *([("Signals", _SIGNALS)] if diagnosis.gap_heldout.signals else []),
         *([] if diagnosis.refit_refused else [("Refitted", _REFITTED_STAGE)]),
-        ("Expected", _EXPECTED),
+        expected,
         ("Held-out runs", held_out),
     )
+    elsewhere = (gap, expected) if diagnosis.held_out_loads else ()
+    return tuple(fact for fact in every if fact not in elsewhere)
+
+
+def of_numbers(diagnosis: Diagnosis) -> tuple[Fact, Fact]:
+    """Return the definitions of the gaps in numbers, which only these need for strokes."""
+    drawn = "" if diagnosis.errors else _DRAWN  # a single gap has no figure
+    gap = f"{_GAP} {scatter_words(diagnosis) or drawn}".strip()
+    return ("Gap", gap), ("Expected", _EXPECTED)
 
 
 def _not_fitted(diagnosis: Diagnosis) -> str:
@@ -186,7 +194,7 @@ def _not_fitted(diagnosis: Diagnosis) -> str:
 def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     """Return the definitions of the section on where the model disagrees."""
     if of_strokes(diagnosis):
-        return _ALL_RUNS, _STRUCTURED, _P, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
+        return _P, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
     p_value = _P_OF_MOTION if diagnosis.errors else _P
     edges = (_EDGE,) if any(gap.name in EDGES for gap in diagnosis.where) else ()
     return _ALL_RUNS, _STRUCTURED, p_value, _DEVIATION, _ALLOWED, _UNEXPLAINED, *edges

@@ -41,12 +41,16 @@ def deviations(gaps: Sequence[Gap]) -> str:
         elif isfinite(gap.material):
             size = f"{deviation_and_limit(gap)[0]} RMS (matters above {limit})"
         elif isfinite(gap.deviation):
-            size = f"{in_unit(gap, gap.deviation)} RMS ({size})"
+            size = f"{in_unit(gap, gap.deviation)} RMS{_repeats(gap)}"
         elif isfinite(gap.scatter):
-            size = f"{in_unit(gap, gap.gap * gap.scatter)} ({size})"
-        parts.append(f"{in_sentence(gap.name)} deviates by {size}")
+            size = f"{in_unit(gap, gap.gap * gap.scatter)}{_repeats(gap)}"
+        parts.append(f"{in_sentence(gap.name)}{'' if parts else ' deviates'} by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
-    return f"{'; '.join(parts)}{more}"
+    return f"{' and '.join(parts)}{more}"
+
+
+def _repeats(gap: Gap) -> str:
+    return f" (repeated trials scatter by {in_unit(gap, gap.scatter)})"
 
 
 def as_expected(diagnosis: Diagnosis) -> list[Gap]:
@@ -87,20 +91,11 @@ def _beyond_expected(diagnosis: Diagnosis, gap: Gap) -> float:
     return sqrt(max(held_out.after**2 - held_out.floor**2, 0.0)) * gap.scatter
 
 
-def expected_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
-    """Return the unexplained gaps that a correct model has too; empty without any.
-
-    In brief, without their sizes.
-    """
+def expected_words(diagnosis: Diagnosis) -> str:
+    """Return the unexplained gaps that a correct model has too; empty without any."""
     gaps = as_expected(diagnosis)
     if not gaps:
         return ""
-    if brief:
-        names = listed([in_sentence(gap.name) for gap in gaps[:_FEW]])
-        return (
-            f"The remaining deviation of {names} is mostly due to the uncertainty of the model's "
-            "values."
-        )
     beyond = listed([in_unit(gap, _beyond_expected(diagnosis, gap)) for gap in gaps[:_FEW]])
     return (
         "The remaining deviation is mostly due to the uncertainty of the model's values: "

@@ -5,7 +5,7 @@ from itertools import pairwise
 from math import sqrt
 
 from hbench.records import Diagnosis, HeldOutError
-from hbench.report.diagnosis.names import also_words, in_sentence, steps_of
+from hbench.report.diagnosis.names import added_words, also_words, in_sentence, steps_of
 from hbench.report.render.numbers import number, significant
 from hbench.report.render.symbols import listed
 
@@ -32,6 +32,30 @@ def errors_in_words(diagnosis: Diagnosis) -> str:
         for error in diagnosis.errors
     ]
     return f"In held-out runs {'; '.join(parts)}." if parts else ""
+
+
+def change_of_errors(diagnosis: Diagnosis) -> str:
+    """Return how the last step from model to model changes both errors; empty without any.
+
+    The errors of every model are in a table.
+    """
+    steps = list(steps_of(diagnosis, of_balances=False))
+    if len(steps) < 2:
+        return errors_in_words(diagnosis)
+    parts, verbs = [], set()
+    for error in diagnosis.errors:
+        before, after = (getattr(error, step) for step in steps[-2:])
+        start, end = significant(before, 3), significant(after, 3)
+        verb = "rises" if after > before else "falls"
+        change = f"stays at {end}" if start == end else f"{verb} from {start} to {end}"
+        parts.append(f"the {_TEXTS[error.quantity]} {change} {error.unit}")
+        verbs.add(change.split()[0])
+    added = added_words(diagnosis)
+    model = f"the {added}" if added else "refitted values"
+    if added and len(diagnosis.confirmed) == 1 and not diagnosis.unnamed:
+        model = "it"
+    join = ", but " if len(verbs) > 1 else " and "
+    return f"With {model}, {join.join(parts)} in runs outside the fit." if parts else ""
 
 
 def use_words(diagnosis: Diagnosis) -> str:

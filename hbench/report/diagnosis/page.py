@@ -52,7 +52,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
         facts=(*_answers(diagnosis, OF_GAPS), *definitions.of_gaps(diagnosis)),
         parts=(
-            *_numbers("Gaps of held-out runs in numbers", *_held_out_tables(diagnosis)),
+            *_held_out_part(diagnosis),
             *_run_part(diagnosis),
             *_numbers("Gaps of the runs that the model was fitted to", *_train_tables(diagnosis)),
         ),
@@ -186,8 +186,11 @@ def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
     return Section("Residuals of one balance", first, drawings=drawings[:1], parts=parts)
 
 
-def _held_out_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    return gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+def _held_out_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
+    tables = gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+    facts = definitions.of_numbers(diagnosis) if diagnosis.held_out_loads else ()
+    parts = _numbers("Gaps of held-out runs in numbers", *tables)
+    return tuple(replace(part, facts=facts) for part in parts)
 
 
 def _train_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:

@@ -5,7 +5,13 @@ from math import isfinite
 from typing import NamedTuple
 
 from hbench.records import Change, Diagnosis, EffectInPractice, WorkingPoint
-from hbench.report.diagnosis.change_words import main_changes, phrase, wrong_readings
+from hbench.report.diagnosis.change_words import (
+    largest_words,
+    main_changes,
+    phrase,
+    rounded,
+    wrong_readings,
+)
 from hbench.report.diagnosis.names import (
     AXES,
     EDGES,
@@ -13,6 +19,8 @@ from hbench.report.diagnosis.names import (
     compared_model,
     in_sentence,
     in_unit,
+    in_words,
+    of_strokes,
     residual_name,
     shown,
 )
@@ -22,6 +30,7 @@ from hbench.report.render.symbols import capital, listed
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, or places, in a sentence
 _OF_PLACE = ("position_friction", "end_cushion")
+AT_POINT = "At the working point,"  # which is described elsewhere
 _OF_CHANGES = "only while speed or pressure changes."
 _WAYS = {"extend": "extending", "retract": "retracting", "rest": "at rest"}
 
@@ -30,7 +39,7 @@ def where_words(point: WorkingPoint | None) -> str:
     """Return the working point, medians of the campaign, as the beginning of a sentence."""
     if point is None:
         return "In these runs,"
-    motion = f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
+    motion = _motion(point)
     if isfinite(point.f_applied_n):
         motion += f", load cell {short(point.f_applied_n)} N"
     pressures = {
@@ -40,6 +49,10 @@ def where_words(point: WorkingPoint | None) -> str:
     }
     parts = [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
     return f"At the median working point ({', '.join((motion, *parts))}),"
+
+
+def _motion(point: WorkingPoint) -> str:
+    return f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
 
 
 def at_point_words(
@@ -59,12 +72,59 @@ def at_point_words(
     return f"{where_words(point)} {listed(clauses)}."
 
 
+def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
+    """Return the first changes by an effect at the working point, and how large they become.
+
+    The intervals are in the answers and the tables.
+    """
+    point, changes = diagnosis.working_point, main_changes(effect)[:_FEW]
+    if point is None or not changes:
+        nowhere = "" if point is None else ", but nothing in steady motion at the working point"
+        return f"It changes {largest_words(effect)}{extent_words(diagnosis)}{nowhere}."
+    clauses = change_clauses(effect, changes, point, brief=True)
+    here = {rounded(change, abs(change.at_point)) for change in changes}
+    most = dict.fromkeys(rounded(change, change.largest) for change in changes if change.largest)
+    beyond = ""
+    in_proportion = of_strokes(diagnosis) or wrong_readings(effect)  # to what the finding has
+    if not (in_proportion or here.issuperset(most)):
+        beyond = f"; in 95 % of the motion up to {listed(list(most))}"
+    return f"At the working point ({_motion(point)}), {listed(clauses)}{beyond}."
+
+
+def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
+    """Return the first change by each of several effects at the working point, in one sentence."""
+    point = diagnosis.working_point
+    if point is None:
+        return ""
+    parts, still = [], []
+    alone = sum(not wrong_readings(effect) for effect in effects) == 1
+    for effect in effects:
+        changes, computed = main_changes(effect)[:1], wrong_readings(effect)
+        clauses = change_clauses(effect, changes, point, brief=True)
+        due = "" if alone or computed else f" due to {in_words(effect.name)}"
+        most = [
+            rounded(change, change.largest)
+            for change in changes
+            if rounded(change, change.largest) != rounded(change, abs(change.at_point))
+        ]
+        beyond = f" (elsewhere up to {listed(most)})" if most and not computed else ""
+        parts += [f"{clause}{due}{beyond}" for clause in clauses]
+        still += [] if clauses else [in_words(effect.name)]
+    parts += [f"{listed(still)} changes nothing"] if still else []
+    return f"{AT_POINT} {', and '.join(parts)}."
+
+
+def extent_words(diagnosis: Diagnosis) -> str:
+    """Return which part of the motion the largest changes are those of."""
+    return "" if of_strokes(diagnosis) else " (in 95 % of the motion)"
+
+
 def change_clauses(
-    effect: EffectInPractice, changes: Sequence[Change], point: WorkingPoint
+    effect: EffectInPractice, changes: Sequence[Change], point: WorkingPoint, *, brief: bool = False
 ) -> list[str]:
     """Return changes of an effect at the working point, a clause each."""
     readings = wrong_readings(effect)
-    return [phrase(change, point.direction, readings) for change in changes]
+    return [phrase(change, point.direction, readings, brief=brief) for change in changes]
 
 
 def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:

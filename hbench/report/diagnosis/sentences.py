@@ -73,6 +73,15 @@ def favoured(effect: AddedEffect) -> str:
     )
 
 
+def least_odds(effects: Sequence[AddedEffect]) -> str:
+    """Return by which odds at least the runs of the fit favour several effects over others."""
+    margins = [effect.runner_up.margin for effect in effects if effect.runner_up]
+    known = [margin for margin in margins if isfinite(margin)]
+    if not known:
+        return ""
+    return f"Each is favoured by {_ratio(min(known))}."
+
+
 def ruled_out_words(diagnosis: Diagnosis) -> str:
     """Return which candidates explain enough and are ruled out by other data; empty for none."""
     return " ".join(

@@ -15,6 +15,7 @@ from hbench.records import (
 from hbench.report.diagnosis.action_words import (
     advice,
     confirmation,
+    first_edge,
     inspection,
     next_step,
     other_inspections,
@@ -29,7 +30,11 @@ from hbench.report.diagnosis.change_words import (
     friction_words,
     main_changes,
 )
-from hbench.report.diagnosis.coefficient_words import coefficients_words, description_words
+from hbench.report.diagnosis.coefficient_words import (
+    coefficients_words,
+    description_words,
+    only_coefficient,
+)
 from hbench.report.diagnosis.deviation_words import (
     deviations,
     expected_gaps,
@@ -48,6 +53,7 @@ from hbench.report.diagnosis.error_words import drift_words, one_sided_words
 from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
 from hbench.report.diagnosis.place_words import (
+    AT_POINT,
     at_point_words,
     change_clauses,
     residual_words,
@@ -71,7 +77,6 @@ from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 
-_AGAIN = "At the working point,"  # which is described before
 _SIZE, _SENSORS = "Size", "Several sensors"
 _RESIDUALS, _FRICTION = "Residuals", "Friction"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
@@ -84,17 +89,14 @@ _MEANWHILE = (
     "measured range."
 )
 _IF_PRESENT = "The sizes that follow apply only if {name} is present."
-_NO_GAIN = (
-    "The effect is named by its score in the cross-validation over the runs of the fit. Held-out "
-    "runs do not confirm it, so model.yaml and all gaps below are those of the model without it."
-)
+_NO_GAIN = "So model.yaml and all gaps below are those of the model without it."
 _EXPECTED, _READINGS = "Expected deviations", "Expected readings"
 _UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
 _CLOSEST, _SCORES, _DETECTABLE = "Closest known effect", "Scores", "What these runs can show"
 _WORSE, _REMAINDER = "What gets worse", "Remaining gap"
 _MOTION, _SIMULATION = "Force and motion", "Simulation"
 # Answers on the method, by the section of the page that they belong to.
-OF_GAPS = (_REMAINDER, _EXPECTED, _MOTION, _SIMULATION)
+OF_GAPS = (_WORSE, _REMAINDER, _EXPECTED, _MOTION, _SIMULATION)
 OF_CANDIDATES = (_CLOSEST, _SCORES, _DETECTABLE)
 OF_REFIT = (_REFIT,)
 
@@ -104,7 +106,7 @@ def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
     where, described, texts = where_words(diagnosis.working_point), False, dict[str, str]()
     for question, sentence in _answers(diagnosis):
         if described:
-            sentence = sentence.replace(where, _AGAIN)
+            sentence = sentence.replace(where, AT_POINT)
         described = described or where in sentence
         if sentence:
             texts[question] = " ".join(filter(None, (texts.get(question), sentence)))
@@ -116,7 +118,7 @@ def short_summary(diagnosis: Diagnosis) -> str:
     text = " ".join(filter(None, _short_sentences(diagnosis)))
     where = where_words(diagnosis.working_point)
     before, found, after = text.partition(where)
-    return before + found + after.replace(where, _AGAIN)
+    return before + found + after.replace(where, AT_POINT)
 
 
 def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
@@ -176,8 +178,8 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         yield _ambiguous_sizes(diagnosis, brief=True)
         yield friction_words(diagnosis)
         if readings := zero_readings(diagnosis):
-            first, *then = zero_check(diagnosis)
-            yield from (first, f"{_READINGS}: {readings}", *then)
+            step, read, *then = zero_check(diagnosis)
+            yield from (step, read, f"{_READINGS}: {readings}", *then)
         else:
             yield from separation(diagnosis)
     elif not diagnosis.effects:
@@ -202,20 +204,22 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     several = len(diagnosis.confirmed) > 1 and effect.confirmed
     if several:
         yield _SIZE, f"{capital(description_words(effect))}."
-        yield _SIZE, f"Coefficients with 95 % intervals: {coefficients_words(effect)}."
     if practice:
         yield _SIZE, _condition(effect)
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
+    if several or not only_coefficient(effect):
+        yield _SIZE, f"Coefficients with 95 % intervals: {coefficients_words(effect)}."
+    if practice:
         yield _SENSORS, common_error(practice)
-    yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
     yield _EVIDENCE, odds_words(effect)
+    yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
     if several:
         yield _EVIDENCE, gap_change(effect)
     yield _EVIDENCE, ruled_out_words(diagnosis)
     if len(diagnosis.effects) > 1 or not effect.confirmed:
         yield _ACTION, _what_to_do(diagnosis, effect)
     elif practice and inspection(diagnosis, practice) and not too_small_words(diagnosis, practice):
-        yield "Repair", practice.repair  # the first paragraph has what to inspect
+        yield _ACTION, advice(diagnosis, practice)
 
 
 def _condition(effect: AddedEffect) -> str:
@@ -236,13 +240,12 @@ def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _SIZE, _ambiguous_sizes(diagnosis)
-    if of_strokes(diagnosis):
-        yield _SIZE, undecided_words(diagnosis)
+    yield _SIZE, undecided_words(diagnosis)
     practice = {effect.name: effect for effect in diagnosis.practice}
     for candidate in diagnosis.alternatives:
         if candidate.name in practice:
             yield _SENSORS, common_error(practice[candidate.name])
-    yield _FRICTION, friction_words(diagnosis)
+    yield _SIZE if of_strokes(diagnosis) else _FRICTION, friction_words(diagnosis)
     for sentence in zero_check(diagnosis) or separation(diagnosis):
         yield _ACTION, sentence
     yield _READINGS, capital(zero_readings(diagnosis))
@@ -273,6 +276,7 @@ def _only_in_size(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
+    yield _ACTION, first_edge(diagnosis, gaps[0].name)
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
@@ -289,11 +293,14 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
 
 
 def _narrowing(diagnosis: Diagnosis, name: str) -> str:
-    """Return which measurement narrows the cause of a balance's residual."""
-    if diagnosis.missing:
-        return diagnosis.missing[0]
+    """Return which measurement narrows the cause of a balance's residual.
+
+    Where no place stands out, one that is missing for a better verdict.
+    """
     places = worst_places(diagnosis, name)
     set_by_run = [place for place in places if place.axis != "time in the run"]
+    if diagnosis.missing and not set_by_run:
+        return diagnosis.missing[0]
     where = "".join(f" where the deviation is largest, {place.words}," for place in set_by_run[:1])
     return f"more steady runs{where} and vary speed, load and pressure one at a time"
 

@@ -37,16 +37,12 @@ from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
 from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
 
-_UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability of the bench."
-
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    in_scatters = diagnosis.gap_heldout.balances and not diagnosis.held_out_loads
-    unit = _UNIT_OF_GAP if in_scatters else ""
     blocks = [
         f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}",
-        f"{gap_line(diagnosis)} {unit}".strip(),
+        gap_line(diagnosis),
     ]
     errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
     blocks += (
@@ -68,7 +64,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """Return the verdict in one sentence, with the effects' coefficients or the set."""
     effects = "; ".join(map(_finding, diagnosis.effects))
-    names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
+    names = listed([candidate.name for candidate in diagnosis.alternatives], "or")
     if diagnosis.verdict == "named":
         also = f" Also {names}; these data cannot distinguish them." if names else ""
         gaps = not_expected(diagnosis)
@@ -91,9 +87,9 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if not agrees(diagnosis):
         total = diagnosis.gap_heldout.total
         finding = (
-            f"{refitted}the model deviates from held-out runs by {gap_number(total.refitted)} "
-            f"times the repeatability of the bench, a correct one by {gap_number(total.floor)} on "
-            "average. No known effect explains the difference"
+            f"{refitted}the model deviates from runs outside the fit by "
+            f"{gap_number(total.refitted)} times the repeatability, a correct one by "
+            f"{gap_number(total.floor)} on average; no known effect explains the difference"
         )
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
         return f"none: in the balances that these channels determine, {finding}."
@@ -126,8 +122,9 @@ def gap_line(diagnosis: Diagnosis) -> str:
     remark = " The refit increases it." if worse else ""
     every = ", all balances" if len(diagnosis.gap_heldout.balances) > 1 else ""
     words = (
-        f"Gap of held-out runs{every}: {steps}.{remark} A correct model whose values are as "
-        f"uncertain would have {gap_number(total.floor)} on average.",
+        f"Gap of held-out runs in multiples of the repeatability{every}: {steps}.{remark} A "
+        "correct model whose values are as uncertain would have "
+        f"{gap_number(total.floor)} on average.",
         _most_in(diagnosis),
     )
     return " ".join(filter(None, words))

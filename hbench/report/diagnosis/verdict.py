@@ -10,33 +10,28 @@ from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.diagnosis.action_words import first_step, next_step
 from hbench.report.diagnosis.change_words import (
-    each_change,
     friction_words,
     largest_words,
     main_changes,
     second_deviation,
-    steady_words,
     wrong_readings,
 )
 from hbench.report.diagnosis.coefficient_words import (
     coefficient_words,
-    coefficients_words,
     description_words,
+    only_coefficient,
     parts_present,
 )
 from hbench.report.diagnosis.deviation_words import (
     beyond_balances,
     deviations,
     exceeding,
-    expected_words,
-    increased,
     largest_deviation,
     not_expected,
     probability,
     too_small_words,
-    undecided_words,
 )
-from hbench.report.diagnosis.error_words import errors_in_words, load_errors, use_words
+from hbench.report.diagnosis.error_words import change_of_errors, load_errors, use_words
 from hbench.report.diagnosis.names import (
     deviation_and_limit,
     gap_number,
@@ -45,8 +40,8 @@ from hbench.report.diagnosis.names import (
     keys_in_words,
     of_strokes,
 )
-from hbench.report.diagnosis.place_words import change_clauses
-from hbench.report.diagnosis.sentences import favoured
+from hbench.report.diagnosis.place_words import change_clauses, each_size, extent_words, size_words
+from hbench.report.diagnosis.sentences import favoured, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.render.symbols import capital, listed
@@ -67,18 +62,15 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
         if not (several and effect.confirmed):
             yield _effect(diagnosis, effect)
     if diagnosis.errors:
-        yield errors_in_words(diagnosis)
+        yield change_of_errors(diagnosis)
         yield use_words(diagnosis)
     elif several:
         yield _together(diagnosis)
     if diagnosis.alternatives:
         yield second_deviation(diagnosis)
-        yield undecided_words(diagnosis)
     if gaps := not_expected(diagnosis):
-        yield f"Not explained: {deviations(gaps)}."
-        yield increased(diagnosis)
-    else:
-        yield expected_words(diagnosis, brief=True)
+        more = f", and {len(gaps) - 1} more" if len(gaps) > 1 else ""
+        yield f"Not explained: {_most(gaps)}{more}."
     yield next_step(diagnosis)
 
 
@@ -86,14 +78,15 @@ def _several(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield which confirmed effects are present, and what each changes most."""
     of_bench = [_with_parts(effect) for effect in diagnosis.confirmed if not effect.of_sensor]
     errors = [in_words(effect.name) for effect in diagnosis.confirmed if effect.of_sensor]
-    if of_bench:
-        yield f"The model does not contain {listed(of_bench)}."
-    if errors:
-        number_of = "an error" if len(errors) == 1 else "errors"
-        yield f"The instruments have {number_of}: {listed(errors)}."
+    number_of = "an error" if len(errors) == 1 else "errors"
+    parts = [
+        *([f"the model does not contain {listed(of_bench)}"] if of_bench else []),
+        *([f"the instruments have {number_of}, {listed(errors)}"] if errors else []),
+    ]
+    yield f"{capital('; '.join(parts))}."
     practice = {effect.name: effect for effect in diagnosis.practice}
     known = [practice[each.name] for each in diagnosis.confirmed if each.name in practice]
-    yield each_change(known)
+    yield each_size(diagnosis, known)
     for effect in known:
         if words := too_small_words(diagnosis, effect):
             yield f"{capital(in_words(effect.name))}: {words[:1].lower()}{words[1:]}"
@@ -101,8 +94,15 @@ def _several(diagnosis: Diagnosis) -> Iterator[str]:
 
 def _with_parts(effect: AddedEffect) -> str:
     """Return an effect's name with the parts of the bench where it is present."""
-    parts = listed([coefficient_words(name) for name in parts_present(effect)])
+    parts = _parts(effect)
     return f"{in_words(effect.name)} ({parts})" if parts else in_words(effect.name)
+
+
+def _parts(effect: AddedEffect) -> str:
+    parts = parts_present(effect)
+    if set(parts) == {"test", "load"}:
+        return "both cylinders"
+    return listed([coefficient_words(name) for name in parts])
 
 
 def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
@@ -115,41 +115,41 @@ def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
         yield _force_errors(diagnosis)
     if diagnosis.alternatives:
         yield second_deviation(diagnosis)
-    if gaps := not_expected(diagnosis):
-        yield f"Not explained: {deviations(gaps)}."
     yield first_step(diagnosis)
 
 
 def _force_errors(diagnosis: Diagnosis) -> str:
-    """State what the effects of steady strokes do to the force error, over all held-out loads."""
+    """State what the effects of steady strokes do to the force error, over all held-out loads.
+
+    The model without them is the better one of the given and the refitted model.
+    """
     given, refitted, after, *_ = load_errors(diagnosis).values()
-    better = sum(load.before**2 - load.refitted**2 for load in diagnosis.held_out_loads) < 0
-    also = f" ({given} as given)" if better else ""
-    return (
-        f"With it, the force error at loads outside the fit falls from {refitted}{also} "
-        f"to {after} RMS."
-    )
+    worse = sum(load.before**2 - load.refitted**2 for load in diagnosis.held_out_loads) < 0
+    before = given if worse else refitted
+    return f"With it, the force error at loads outside the fit is {after} RMS, without it {before}."
 
 
 def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State an effect, its largest changes, and what it does to held-out runs."""
     evidence = _no_improvement(diagnosis, effect)
+    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     if effect.confirmed:
-        evidence = "" if diagnosis.errors else _improvement(diagnosis, effect)
+        small = practice is not None and too_small_words(diagnosis, practice)
+        evidence = "" if diagnosis.errors or small else _improvement(diagnosis, effect)
     return " ".join(filter(None, (_finding(effect), _size(diagnosis, effect), evidence)))
 
 
 def _size(diagnosis: Diagnosis, effect: AddedEffect) -> str:
-    """State the largest changes by an effect, and whether they are too small to matter."""
+    """State what an effect changes at the working point, or that it is too small to matter."""
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
-    changes = largest_words(practice) if practice else ""
-    if practice is None or not changes:
+    if practice is None or not largest_words(practice):
         return ""
-    verb = "changes" if effect.confirmed else "would change"
-    extent = "" if of_strokes(diagnosis) else " (in 95 % of the motion)"
     small = too_small_words(diagnosis, practice)
-    point = "" if small else f", {steady_words(practice)}"
-    return " ".join(filter(None, (f"It {verb} {changes}{extent}{point}.", small)))
+    if effect.confirmed and not small:
+        return size_words(diagnosis, practice)
+    verb = "changes" if effect.confirmed else "would change"
+    extent = f"It {verb} {largest_words(practice)}{extent_words(diagnosis)}."
+    return " ".join(filter(None, (extent, small)))
 
 
 def _finding(effect: AddedEffect) -> str:
@@ -160,8 +160,9 @@ def _finding(effect: AddedEffect) -> str:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
     elif not sure:
         missing = f"{capital(name)} may be missing in the model"
-    values = f" ({coefficients_words(effect, brief=True)}; 95 % intervals)"
-    return f"{missing}: {description_words(effect)}{values}."
+    value = only_coefficient(effect)
+    words = f"{value}; 95 % interval" if value else _parts(effect)
+    return f"{missing}: {description_words(effect)}{f' ({words})' if words else ''}."
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
@@ -169,18 +170,23 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
-        f"With it, runs outside the fit deviate by {after} instead of {before} times the "
-        f"repeatability of the bench in the quantities that it touches{laws}."
+        f"With it, their error in runs outside the fit falls from {before} to {after} times the "
+        f"repeatability{laws}."
     )
 
 
 def _together(diagnosis: Diagnosis) -> str:
-    """State what several effects do to the deviation of the model in held-out runs."""
-    total, laws = diagnosis.gap_heldout.total, " and the unnamed laws" if diagnosis.unnamed else ""
+    """State what several effects do to the deviation of the model in held-out runs.
+
+    Where unnamed laws contribute, state the odds of the effects instead.
+    """
+    if diagnosis.unnamed:
+        return least_odds(diagnosis.confirmed)
+    total = diagnosis.gap_heldout.total
     effects = "both" if len(diagnosis.confirmed) == 2 else "these effects"
     return (
-        f"With {effects}{laws}, runs outside the fit deviate by {gap_number(total.after)} instead "
-        f"of {gap_number(total.refitted)} times the repeatability."
+        f"With {effects}, the error in runs outside the fit falls from "
+        f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability."
     )
 
 
@@ -190,12 +196,15 @@ def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     The odds of an effect that is too small to matter are below.
     """
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
-    gaps = f"confirm it (gap {before} without it, {after} with it). So model.yaml does not contain"
+    gaps = (
+        f"confirm it (error {before} times the repeatability without it, {after} with it). So "
+        "model.yaml does not contain"
+    )
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
     if practice and too_small_words(diagnosis, practice):
-        return f"Held-out runs do not {gaps} it."
+        return f"Runs outside the fit do not {gaps} it."
     return (
-        f"The evidence is contradictory: in the runs of the fit, {favoured(effect)}, but held-out "
+        f"The evidence is contradictory: in the runs of the fit, {favoured(effect)}, but other "
         f"runs do not {gaps} it."
     )
 
@@ -221,16 +230,19 @@ def _cases(diagnosis: Diagnosis) -> str:
     parts = [
         f"{in_words(effect.name)} would mean that {clause}"
         for effect in chosen
-        for clause in change_clauses(effect, main_changes(effect)[:1], point)
+        for clause in change_clauses(effect, main_changes(effect)[:1], point, brief=True)
     ]
     return f"At the working point, {'; '.join(parts)}." if parts else ""
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[str]:
     _, _, finding = verdict_sentence(diagnosis).partition(": ")
-    yield f"No missing effect is found: {keys_in_words(finding)}"
+    if diagnosis.errors:
+        yield "No missing effect is found."
+        yield change_of_errors(diagnosis)
+    else:
+        yield f"No missing effect is found: {keys_in_words(finding)}"
     yield _largest(diagnosis.where)
-    yield errors_in_words(diagnosis)
     yield beyond_balances(diagnosis)
     yield "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
@@ -238,7 +250,10 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
 
 
 def _largest(gaps: Sequence[Gap]) -> str:
-    """State the deviations that are large enough to matter, and why they are no missing effect."""
+    """State the largest deviation that may matter, and why it is no missing effect.
+
+    A significant one comes first; the table has the others.
+    """
     large, nearest = exceeding(gaps), largest_deviation(gaps)
     if nearest is None:
         return ""
@@ -248,26 +263,19 @@ def _largest(gaps: Sequence[Gap]) -> str:
             "No deviation is large enough to matter; nearest to its limit is "
             f"{in_sentence(nearest.name)} with {deviation} RMS (matters above {limit})."
         )
-    groups = {
-        real: [g for g in large if (g.p_value < SIGNIFICANCE) == real] for real in (True, False)
-    }
-    parts = {
-        real: listed(
-            [
-                f"{in_sentence(gap.name)} deviates by {deviation} RMS (matters above {limit})"
-                for gap in gaps
-                for deviation, limit in [deviation_and_limit(gap)]
-            ]
-        )
-        for real, gaps in groups.items()
-        if gaps
-    }
-    ends = {
-        True: "That is significant, but below the limit for an unknown effect: a small one is "
-        "possible there.",
-        False: "That is not distinguishable from the scatter of the trials.",
-    }
-    return " ".join(f"{capital(words)}. {ends[real]}" for real, words in parts.items())
+    real = [gap for gap in large if gap.p_value < SIGNIFICANCE]
+    end = (
+        "is significant, but below the limit for an unknown effect: a small one is possible."
+        if real
+        else "is not distinguishable from the scatter of the trials."
+    )
+    return f"The largest deviation, {_most(real or large)}, {end}"
+
+
+def _most(gaps: Sequence[Gap]) -> str:
+    """Write the first deviation with its limit as a noun."""
+    deviation, limit = deviation_and_limit(gaps[0])
+    return f"{deviation} RMS in {in_sentence(gaps[0].name)} (matters above {limit})"
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
@@ -281,5 +289,5 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     )
     yield probability(gaps)
     yield beyond_balances(diagnosis)
-    yield errors_in_words(diagnosis)
+    yield change_of_errors(diagnosis)
     yield next_step(diagnosis)

@@ -26,8 +26,8 @@ def capital(text: str) -> str:
     return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
 
 
-def listed(parts: Sequence[str]) -> str:
-    """Return parts of a sentence with commas and "and"."""
+def listed(parts: Sequence[str], word: str = "and") -> str:
+    """Return parts of a sentence with commas, and a word before the last one."""
     if len(parts) < 2:
         return "".join(parts)
-    return f"{', '.join(parts[:-1])} and {parts[-1]}"
+    return f"{', '.join(parts[:-1])} {word} {parts[-1]}"

@@ -48,7 +48,10 @@ _LEAST_SCALE = 10.0  # largest gap of the colour scale at least: small gaps stay
 
 
 def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
-    """Draw the held-out gaps of balances, and of signals in closed and open loop."""
+    """Draw the held-out gaps of balances, and of signals in closed and open loop.
+
+    A single gap has no figure: the first sentence of its section has it.
+    """
     table = diagnosis.gap_heldout
     groups: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], DisplayName]], ...] = (
         (BALANCES, with_total(table), balance),
@@ -58,7 +61,7 @@ def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
     return {
         title: _gaps(diagnosis, title, values, display_name)
         for title, values, display_name in groups
-        if values
+        if len(values) > 1
     }
 
 

@@ -14,16 +14,19 @@ Rows = tuple[tuple[str, ...], ...]
 
 
 def effects_table(diagnosis: Diagnosis) -> WordTable:
-    """Return a row for each coefficient, with what its effect does to held-out runs."""
-    rows = []
+    """Return a row for each coefficient, with what its effect does to held-out runs.
+
+    That of strokes is in the table of the force errors at held-out loads.
+    """
+    rows, in_scatters = [], not diagnosis.held_out_loads
     for added in diagnosis.effects:
         rival = NONE
         if added.runner_up:
             score = added.score - added.runner_up.margin
             rival = f"{added.runner_up.name}, {number(score + 0.0, 1)}"
+        gaps = (number(added.gap_before, 2), number(added.gap_after, 2))
         gains = (
-            number(added.gap_before, 2),
-            number(added.gap_after, 2),
+            *(gaps if in_scatters else ()),
             "yes" if added.confirmed else "no",
             number(added.score + 0.0, 1),
             rival,
@@ -31,12 +34,13 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
         for i, name in enumerate(added.parameters):
             effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
             rows.append((effect, coefficient_words(name), coefficient_text(added, name), *cells))
-    head = ("effect", "coefficient", "value with 95 % interval", "gap without it", "with it")
-    return WordTable(
-        "Effects, and gaps of held-out runs in the balances that they touch",
-        (*head, "in model.yaml", "score (nats)", "next best, its score"),
-        tuple(rows),
+    of_gaps = ", and gaps of held-out runs in the balances that they touch" if in_scatters else ""
+    head = (
+        *("effect", "coefficient", "value with 95 % interval"),
+        *(("gap without it", "with it") if in_scatters else ()),
+        *("in model.yaml", "score (nats)", "next best, its score"),
     )
+    return WordTable(f"Effects{of_gaps}", head, tuple(rows))
 
 
 def alternatives_table(diagnosis: Diagnosis) -> WordTable:

@@ -67,11 +67,13 @@ def rest_table(diagnosis: Diagnosis) -> WordTable:
 
 
 def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTable:
+    """Return a row for each gap; of strokes, whose scatter is tiny at some loads, in newtons."""
+    in_scatters = not of_strokes(diagnosis)
     rows = tuple(
         (
             balance(gap.name).title,
-            number(gap.gap, 2),
-            number(gap.structured, 2),
+            number(gap.gap, 2) if in_scatters else NONE,
+            number(gap.structured, 2) if in_scatters else NONE,
             p_words(gap.p_value),
             in_unit(gap, gap.scatter),
             *deviation_and_limit(gap),

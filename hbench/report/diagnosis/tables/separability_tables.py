@@ -25,7 +25,6 @@ _SIZES = "Smallest effects that hbench reconcile would detect, by simulation of 
 _NO_PAIR = "All pairs of detectable effects are distinguishable."
 _NEIGHBOURS = 3  # closest effects to each one that matters
 _MOST = 8  # effects of the matrix
-_MOST_UNSEEN = 6  # effects in a sentence
 
 
 def sizes_table(separability: Separability) -> WordTable:
@@ -134,13 +133,12 @@ def detectable(diagnosis: Diagnosis) -> str:
 
 
 def undetectable(diagnosis: Diagnosis) -> str:
-    """Return which effects of a typical size the runs would not show; their number if many."""
+    """Return how many effects of a typical size the runs would not show."""
     unseen = _unseen(diagnosis)
     if not unseen:
         return ""
-    number_of = f"{len(unseen)} of {len(_detectable(diagnosis))} known effects"
-    names = listed(unseen) if len(unseen) <= _MOST_UNSEEN else number_of
-    return f"They would not show {names} at a typical size."
+    every = len(_detectable(diagnosis))
+    return f"They would not show {len(unseen)} of {every} known effects at a typical size."
 
 
 def _unseen(diagnosis: Diagnosis) -> list[str]:
