@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule
+from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.conformity.text import (
     CONFORMS,
     check_words,
@@ -40,6 +41,7 @@ def decision_section(
     limits. The only paragraph states the decision, and the value that decides it with its limit,
     its margin and its probability of conformity.
     """
+    checks = _without_common_rod_pressure(checks)
     reasons = any(check.reason for check in checks)
     rows = tuple(
         (
@@ -57,12 +59,31 @@ def decision_section(
     table = Table(head, rows, frozenset(head) - _NUMBERS, title="Decisions")
     parts = (f"Decision: {decision}.", _which(decision, checks), nearest_words(decision, checks))
     known = [check.probability for check in checks if check.probability is not None]
-    items = [f"limits: {limits}, applied by the last hbench accept"] if limits else []
-    items += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
-    items += [CONFORMS] if known else []
-    items = [capital(item) for item in (*items, *legend(checks))] if rows else []
+    words = [f"limits: the file {limits}, applied by the last hbench accept"] if limits else []
+    words += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
+    words += [CONFORMS] if known else []
+    facts = [_fact(each) for each in (*words, *legend(checks))] if rows else []
     paragraph = " ".join(filter(None, parts))
-    return Section("Decision", (paragraph,), tables=(table,) if rows else (), items=tuple(items))
+    return Section("Decision", (paragraph,), tables=(table,) if rows else (), facts=tuple(facts))
+
+
+def _without_common_rod_pressure(checks: Sequence[ConformityCheck]) -> list[ConformityCheck]:
+    """Return the checks without P_Lr, unless series differ in nothing else."""
+    measured = [check.measurement for check in checks if check.measurement]
+    if differs_in_rod_pressure(measured):
+        return list(checks)
+    return [
+        replace(
+            check, measurement=check.measurement and replace(check.measurement, p_lr_ref_pa=None)
+        )
+        for check in checks
+    ]
+
+
+def _fact(line: str) -> tuple[str, str]:
+    """Split ``name: words`` and write each with a capital."""
+    name, _, words = line.partition(": ")
+    return capital(name), f"{capital(words)}."
 
 
 def _which(decision: str, checks: Sequence[ConformityCheck]) -> str:
