@@ -4,7 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule
+from hbench.records.conformity.acceptance import (
+    WORST_FIRST,
+    ConformityCheck,
+    Requirement,
+    Rule,
+)
 from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.conformity.text import (
     CONFORMS,
@@ -35,13 +40,13 @@ def decision_section(
     largest_uncertainty: float | None = None,
     limits: str = "",
 ) -> Section:
-    """Return the decision on the cylinder and a row for each of its checks.
+    """Return the decision on the cylinder and a row for each of its checks, the worst first.
 
     ``rule`` is the decision rule with its largest uncertainty, ``limits`` the name of the file of
     limits. The only paragraph states the decision, and the value that decides it with its limit,
     its margin and its probability of conformity.
     """
-    checks = _without_common_rod_pressure(checks)
+    checks = sorted(_without_common_rod_pressure(checks), key=_worst_first)
     reasons = any(check.reason for check in checks)
     rows = tuple(
         (
@@ -78,6 +83,10 @@ def _without_common_rod_pressure(checks: Sequence[ConformityCheck]) -> list[Conf
         )
         for check in checks
     ]
+
+
+def _worst_first(check: ConformityCheck) -> int:
+    return WORST_FIRST.index(check.decision) if check.decision in WORST_FIRST else len(WORST_FIRST)
 
 
 def _fact(line: str) -> tuple[str, str]:
