@@ -28,7 +28,7 @@ from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
-_HEAD = ("Quantity", "Series", "Measured ± U", "Limit", "Conforms", "Decision")
+_HEAD = ("Quantity", "Decision", "Series", "Measured ± U", "Limit", "Conforms")
 _NUMBERS = {"Measured ± U", "Conforms"}
 _EXACT = 1e-9  # of a tenth: 0.3 / 0.1 counts as 3
 
@@ -51,11 +51,11 @@ def decision_section(
     rows = tuple(
         (
             Cell(capital(requirement_words(check.requirement, check.measurement))),
+            Cell("PASS") if check.decision == "PASS" else Cell("", check.decision),
             Cell(series_words(check.requirement, check.measurement) or NONE),
             Cell(measured_words(check)),
             Cell(limit_words(check.requirement)),
             Cell(probability_words(check.probability)),
-            Cell("PASS") if check.decision == "PASS" else Cell("", check.decision),
             *([Cell(check.reason)] if reasons else []),
         )
         for check in checks

@@ -54,6 +54,7 @@ _FEW = (
     "Histograms are drawn and the standard deviation σ between campaigns is computed from "
     f"{FEWEST_CAMPAIGNS} campaigns on."
 )
+_NO_TREND = f"Trends are tested from {FEWEST_CAMPAIGNS} campaigns on."
 _PRECISION = "Repeatability and reproducibility"
 _CORRECTED = (
     "Expected is the median of the fleet or, where a number drifts, its line. σ contains the "
@@ -122,9 +123,11 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield Section("Distributions", () if chosen else (_FEW,), drawings=chosen, tables=(table,))
         chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
-        about = (_ALONE,) if table.rows else ()
-        trends = (table,) if table.rows else ()
-        yield Section("Drifts", about, drawings=chosen, tables=trends)
+        if table.rows:
+            yield Section("Drifts", (_ALONE,), drawings=chosen, tables=(table,))
+        elif chosen:
+            each = Section(f"Each number over time ({len(chosen)})", drawings=chosen, folded=True)
+            yield Section("Drifts", (_NO_TREND,), parts=(each,))
     if fleet.capabilities or fleet.without_capability:
         table = _untitled(capability_table(fleet))
         known = (table,) if table.rows else ()
