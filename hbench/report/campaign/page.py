@@ -37,10 +37,9 @@ _SHEET = 50  # a longer table of points is not printed
 
 _PREDICTS = (
     "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
-    "The table gives the RMS error of these predictions in parentheses, then the difference of "
-    "their mean squares and its standard error (s.e.). The difference is significant (95 %) where "
-    "it exceeds Student's t times its standard error. A single speed with a large error can make "
-    "one RMS error several times as large as the other; the difference is not significant then."
+    "In parentheses: RMS error of these predictions. The difference is that of their mean squares, "
+    "with its standard error (s.e.). Where one speed alone has a large error, it is not "
+    "significant, although one RMS error is several times the other."
 )
 _FEW_RUNS = "These fits are those of an unfinished campaign. They change with the missing runs."
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
@@ -180,10 +179,9 @@ def _fits(results: Results) -> tuple[Section, ...]:
     of_steady, of_moving = fit_tables(of_points), fit_tables(of_motions)
     for law in dict.fromkeys((*of_steady, *of_moving)):
         if law in of_steady:
+            subsections.append(Section(tables=(of_steady[law],)))
             remarks = remark_table(of_points, law)
-            few = (remarks,) if remarks.rows and len(remarks.rows) <= LONG_LIST else ()
-            subsections.append(Section(tables=(of_steady[law], *few)))
-            if len(remarks.rows) > LONG_LIST:
+            if remarks.rows:
                 text = f"{law_words(law)}: remarks on the fits ({len(remarks.rows)})"
                 subsections.append(Section(text, tables=(remarks,), folded=True))
         if law in of_moving:
