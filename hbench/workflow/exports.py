@@ -3,11 +3,17 @@
 from pathlib import Path
 
 from hbench.errors import ConfigError
+from hbench.report.campaign.tables import about_rows
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.mat_curves import mat_curves
 from hbench.store.exporting.modelica import modelica_tables
 from hbench.store.exporting.runs import FORMATS
-from hbench.store.exporting.spreadsheets import in_practical_units, with_decimal_comma, workbook
+from hbench.store.exporting.spreadsheets import (
+    in_practical_units,
+    with_decimal_comma,
+    with_rows,
+    workbook,
+)
 from hbench.store.files.atomic import write_atomic
 from hbench.workflow.results import derive, result_tables, screened_runs
 
@@ -44,8 +50,11 @@ def export(
 
     campaign = load_campaign(folder)
     if kind == "excel":
-        tables = {name: changed(text) for name, text in result_tables(derive(campaign)).items()}
-        write_atomic(destination / "results.xlsx", workbook(tables))
+        results = derive(campaign)
+        tables = with_rows(result_tables(results))
+        changed_tables = {name: changed(text) for name, text in tables.items()}
+        book = workbook(about_rows(results, tables), changed_tables)
+        write_atomic(destination / "results.xlsx", book)
         return 1
     if kind == "modelica":
         write_atomic(destination / "friction.txt", modelica_tables(derive(campaign).curves))

@@ -109,4 +109,4 @@ def test_the_report_states_the_probability_of_conformity_and_the_rule(accept, tm
     lowest = "U, probability of conformity < 0.1 %."
     report = report.replace("\\", "")
     assert report.count(lowest) == 1 and lowest in report.partition("## Decision")[0]
-    assert f"Limits: {document['limits']}" in table and "Rule: " in table
+    assert f"**Limits:** The file {document['limits']}" in table and "**Rule:** " in table

@@ -462,13 +462,18 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert chart["values"] == pytest.approx([1e-5 * value for value in values])
     assert ordinary_spaces(chart["last"]).endswith("bar (95 %), limit at most 4 bar")
     assert (
-        html.escape(chart["last"] + "; bar: its U").replace("\N{NO-BREAK SPACE}", "&nbsp;") in dom
+        html.escape(chart["last"] + "; vertical bar: this interval").replace(
+            "\N{NO-BREAK SPACE}", "&nbsp;"
+        )
+        in dom
     )
     assert chart["u95"] == pytest.approx([0.1] * 13) and dom.count('class="uncertainty"') == 1
     assert (chart["low"], chart["high"]) == (None, pytest.approx(4.0))
     mean, moving = np.mean(values), np.abs(np.diff(values)).mean() / 1.128
     assert chart["control"] == pytest.approx([1e-5 * (mean + step * moving) for step in (-3, 0, 3)])
     assert "beyond 3 σ" in chart["signals"][-1] and not any(chart["signals"][:-1])
+    assert "Last ring, C12: beyond 3 σ.<" in dom
+    assert re.search(r'id="rings">A ring marks a change of the process, not a failed limit', dom)
     decided(tmp_path / "few" / "C", 3e5)
     (tmp_path / "few" / "C" / "campaign.yaml").write_text(header)
     failed = tmp_path / "few" / "C" / "results" / "acceptance.json"

@@ -207,9 +207,9 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     assert "A drift may hide a difference: it may account for up to 33 N" in text(13.0, p_holm=0.4)
     over = text(13.0, MeanOfCurves(40.0, 8.0, DriftEffect(0.0, 1e-9)))
     sure = (
-        "In the mean over all 2 curves, in which a linear drift cancels, friction of <after> is "
-        "40 N higher than that of before (U at most 8.0 N). The difference of a single "
-        "curve (40.0 N) may come from a drift, of up to 33 N."
+        "Friction of <after> is 40 N higher than that of before (U at most 8.0 N), in the mean "
+        "over all 2 curves, in which a linear drift cancels. The difference of a single curve "
+        "(40.0 N) may come from a drift of up to 33 N."
     )
     assert over.startswith(sure)  # and no difference of a curve is called significant
     assert "Mean friction differs" not in over
@@ -228,8 +228,8 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     assert too in differences_page(hidden, ()) and too not in differences_page(found, ())
     assert mean[:5] == ["mean over all 2 curves", "cancels", "40.0", "8.0", "significant"]
     hidden = text(13.0, MeanOfCurves(-10.0, 8.0, DriftEffect(1.0, 2.0)))
-    assert "a linear drift is at most 3.0 N, friction of <after> is 10 N lower" in hidden
-    assert "(U at most 8.0 N); this is not significant. To compare" in hidden
+    assert "Friction of <after> is 10 N lower" in hidden
+    assert "a linear drift is at most 3.0 N; this is not significant. To compare" in hidden
     assert hidden.startswith("Mean friction differs")
 
 

@@ -41,6 +41,7 @@ from hbench.report.render.numbers import (
     short,
     significant,
     span,
+    span_with_intervals,
     with_interval,
 )
 from hbench.report.render.style import DARK
@@ -206,7 +207,7 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
     column = table.head.index("Friction ± U (N)")
     cells = [row[column].text.split(" ± ") for row in table.rows]
     shares = [100 * float(half) / float(value) for value, half in cells]  # as a reader computes
-    assert f", or {min(shares):.1f}–{max(shares):.1f} %)" in verdict
+    assert f", {min(shares):.1f}–{max(shares):.1f} % of the value)" in verdict
     assert ", over all loads and directions. " in verdict
     poor = replace(small, quality=replace(small.quality, grade="poor"))
     assert "mm/s is" not in report_document(poor, ()).verdict
@@ -259,7 +260,7 @@ def test_an_interval_that_a_bound_cuts_off_has_no_linearised_one_beside_it(small
     curves = (replace(curve, fits=(fit, *curve.fits[1:])), *others)
     text = Parsed(page_html(replace(small, curves=curves), ())).text.replace("\n", " ")
     assert "240 (0 to 330)" in text and "(0 to 330) linearised" not in text
-    assert "no end of the interval is a bound of the fit" in text
+    assert "is cut off by a bound of the fit" in text
 
 
 def test_a_tile_of_some_series_counts_them(small):
@@ -339,12 +340,18 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
 
 
 def test_tolerances_are_stated_in_the_bench_file_or_else_in_the_map_of_an_import(small):
-    checks = tuple(
-        replace(check, grade="with care" if check.name == "instruments" else "good")
-        for check in small.quality.checks
-    )
-    quality = replace(small.quality, grade="with care", checks=checks)
-    assert next_step(quality, "").endswith("state their tolerances in the bench file.")
+    def quality(uncertain_by: float | None):
+        checks = tuple(
+            replace(check, grade="with care", value=uncertain_by)
+            if check.name == "instruments"
+            else replace(check, grade="good")
+            for check in small.quality.checks
+        )
+        return replace(small.quality, grade="with care", checks=checks)
+
+    assert next_step(quality(20.0), "").endswith("state their tolerances in the bench file.")
+    assert next_step(quality(None), "") == "State the tolerances of the sensors in the bench file."
+    quality = quality(20.0)
     imported = replace(small, quality=quality)
     imported = replace(imported, provenance=replace(small.provenance, source="imported"))
     step = report_document(imported, ()).verdict
@@ -542,6 +549,11 @@ def test_a_full_campaign_stays_under_two_megabytes(stribeck):
 )
 def test_a_number_is_rounded_by_its_interval(value, half, text):
     assert with_interval(value, half) == text
+
+
+def test_a_range_has_the_decimals_of_its_less_certain_end():
+    assert span_with_intervals([(1.7, 3.8), (16.08, 0.23)]) == "1.7–16.1"
+    assert span_with_intervals([(405.2, 89.0), (520.4, 120.0)]) == "405–520"
 
 
 def test_a_half_width_alone_has_two_digits():

@@ -12,8 +12,11 @@ import pytest
 
 from hbench.records import Results
 from hbench.report.campaign.fit_tables import correlation_table
+from hbench.report.campaign.motion_tables import MOTION_TABLES
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.tables import (
+    TABLES,
+    about_rows,
     band_trends_csv,
     bands_csv,
     covariances_csv,
@@ -306,3 +309,9 @@ def test_settings_and_reasons_have_powers_of_ten_and_minus_signs():
     assert with_minus("u_L2 is at its minimum, -10.0 V; 1-2") == (
         "u_L2 is at its minimum, −10.0 V; 1-2"
     )
+
+
+def test_the_first_sheet_of_a_workbook_describes_every_table(stribeck):
+    names = [name.removesuffix(".csv") for name in (*TABLES, *MOTION_TABLES) if ".csv" in name]
+    described = {row[0] for row in about_rows(stribeck, names) if len(row) == 2}
+    assert set(names) <= described

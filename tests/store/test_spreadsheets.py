@@ -7,7 +7,12 @@ import shutil
 import pandas as pd
 import pytest
 
-from hbench.store.exporting.spreadsheets import in_practical_units, with_decimal_comma, workbook
+from hbench.store.exporting.spreadsheets import (
+    in_practical_units,
+    with_decimal_comma,
+    with_rows,
+    workbook,
+)
 from tests.support import ROOT
 from tests.support.commands import hbench
 
@@ -51,8 +56,10 @@ def test_a_decimal_comma_is_read_back_and_texts_stay():
 
 def test_a_workbook_has_ids_as_text_numbers_as_numbers_and_no_formula():
     openpyxl = pytest.importorskip("openpyxl")
-    book = openpyxl.load_workbook(io.BytesIO(workbook({"runs.csv": TABLE, "empty.csv": "a,b\n"})))
-    assert book.sheetnames == ["runs"]
+    tables = with_rows({"runs.csv": TABLE, "empty.csv": "a,b\n"})
+    book = openpyxl.load_workbook(io.BytesIO(workbook([("Campaign", "=1+1"), ()], tables)))
+    assert book.sheetnames == ["summary", "runs"]
+    assert book["summary"]["B1"].value == "=1+1" and book["summary"]["B1"].data_type == "s"
     head, first, second = ([cell for cell in row] for row in book["runs"].iter_rows())
     assert [cell.value for cell in head][:3] == ["run", "label", "v_m_s"]
     assert [cell.value for cell in first][:4] == ["0007", "=1+1", 0.05, 1.5e6]
@@ -71,6 +78,11 @@ def test_the_workbook_of_a_campaign_has_runs_points_fits_and_budget(campaign, tm
     assert done.returncode == 0, done.stderr
     book = openpyxl.load_workbook(tmp_path / "out" / "results.xlsx")
     assert {"runs", "curves", "fits", "budget"} <= set(book.sheetnames)
+    rows = [[cell for cell in row if cell] for row in book["summary"].values]
+    first = {row[0]: row[1:] for row in rows if row}
+    assert "no cylinder was measured" in first["Source"][0] and "with care" in first["Verdict"][0]
+    assert set(book.sheetnames[1:]) <= set(first) and "extending" in first
+    assert book.sheetnames[0] == "summary"
     curves, budget = (
         pd.DataFrame(rows[1:], columns=rows[0])
         for rows in ([list(row) for row in book[name].values] for name in ("curves", "budget"))

@@ -118,7 +118,8 @@ _NUMBERS = {
     "linearised or by profile (the wider counts), exceeds a tenth of its typical size, and exceeds "
     "its value too or is cut off by a bound of the fit. "
     "The two intervals differ where a law is nonlinear within them or a bound is near. Correlated "
-    "parameters do not vary by themselves: covariances.csv contains their covariances.",
+    "parameters do not vary by themselves: covariances.csv contains their covariances. Few points "
+    "shift the estimates (Box 1971): fits.csv contains this bias, which is not corrected.",
     "Which law predicts best": "Each speed but the lowest and the highest is held out in turn and "
     "predicted from the others; two laws differ significantly where the 95 % interval of the "
     "difference of their mean squares is above zero.",

@@ -37,10 +37,9 @@ _SHEET = 50  # a longer table of points is not printed
 
 _PREDICTS = (
     "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
-    "The table gives the RMS error of these predictions in parentheses, then the difference of "
-    "their mean squares and its standard error (s.e.). The difference is significant (95 %) where "
-    "it exceeds Student's t times its standard error. A single speed with a large error can make "
-    "one RMS error several times as large as the other; the difference is not significant then."
+    "In parentheses: RMS error of these predictions. The difference is that of their mean squares, "
+    "with its standard error (s.e.). Where one speed alone has a large error, it is not "
+    "significant, although one RMS error is several times the other."
 )
 _FEW_RUNS = "These fits are those of an unfinished campaign. They change with the missing runs."
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
@@ -180,10 +179,9 @@ def _fits(results: Results) -> tuple[Section, ...]:
     of_steady, of_moving = fit_tables(of_points), fit_tables(of_motions)
     for law in dict.fromkeys((*of_steady, *of_moving)):
         if law in of_steady:
+            subsections.append(Section(tables=(of_steady[law],)))
             remarks = remark_table(of_points, law)
-            few = (remarks,) if remarks.rows and len(remarks.rows) <= LONG_LIST else ()
-            subsections.append(Section(tables=(of_steady[law], *few)))
-            if len(remarks.rows) > LONG_LIST:
+            if remarks.rows:
                 text = f"{law_words(law)}: remarks on the fits ({len(remarks.rows)})"
                 subsections.append(Section(text, tables=(remarks,), folded=True))
         if law in of_moving:
@@ -200,20 +198,15 @@ def _fits(results: Results) -> tuple[Section, ...]:
             subsections.append(part)
     if subsections:
         text = (
-            "Each value has its 95 % interval by profile likelihood. A parameter is determined "
-            "where the half-width of its interval is smaller than the value and no end of the "
-            "interval is a bound of the fit, such as 0 N for the Coulomb force; or else where the "
-            "half-width is below a tenth of the parameter's typical size. The linearised interval "
-            "has to pass too: where it alone is too wide, it is shown below the value. At a bound "
-            "the interval has one side, and the other parameters depend on the bound."
+            "Each value has its 95 % interval. Do not use a parameter that is not determined: very "
+            "different values fit the measured points as well."
         )
         if any(determines_none(fit) for curve in steady for fit in curve.fits):
             text += (
                 " A row of dashes: the fit determines no parameter, for the reason in its remark."
             )
-        paragraphs = tuple(filter(None, (text, _bias_words(results))))
         sections.append(
-            Section("Fitted parameters", paragraphs, parts=tuple(subsections), anchor="fits")
+            Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
         )
     selection = selection_table(results)
     if selection.rows:
@@ -229,25 +222,6 @@ def _fits(results: Results) -> tuple[Section, ...]:
         return tuple(sections)
     parts = tuple(replace(section, folded=True) for section in sections)
     return (Section("Fitted laws", (_FEW_RUNS,), parts=parts, anchor="fitted-laws"),)
-
-
-def _bias_words(results: Results) -> str:
-    """Return a sentence on the largest bias of a fitted parameter; empty where none is known."""
-    fits = [fit for curve in results.curves for fit in curve.fits]
-    fits += [fit for joint in results.joint_fits for fit in joint.fits]
-    shares = [
-        abs(parameter.bias) / parameter.se
-        for fit in fits
-        for parameter in fit.parameters.values()
-        if parameter.bias is not None and parameter.se
-    ]
-    if not shares:
-        return ""
-    return (
-        "With so few points the curvature of a law shifts the estimates: in the mean by up to "
-        f"{number(max(shares), 2)} of a standard error here (Box 1971). They are not corrected; "
-        "fits.csv contains each bias."
-    )
 
 
 def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:
@@ -290,9 +264,8 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             title, tables = name.capitalize(), (replace(table, title=words), *more)
             if name in _FOLDED:
                 inside = Section(
-                    f"{_count(len(drawings), 'figure')} and {_count(len(table.rows), 'row')}",
-                    drawings=drawings, tables=tables, parts=parts, folded=True,
-                )  # fmt: skip
+                    "Details", drawings=drawings, tables=tables, parts=parts, folded=True
+                )
                 yield Section(title, (_FOLDED[name](results),), parts=(inside,))
             else:
                 yield Section(title, drawings=drawings, tables=tables, parts=parts)
@@ -359,18 +332,14 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
         causes = _titled(page_tables.cause_table(results), "Reasons, and what to look for")
         subsections.append(Section(tables=causes))
         subsections.append(Section(title, tables=(table,), folded=len(table.rows) > LONG_LIST))
+        traces = (_TRACES,) if drawings[1:] else ()
+        subsections.append(Section(paragraphs=traces, drawings=drawings))
     remarks = page_tables.remark_table(results)
     if remarks.rows:
         title = f"Remarks on accepted runs ({len(remarks.rows)})"
         subsections.append(Section(title, tables=(remarks,), folded=True))
-    words = "None." if not has_rejected(results) else _TRACES if drawings[1:] else ""
-    return Section(
-        "Rejected runs",
-        (words,) if words else (),
-        drawings=drawings,
-        parts=tuple(subsections),
-        anchor="rejected",
-    )
+    none = () if has_rejected(results) else ("None.",)
+    return Section("Rejected runs", none, parts=tuple(subsections), anchor="rejected")
 
 
 def _points(results: Results) -> tuple[Section, ...]:

@@ -115,7 +115,7 @@ def friction_budget_table(results: Results) -> Table:
                     number(1e3 * abs(point.v_m_s)),
                     with_interval(copysign(1.0, point.v_m_s) * point.friction_n, point.u95_n),
                     significant(combined, 2),
-                    _degrees_of_freedom(point.u95_dof) if point.sigma_drift_n is None else "",
+                    _degrees_of_freedom(point.u95_dof) if point.sigma_drift_n is None else NONE,
                     significant(point.u95_n / combined, 3),
                     ", ".join(f"{name} {significant(sigmas[name], 2)}" for name in ranked),
                 )
@@ -258,7 +258,7 @@ _WHERE_GIVEN = (
     *("Label", "Kind", _ROD_SIDE, LOAD_CELL, "Remark"),
     *("Trials alone (N)", "U with instruments (N)", "Energy of a cycle (J)"),
     *("Friction ± U (N)", "Friction ± U (bar)", "Breakaway ± U (N)", "Breakaway ± U (bar)"),
-    *("Efficiency ± U (%)", _OIL, _HERSEY),
+    *("Efficiency ± U (%)", _OIL, _HERSEY, "ν"),
 )
 
 

@@ -61,7 +61,10 @@ _STEPS = {
     "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
     "and state their tolerances in the {file}",
 }
-_CONTINUE = "Continue the campaign with its command and --resume, bench file and schedule unchanged"
+_NO_TOLERANCES = "state the tolerances of the sensors in the {file}"
+_CONTINUE = (
+    "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged"
+)
 _HEAD = ("Check", "Verdict", "Found", "Limits")
 _NAMED = 3  # points in a sentence
 _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
@@ -93,7 +96,7 @@ def next_step(
     if not quality.completeness.not_completed:
         missing = (*missing, "complete")  # no run is missing, but trials are
     steps = [
-        _STEPS[check.name].format(parts=f" ({parts})" if parts else "", file=file)
+        _step(check).format(parts=f" ({parts})" if parts else "", file=file)
         for check in _worst(quality)
         if check.grade != "good" and check.name not in missing
         if not (beyond_u and _is_in_u(check))
@@ -102,6 +105,12 @@ def next_step(
         first = [f"before the next campaign, {step}" for step in steps[:1]]
         steps = [_CONTINUE, *first, *steps[1:]]
     return " ".join(f"{capital(step)}." for step in steps)
+
+
+def _step(check: QualityCheck) -> str:
+    """Return what improves a check; tolerances that are not known are stated first."""
+    unknown = check.name == "instruments" and check.value is None
+    return _NO_TOLERANCES if unknown else _STEPS[check.name]
 
 
 def decision_reserve(quality: Quality) -> str:
@@ -197,7 +206,12 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     worst = _worst(quality)
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
     other = "completed runs" if quality.completeness.not_completed else "other points"
-    named = [c for c in worst if not (incomplete and _is_without_trial(c))]  # not twice
+    named = [
+        check
+        for check in worst
+        if not (incomplete and _is_without_trial(check))  # not twice
+        if count_runs or check.name != "complete"
+    ]
     reasons = ". ".join(capital(_reason(check)) for check in named)
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
@@ -208,7 +222,8 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
         numbers = f"The numbers below are those of the {other}." if count_runs else ""
         verdict = " ".join(filter(None, ("The data is poor.", why, numbers)))
     else:
-        verdict = f"The data is poor; do not rely on the numbers below. {reasons}."
+        why = f" {reasons}." if reasons else ""
+        verdict = f"The data is poor; do not rely on the numbers below.{why}"
         if not quality.completeness.not_completed:
             incomplete, verdict = verdict, incomplete  # all runs were made, but rejected
     return " ".join(filter(None, (incomplete, verdict, _contradictions(quality.implausible))))
@@ -299,7 +314,11 @@ def _value(check: QualityCheck) -> str:
         if _is_without_trial(check):
             return f"none at {check.count} {_points(check.count)}"
         single = check.value == check.poor
-        return "a point has one trial only, so no interval" if single else f"at least {check.value}"
+        return (
+            "at least one point has a single trial, so no interval"
+            if single
+            else f"at least {check.value}"
+        )
     if check.name == "repeatability":
         return f"95 % interval of the trials is ±{number(check.value)} % of friction (median)"
     if check.drift is not None:

@@ -14,10 +14,7 @@ from hbench.report.setting_words import key_words, section_words
 _SIZES = ("bore", "rod", "stroke")
 _TEST = ("customer", "operator", "mounting", "place", "ambient")
 _ABORTED = "aborted"  # code of the reason
-_NO_REASON = (
-    "The campaign's journal contains no reason for the stop: hbench run is still running, was "
-    "interrupted between two runs, or was ended by force."
-)
+_NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."
 _OF_COMPLETED = "All numbers on this page are those of the completed runs."
 
 

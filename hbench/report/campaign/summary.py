@@ -52,6 +52,10 @@ _LOAD = (
     "F_applied, which differs from F_L by the friction of the load cylinder, also at a set load "
     "of 0 N."
 )
+_NOMINAL_LOAD = (
+    "F_L is the nominal load from the map of the import. F_applied is the force that the load "
+    "cell measured."
+)
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {
     "trials": "",
@@ -78,12 +82,13 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     folded = True if len(series) > _LONG else None
     heading = f"Each direction and load ({len(series)})" if folded else ""
     parts = "[[uncertainty]]" if budget.rows else ""
+    load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
     facts = (
         ("Measured", _measured(results)),
         ("Data", _data(results) if decided else ""),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
-        ("Load", _LOAD if _differs_from_load(series, load_cell_n) else ""),
+        ("Load", load if _differs_from_load(series, load_cell_n) else ""),
         ("Drift", drift_fact(results.drift)),
         ("Oil", temperature_words(results)),
         ("Friction laws", _laws(results)),
@@ -207,7 +212,7 @@ def _shares(numbers: Iterable[HeadlineNumber], unit: str) -> str:
     """Return U as a share of each number, both as written in the table; empty for efficiencies."""
     written = [as_written(each.value, each.u95) for each in numbers if each.u95]
     shares = [100 * half / abs(value) for value, half in written if value]
-    return "" if unit == "%" or not shares else f", or {percent_span(shares)}"
+    return "" if unit == "%" or not shares else f", {percent_span(shares)} of the value"
 
 
 def _flag_words(numbers: list[HeadlineNumber]) -> list[str]:

@@ -158,8 +158,8 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         ),
         Section(
             "Differences of mean friction and efficiency",
-            (_READ + _DRIFT * has_drift_column(differences),),
             tables=means_tables(differences),
+            facts=_READ + _DRIFT * has_drift_column(differences),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),
@@ -274,17 +274,17 @@ _MEANS_OF = (
 )
 _LONG = 12  # rows; a longer table starts folded
 _READ = (
-    "± is the half-width of the 95 % interval of the trials alone. U also contains the errors of "
-    "the instruments and any significant drift within a campaign; it is a little smaller where "
-    "more degrees of freedom make its coverage factor smaller. Neither contains a drift that is "
-    "not significant, nor what changes when the cylinder is mounted again. U of A or B by itself "
-    "also contains the errors that both have in common, which cancel in the difference: A "
-    "and B have more digits than their own U allows, as the difference needs them."
-)
+    ("± trials", "Half-width of the 95 % interval of the trials alone."),
+    ("U", "Expanded uncertainty: of the trials, the instruments and any significant drift within a "
+     "campaign. It does not contain what changes when the cylinder is mounted again. It can be a "
+     "little smaller than that of the trials, since its coverage factor is smaller."),
+    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They have "
+     "more digits than it allows, as the difference needs them."),
+)  # fmt: skip
 _DRIFT = (
-    " A drift up to the size in the table may account for a difference, and is not part of U; it "
-    "cancels in the mean over all curves if it is a straight line over time."
-)
+    ("Drift up to", "Part of a difference that a drift may account for. U does not contain it. It "
+     "cancels in the mean over all curves if it is a straight line over time."),
+)  # fmt: skip
 _DRIFT_TOO = " A drift may account for such a difference too."
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "

@@ -73,7 +73,7 @@ def _drift(differences: CampaignDifferences) -> tuple[str, str]:
     if sure:
         sizes = [abs(c.mean_n.value) for c in differences.curves if c.mean_n and c.mean_n.real]
         single = f"The difference of a single curve ({alike(sizes)} N)"
-        return over, f"{single} may come from a drift, of up to {largest}. {_REMEDY}"
+        return over, f"{single} may come from a drift of up to {largest}. {_REMEDY}"
     return "", " ".join(filter(None, (words, over, _REMEDY)))
 
 
@@ -112,9 +112,9 @@ def _over_curves(differences: CampaignDifferences) -> tuple[str, bool]:
     drift = "cancels" if mean.drift_cancels else f"is at most {half_width(most)} N"
     a, b = differences.names
     words = (
-        f"In the mean over all {count} curves, in which a linear drift {drift}, friction of {b} is "
-        f"{significant(abs(mean.value_n), 2)} N {way} than that of {a} "
-        f"(U at most {half_width(mean.half_n)} N)"
+        f"Friction of {b} is {significant(abs(mean.value_n), 2)} N {way} than that of {a} "
+        f"(U at most {half_width(mean.half_n)} N), in the mean over all {count} curves, in which a "
+        f"linear drift {drift}"
     )
     return (f"{words}." if mean.real else f"{words}; this is not significant."), mean.real
 

@@ -4,7 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule
+from hbench.records.conformity.acceptance import (
+    WORST_FIRST,
+    ConformityCheck,
+    Requirement,
+    Rule,
+)
+from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.conformity.text import (
     CONFORMS,
     check_words,
@@ -22,7 +28,7 @@ from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
-_HEAD = ("Quantity", "Series", "Measured ± U", "Limit", "Conforms", "Decision")
+_HEAD = ("Quantity", "Decision", "Series", "Measured ± U", "Limit", "Conforms")
 _NUMBERS = {"Measured ± U", "Conforms"}
 _EXACT = 1e-9  # of a tenth: 0.3 / 0.1 counts as 3
 
@@ -34,21 +40,22 @@ def decision_section(
     largest_uncertainty: float | None = None,
     limits: str = "",
 ) -> Section:
-    """Return the decision on the cylinder and a row for each of its checks.
+    """Return the decision on the cylinder and a row for each of its checks, the worst first.
 
     ``rule`` is the decision rule with its largest uncertainty, ``limits`` the name of the file of
     limits. The only paragraph states the decision, and the value that decides it with its limit,
     its margin and its probability of conformity.
     """
+    checks = sorted(_without_common_rod_pressure(checks), key=_worst_first)
     reasons = any(check.reason for check in checks)
     rows = tuple(
         (
             Cell(capital(requirement_words(check.requirement, check.measurement))),
+            Cell("PASS") if check.decision == "PASS" else Cell("", check.decision),
             Cell(series_words(check.requirement, check.measurement) or NONE),
             Cell(measured_words(check)),
             Cell(limit_words(check.requirement)),
             Cell(probability_words(check.probability)),
-            Cell("PASS") if check.decision == "PASS" else Cell("", check.decision),
             *([Cell(check.reason)] if reasons else []),
         )
         for check in checks
@@ -57,12 +64,35 @@ def decision_section(
     table = Table(head, rows, frozenset(head) - _NUMBERS, title="Decisions")
     parts = (f"Decision: {decision}.", _which(decision, checks), nearest_words(decision, checks))
     known = [check.probability for check in checks if check.probability is not None]
-    items = [f"limits: {limits}, applied by the last hbench accept"] if limits else []
-    items += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
-    items += [CONFORMS] if known else []
-    items = [capital(item) for item in (*items, *legend(checks))] if rows else []
+    words = [f"limits: the file {limits}, applied by the last hbench accept"] if limits else []
+    words += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
+    words += [CONFORMS] if known else []
+    facts = [_fact(each) for each in (*words, *legend(checks))] if rows else []
     paragraph = " ".join(filter(None, parts))
-    return Section("Decision", (paragraph,), tables=(table,) if rows else (), items=tuple(items))
+    return Section("Decision", (paragraph,), tables=(table,) if rows else (), facts=tuple(facts))
+
+
+def _without_common_rod_pressure(checks: Sequence[ConformityCheck]) -> list[ConformityCheck]:
+    """Return the checks without P_Lr, unless series differ in nothing else."""
+    measured = [check.measurement for check in checks if check.measurement]
+    if differs_in_rod_pressure(measured):
+        return list(checks)
+    return [
+        replace(
+            check, measurement=check.measurement and replace(check.measurement, p_lr_ref_pa=None)
+        )
+        for check in checks
+    ]
+
+
+def _worst_first(check: ConformityCheck) -> int:
+    return WORST_FIRST.index(check.decision) if check.decision in WORST_FIRST else len(WORST_FIRST)
+
+
+def _fact(line: str) -> tuple[str, str]:
+    """Split ``name: words`` and write each with a capital."""
+    name, _, words = line.partition(": ")
+    return capital(name), f"{capital(words)}."
 
 
 def _which(decision: str, checks: Sequence[ConformityCheck]) -> str:

@@ -45,10 +45,9 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
     for at, changes in steps.items():
         yield (
-            f"From {at} on the mean has changed (p at most {significant(largest[at], 2)}): "
-            f"{'; '.join(changes[:_NAMED])}"
-            f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''}. "
-            f"{capital(CHECK_WHAT)}."
+            f"From {at} on the mean has changed: {'; '.join(changes[:_NAMED])}"
+            f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''} "
+            f"(p at most {significant(largest[at], 2)})."
         )
     beyond: dict[str, list[str]] = {}
     for chart in fleet.charts:

@@ -54,12 +54,13 @@ _FEW = (
     "Histograms are drawn and the standard deviation σ between campaigns is computed from "
     f"{FEWEST_CAMPAIGNS} campaigns on."
 )
+_NO_TREND = f"Trends are tested from {FEWEST_CAMPAIGNS} campaigns on."
 _PRECISION = "Repeatability and reproducibility"
 _CORRECTED = (
-    "Expected is the median of the fleet or, where a number drifts, its line. σ is that between "
-    "campaigns and that of own trials together. A campaign is an outlier beyond the limit of the "
-    "table, at which p, corrected for the number of values, is 0.05. This limit is far in a small "
-    "fleet, since few campaigns determine σ poorly."
+    "Expected is the median of the fleet or, where a number drifts, its line. σ contains the "
+    "scatter between campaigns and that of their trials. A campaign is an outlier beyond the limit "
+    "of the table, at which p, corrected for the number of values, is 0.05. This limit is far in a "
+    "small fleet, since few campaigns determine σ poorly."
 )
 _ALONE = (
     "The intervals are those of each number alone. p is corrected for the number of trends (Holm), "
@@ -115,23 +116,18 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.rows:
         yield Section("Campaigns", _about_numbers(fleet), tables=(_campaigns(fleet),))
     if fleet.worst:
-        all_shown = fleet.outliers >= _LEAST
-        few = "These deviate most. Only campaigns marked as outliers deviate significantly."
-        if not fleet.outliers:
-            few = "These deviate most, but none of them significantly."
-        few += f" {_CORRECTED}"
-        none = () if all_shown else (few,)
-        title = "Outliers" if all_shown else "Largest deviations"
-        yield Section(title, none, tables=(_worst(fleet),), anchor="worst")
+        yield _deviations(fleet)
     if fleet.spreads:
         chosen = _of(drawings, DISTRIBUTIONS)
         table = _untitled(spread_table(fleet))
         yield Section("Distributions", () if chosen else (_FEW,), drawings=chosen, tables=(table,))
         chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
-        about = (_ALONE,) if table.rows else ()
-        trends = (table,) if table.rows else ()
-        yield Section("Drifts", about, drawings=chosen, tables=trends)
+        if table.rows:
+            yield Section("Drifts", (_ALONE,), drawings=chosen, tables=(table,))
+        elif chosen:
+            each = Section(f"Each number over time ({len(chosen)})", drawings=chosen, folded=True)
+            yield Section("Drifts", (_NO_TREND,), parts=(each,))
     if fleet.capabilities or fleet.without_capability:
         table = _untitled(capability_table(fleet))
         known = (table,) if table.rows else ()
@@ -148,6 +144,19 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.failed:
         yield _failures(fleet)
     yield Section("How it was computed", facts=tuple(fleet_method(fleet)), anchor="method")
+
+
+def _deviations(fleet: Fleet) -> Section:
+    """Return the outliers, or folded the campaigns that deviate most."""
+    table = _worst(fleet)
+    if not fleet.outliers:
+        none = ("No campaign deviates significantly.",)
+        each = Section("Those nearest to it", (_CORRECTED,), tables=(table,), folded=True)
+        return Section("Largest deviations", none, parts=(each,), anchor="worst")
+    if fleet.outliers >= _LEAST:
+        return Section("Outliers", tables=(table,), anchor="worst")
+    marked = f"Only campaigns marked as outliers deviate significantly. {_CORRECTED}"
+    return Section("Largest deviations", (marked,), tables=(table,), anchor="worst")
 
 
 def _precision(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
@@ -202,6 +211,7 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
 
 def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     evaluated = fleet.protocols[0][0] if fleet.protocols else ""
+    several = len(fleet.protocols) > 1
     groups = [
         f"not compared: {kind_difference(protocol, evaluated)}" for protocol, _ in fleet.protocols
     ]
@@ -212,15 +222,15 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
         (
             Cell(str(count)),
             *(Cell(_AT.sub(" at ", "; ".join(kind[name]))) for name in given),
-            Cell(group),
+            *([Cell(group)] if several else []),
         )
         for (_, count), kind, group in zip(fleet.protocols, kinds, groups, strict=True)
     )
-    title = "Kinds of campaigns" if len(rows) > 1 else "Kind of campaign"
+    title = "Kinds of campaigns" if several else "Kind of campaign"
     pressures = any(_AT.search(protocol) for protocol, _ in fleet.protocols)
     loads = "; loads at rod-side pressures of the load cylinder" if pressures else ""
     title += f" (size: areas of piston and rod side{loads})"
-    head = ("Campaigns", *map(capital, given), "Group")
+    head = ("Campaigns", *map(capital, given), *(["Group"] if several else []))
     return (Table(head, rows, frozenset(head[1:]), title=title),) if rows else ()
 
 

@@ -183,9 +183,9 @@ def spread_table(fleet: Fleet) -> WordTable:
     few = [spread.n < FEWEST_CAMPAIGNS for spread in fleet.spreads]
     ends = "Smallest to largest" if all(few) else "5 to 95 %"
     if any(few) and not all(few):
-        ends += f" (of fewer than {FEWEST_CAMPAIGNS}: all)"
+        ends += f", or all of fewer than {FEWEST_CAMPAIGNS}"
     between = "σ between campaigns (95 %)"
-    head = ("Number", "Campaigns", "Median", ends, between, "σ of own trials")
+    head = ("Number", "Campaigns", "Median", ends, between, "σ by the trials")
     kept = [i for i in range(len(head)) if head[i] != between or not all(few)]
     return WordTable(
         "Distributions",

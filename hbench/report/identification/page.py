@@ -46,13 +46,11 @@ _PARTS = (
 )  # fmt: skip
 _RANKED = "RMS error of friction, undetermined parameters and plant file of each law"
 _STEADY = (
-    "Steady friction over speed, both as magnitudes. Tustin is one curve for all loads and "
-    "directions. Marton and Lantos is two lines for each direction, as in the source: the tangents "
-    "of a Tustin curve at rest and at the largest speed. In between they lie below that curve, and "
-    "most where they meet, at the switch velocity v_SW: this is the error of the law, not of the "
-    "drawing. hbench report fits the two lines to the points instead. The "
-    "other laws depend on the chamber pressures. A title states "
-    "the load, and the pressure on the rod side of the load cylinder (P_Lr)."
+    "Steady friction over speed, both as magnitudes; titles state the load and the pressure on the "
+    "rod side of the load cylinder. Tustin is one curve for all loads and directions. Marton and "
+    "Lantos is two tangents of such a curve, as in the source. They lie below it, most at the "
+    "switch velocity v_SW where they meet: hbench report fits the lines to the points instead. The "
+    "other laws depend on the chamber pressures."
 )
 _SIMULATED = (
     "The simulated cylinder follows a friction law too, that of its bench or plant file. The order "
@@ -100,7 +98,12 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     sections = (
         Section(SUMMARY, tables=summary, facts=facts if summary else ()),
         Section("Friction over speed", (_STEADY,) if steady else (), drawings=steady),
-        Section("Identified parameters", (_SECTION,), tables=parameters),
+        Section(
+            "Identified parameters",
+            (_SECTION,),
+            tables=parameters[:1],
+            parts=_folded("Other laws", parameters[1:]),
+        ),
         Section(
             "Verification",
             drawings=overview,
@@ -114,7 +117,9 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
             if others
             else (),
         ),
-        Section("Steady runs and ramps", _ramp_words(identification), tables=tuple(ramps)),
+        Section(
+            "Steady runs and ramps", _ramp_words(identification), parts=_folded("Errors", ramps)
+        ),
         _remarks(identification),
     )
     return document(
@@ -128,6 +133,10 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         verdict_words(identification),
         provenance.source,
     )
+
+
+def _folded(title: str, tables: Sequence[WordTable]) -> tuple[Section, ...]:
+    return (Section(title, tables=tuple(tables), folded=True),) if tables else ()
 
 
 def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...]:

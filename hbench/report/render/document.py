@@ -25,6 +25,7 @@ _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
 _FIGURE = re.compile(r"Figure (\d+)\. ")
 _INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
+_OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")  # of a command
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
@@ -284,8 +285,8 @@ def _kept(text: str) -> str:
 def _subscripts(text: str) -> Markup:
     """Write the index of a symbol such as F_C below the line; all else is escaped.
 
-    A number is kept on one line with its unit and its interval.
+    A number is kept on one line with its unit and its interval, and so is an option.
     """
     parts = pieces(_kept(text))
     words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
-    return Markup("".join(words))
+    return Markup(_OPTION.sub(r'<span class="option">\g<0></span>', "".join(words)))

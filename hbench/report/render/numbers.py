@@ -144,9 +144,19 @@ def alike(values: Collection[float]) -> str:
 
 
 def span_with_intervals(values: Collection[tuple[float, float | None]]) -> str:
-    """Write the range of values with half-widths, each end as ``with_interval`` rounds it."""
+    """Write the range of values with half-widths, each end as ``with_interval`` rounds it.
+
+    Neither end has more decimals than the other: ``1.7–16.1``.
+    """
     ends = (min(values, key=itemgetter(0)), max(values, key=itemgetter(0)))
-    return _range(*(with_interval(*end).partition(" ± ")[0] for end in ends))
+    written = [with_interval(*end).partition(" ± ")[0] for end in ends]
+    fewest = min(len(text.partition(".")[2]) for text in written)
+    return _range(
+        *(
+            text if len(text.partition(".")[2]) == fewest else number(value, fewest)
+            for text, (value, _) in zip(written, ends, strict=True)
+        )
+    )
 
 
 def percent_span(shares: Collection[float]) -> str:

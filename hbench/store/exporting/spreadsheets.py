@@ -7,7 +7,7 @@ numbers; whatever identifies, such as ids of runs, stays text.
 import csv
 import io
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from hbench.store.formats.packages import require_package
@@ -20,7 +20,8 @@ _TEXTS = re.compile(r"runs?|file|label|reason|message|parameter|with_parameter|u
 _NUMBER = re.compile(r"-?\d+(\.\d*)?([eE][-+]?\d+)?")
 _SHEET = re.compile(r"[\[\]:*?/\\]")
 _LONGEST_NAME = 31  # of a sheet
-_WIDEST = 40  # characters
+_WIDEST, _SHOWN, _FIRST = 40, 8, 20  # characters: of a column, of a number, of the first column
+_ABOUT = "summary"
 # Ending of a column in SI, its ending in practical units, and that unit; the longer ones first.
 _PRACTICAL: tuple[tuple[str, str, Unit], ...] = (
     ("_m3_s_pa", "_l_min_bar", Unit(1e-3 / 60 / 1e5, ())),
@@ -38,8 +39,20 @@ _PRACTICAL: tuple[tuple[str, str, Unit], ...] = (
 _DIFFERENCES = re.compile(r".*(change|ci95|u95|se)_k")  # of temperatures: no zero of degC
 
 
-def workbook(tables: Mapping[str, str]) -> bytes:
-    """Return an Excel workbook with a sheet for each table that has rows, by its file's name.
+def with_rows(tables: Mapping[str, str]) -> dict[str, str]:
+    """Return the tables that have rows, by the names of their sheets."""
+    return {
+        _SHEET.sub(" ", name.removesuffix(".csv"))[:_LONGEST_NAME]: text
+        for name, text in tables.items()
+        if len(text.splitlines()) > 1
+    }
+
+
+def workbook(about: Sequence[Sequence[str]], tables: Mapping[str, str]) -> bytes:
+    """Return an Excel workbook with the text ``about`` it and a sheet for each table.
+
+    The tables are those of ``with_rows``. Numbers have all their digits; a column is as wide as
+    its name and its text, so that a cell shows as many of them as fit.
 
     Raises ``ConfigError`` if openpyxl is not installed.
     """
@@ -49,12 +62,18 @@ def workbook(tables: Mapping[str, str]) -> bytes:
     from openpyxl.utils import get_column_letter
 
     book = openpyxl.Workbook()
-    book.remove(book.active)
+    first = book.active
+    first.title = _ABOUT
+    for row in about:
+        first.append([from_cell(text) for text in row])
+    for row in first.iter_rows():
+        row[0].font = Font(bold=True)
+        for cell in row:
+            cell.data_type = "s" if cell.value else cell.data_type
+    first.column_dimensions["A"].width = _FIRST
     for name, text in tables.items():
         head, *rows = csv.reader(io.StringIO(text))
-        if not rows:
-            continue
-        sheet = book.create_sheet(_SHEET.sub(" ", name.removesuffix(".csv"))[:_LONGEST_NAME])
+        sheet = book.create_sheet(name)
         sheet.append(head)
         for row in rows:
             sheet.append([_value(column, cell) for column, cell in zip(head, row, strict=True)])
@@ -63,7 +82,8 @@ def workbook(tables: Mapping[str, str]) -> bytes:
         sheet.freeze_panes = "A2"
         sheet.auto_filter.ref = sheet.dimensions
         for number, column in enumerate(zip(head, *rows[:200], strict=True), start=1):
-            width = min(max(map(len, column)) + 2, _WIDEST)
+            texts = [cell for cell in column if not _NUMBER.fullmatch(cell)]
+            width = min(max(map(len, [*texts, " " * _SHOWN])) + 2, _WIDEST)
             sheet.column_dimensions[get_column_letter(number)].width = width
         for cells in sheet.iter_rows(min_row=2):
             for cell in cells:  # text that begins with = stays text
