@@ -118,6 +118,21 @@ def test_one_group_is_generalised_least_squares_with_a_prior():
     assert beta == pytest.approx(np.linalg.solve(matrix, weight * columns.T @ d), rel=1e-9)
 
 
+def test_a_damped_step_follows_the_data_and_leaves_alone_what_they_do_not_determine():
+    """Damping is a second normal prior, about the present value."""
+    product = freedom(1, centre=2.0, prior=0.5).damped(0.5)
+    assert (product.centre[0], product.sigma[0]) == pytest.approx((1.0, 0.5 / np.sqrt(2)))
+    raw = drawn(np.random.default_rng(3), [3.0, 0.0], within=0.0)
+    flat = Drawn(raw.d, raw.columns * [1.0, 1e-3])
+    free = freedom(2, centre=[0.0, 5.0], prior=10.0)
+    whole, damped = (
+        maximum_likelihood(flat.products(), priors, [0, 1], np.arange(30))[0]
+        for priors in (free.damped(np.inf), free.damped(0.3))
+    )
+    assert damped[0] == pytest.approx(whole[0], rel=0.1) and whole[0] > 2.5
+    assert whole[1] > 4 and abs(damped[1]) < 0.01
+
+
 def test_without_a_word_from_the_data_parameters_stay_at_their_priors():
     rng = np.random.default_rng(2)
     raw = drawn(rng, [1.0, 0.0])

@@ -107,22 +107,25 @@ def test_intervals_hold_the_truth_of_an_effect_of_the_catalogues_own_law():
 # ---- moving
 
 
-@pytest.mark.parametrize(("found", "moves"), [(1.0, True), (12.0, False)])
-def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(found, moves):
-    """What the laws make of the best step may be worse than before it."""
+@pytest.mark.parametrize(("worse", "moves"), [(0, True), (2, True), (5, True), (99, False)])
+def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(worse, moves):
+    """The laws may be worse than before at the best step, and at shorter and damped ones."""
     scatter = np.random.default_rng(4).standard_normal(40)
     before, cushion = lacking(scatter + 6 * lacking(scatter)[1])
-    there, _ = lacking(found * scatter)
+    there, beyond = lacking(scatter)[0], lacking(12 * scatter)[0]
+    tried = []
 
     class Stepped(CampaignSearch):
         def linearise_at(self, start, hypothesis):
-            return there
+            tried.append(hypothesis.coefficient(("end_cushion", "damping")))
+            return beyond if len(tried) <= worse else there
 
         def with_columns(self, model, names):
             return model
 
     search = Stepped(SimpleNamespace(plant=None, tolerances={}), np.arange(40), ("end_cushion",))
     assert search.refit(before, ("end_cushion",)) is (there if moves else before)
+    assert tried[:3] == pytest.approx([tried[0], tried[0] / 2, tried[0] / 4][: len(tried)])
 
 
 # ---- rivals
