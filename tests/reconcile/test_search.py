@@ -125,7 +125,8 @@ def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(wor
 
     search = Stepped(SimpleNamespace(plant=None, tolerances={}), np.arange(40), ("end_cushion",))
     assert search.refit(before, ("end_cushion",)) is (there if moves else before)
-    assert tried[:3] == pytest.approx([tried[0], tried[0] / 2, tried[0] / 4][: len(tried)])
+    if worse > 2:
+        assert tried[:3] == pytest.approx([tried[0], tried[0] / 2, tried[0] / 4])
 
 
 # ---- rivals
