@@ -47,6 +47,11 @@ class TextTable:
     _converted: dict[int, np.ndarray] = field(default_factory=dict, repr=False, compare=False)
     leaves_out_rows: ClassVar[bool] = False
 
+    @property
+    def started(self) -> datetime | None:
+        """None: columns have no times of their own."""
+        return None
+
     def where(self, row: int) -> str:
         """Return a row's position in the file, for messages."""
         return f"line {self.lines[row]}"

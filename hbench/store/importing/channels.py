@@ -31,7 +31,7 @@ class FileChannels:
     units: dict[str, str]  # of the columns in the file
     zeros: dict[str, ZeroOffset]  # subtracted from channels
     rest: tuple[float, float] | None  # [s] the rest before the motion; None if there is none
-    origin: datetime | None  # at t_s = 0; None if the times are no date-times
+    origin: datetime | None  # at t_s = 0; None if the file does not state it
 
 
 def read_channels_by_map(

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
 from hbench.store.files.number_columns import rounded_to_decimals
+from hbench.store.formats.date_times import utc
 from hbench.store.formats.table import Table
 from hbench.store.importing.file_notes import FileNote
 from hbench.units import parse_unit, to_si
@@ -34,7 +35,7 @@ def read_time_bases(
 ) -> tuple[list[TimeBase], datetime | None, list[FileNote]]:
     """Return the time bases of a file, that of ``x_m`` first, and notes on omitted rows.
 
-    In between is the date-time of ``t_s = 0``; None if the times are no date-times. Raises
+    In between is the date-time of ``t_s = 0``; None if the file does not state it. Raises
     ``DataError`` naming the invalid line.
     """
     table.prefetch(_columns_of_numbers(rules))
@@ -80,12 +81,13 @@ def _columns_of_numbers(rules: ImportMap) -> Iterator[int | str]:
 def _times(table: Table, rules: ImportMap) -> tuple[dict[str, np.ndarray], datetime | None]:
     """Return the times [s] of each channel's samples from a common instant, and that instant.
 
-    The instant is known of date-times alone.
+    The instant is known of date-times, and of a file's own times if it states their start.
     """
     keys = [key for key in rules.columns if key != "t_s"]
     default = rules.columns.get("t_s")
     if default is None:
-        return dict(_own_times(table, {key: rules.columns[key] for key in keys})), None
+        own = dict(_own_times(table, {key: rules.columns[key] for key in keys}))
+        return own, table.started
     sources = {key: rules.columns[key].time or default.column for key in keys}
     gaps = table.leaves_out_rows or any(rules.columns[key].time for key in keys)
     columns = {
@@ -96,7 +98,7 @@ def _times(table: Table, rules: ImportMap) -> tuple[dict[str, np.ndarray], datet
         stamps = {source: table.date_times(source, gaps=gaps) for source in columns}
         known = [stamp[~np.isnat(stamp)] for stamp in stamps.values()]
         origin = min((stamp[0] for stamp in known if len(stamp)), default=np.datetime64(0, "s"))
-        instant = origin.astype("datetime64[us]").item().replace(tzinfo=UTC)
+        instant = utc(origin)
         seconds = {
             source: (stamp - origin) / np.timedelta64(1, "ns") * 1e-9
             for source, stamp in stamps.items()
