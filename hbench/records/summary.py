@@ -185,6 +185,8 @@ class QualityCheck:
         "zeros",
         "zero_drift",
         "plausible_signs",
+        "load_direction",
+        "load_balance",
         "instruments",
     ]
     grade: Grade

@@ -204,6 +204,8 @@ ENGLISH = {
     "check_zeros": "zeros of the sensors",
     "check_zero_drift": "drift of the zeros",
     "check_plausible_signs": "signs of friction",
+    "check_load_direction": "direction of the load",
+    "check_load_balance": "balance of forces over the load",
     "check_instruments": "uncertainty of the instruments",
     "no_deviations": "No deviations from the schedule.",
     "record_notes": "Notes of the record: {notes}",

@@ -200,6 +200,8 @@ GERMAN = {
     "check_zeros": "Nullpunkte der Sensoren",
     "check_zero_drift": "Drift der Nullpunkte",
     "check_plausible_signs": "Vorzeichen der Reibung",
+    "check_load_direction": "Richtung der Last",
+    "check_load_balance": "Kräftebilanz über der Last",
     "check_instruments": "Unsicherheit der Messmittel",
     "no_deviations": "Keine Abweichungen vom Prüfplan.",
     "record_notes": "Hinweise der Aufzeichnung (englisch): {notes}",
