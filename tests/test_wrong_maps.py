@@ -16,10 +16,13 @@ LOADS_N = (200.0, 1500.0)
 def analysed(tmp_path, clock):
     """Return a function that imports strokes at two speeds and loads by a map, and analyses them.
 
-    ``bore`` [mm] and ``force_scale`` are those of the map; the logs' are 40 mm and 1.
+    ``bore`` [mm], ``force_scale`` and ``offset_n`` of the load cell are those of the map; right are
+    40 mm, 1 and 0.
     """
 
-    def analysed(bore=40.0, force_scale=1.0, loads_n=LOADS_N, cut="reversals", named=True):
+    def analysed(
+        bore=40.0, force_scale=1.0, loads_n=LOADS_N, cut="reversals", named=True, offset_n=0.0
+    ):
         (tmp_path / "logs").mkdir(exist_ok=True)
         for load in loads_n:
             for v in (20, 40):
@@ -44,7 +47,7 @@ def analysed(tmp_path, clock):
                 }
             ],
         }
-        rules["columns"]["f_applied_n"]["scale"] = force_scale
+        rules["columns"]["f_applied_n"] |= {"scale": force_scale, "offset": f"{offset_n} N"}
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
         workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", clock)
         return workflow.analyze(tmp_path / "out")
@@ -110,3 +113,20 @@ def test_a_load_that_opposes_one_direction_has_no_such_check(analysed):
     results = analysed(force_scale=-1.0, loads_n=(1500.0,))
     assert check_of(results, "load_direction") is None
     assert check_of(results, "plausible_signs").grade == "poor"
+
+
+def test_a_weight_that_no_load_cell_measures_makes_the_directions_differ(analysed):
+    results = analysed(loads_n=(0.0,), offset_n=-100.0)  # 100 N act besides
+    extend, retract = results.curves
+    assert extend.points[0].friction_n == pytest.approx(268, abs=5)
+    assert retract.points[0].friction_n == pytest.approx(-68, abs=5)
+    check = check_of(results, "equal_directions")
+    assert (check.grade, check.count, check.of) == ("with care", 2, 2)
+    assert check.value == pytest.approx(100 * 100 / 168, abs=2)
+    assert "one direction has more than twice the friction" in quality_verdict(results.quality)
+    assert "Look for a force that is not measured" in next_step(results.quality, "", imported=True)
+
+
+def test_directions_that_differ_by_less_are_no_reason_for_care(analysed):
+    """Of 168 N in both directions, 40 N make 208 and 128 N."""
+    assert check_of(analysed(loads_n=(0.0,), offset_n=-40.0), "equal_directions") is None

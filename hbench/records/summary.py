@@ -187,6 +187,7 @@ class QualityCheck:
         "plausible_signs",
         "load_direction",
         "load_balance",
+        "equal_directions",
         "instruments",
     ]
     grade: Grade

@@ -13,6 +13,7 @@ NAMES = {
     "plausible_signs": "Plausible signs",
     "load_direction": "Direction of the load",
     "load_balance": "Balance over load",
+    "equal_directions": "Both directions",
     "instruments": "Instruments",
 }
 LIMITS = {
@@ -32,6 +33,7 @@ LIMITS = {
     "load_direction": "good if the load opposes the motion at a point, or supplies up to {good:g} "
     "% of friction",
     "load_balance": "good to {good:g} % of the load, poor above {poor:g} %, less the interval",
+    "equal_directions": "good if no direction has more than twice the friction of the other",
     "instruments": "good to {good:g} %; above, rely on differences rather than on the level",
 }
 STEPS = {
@@ -53,6 +55,8 @@ STEPS = {
     "-1 in a map)",
     "load_balance": "check the diameters of the cylinder, and the scale and sign of the pressures "
     "and of the load cell",
+    "equal_directions": "look for a force that is not measured, such as a weight on an upright "
+    "cylinder, for a zero offset, and for a wrong diameter",
     "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
     "and state their tolerances in the {file}",
 }

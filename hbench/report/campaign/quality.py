@@ -271,6 +271,11 @@ def _value(check: QualityCheck) -> str:
         )
         wrong = ", as it does with a wrong diameter or a wrong scale of a pressure or force"
         return change if check.grade == "good" else f"{change}{wrong}"
+    if check.name == "equal_directions":
+        return (
+            f"at {check.count} of {check.of} speeds and loads one direction has more than twice "
+            "the friction of the other"
+        )
     if check.name == "load_spread":
         return (
             f"at {check.count} of {check.of} points runs of different loads are averaged: no "

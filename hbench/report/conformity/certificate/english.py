@@ -206,6 +206,7 @@ ENGLISH = {
     "check_plausible_signs": "signs of friction",
     "check_load_direction": "direction of the load",
     "check_load_balance": "balance of forces over the load",
+    "check_equal_directions": "difference of the directions",
     "check_instruments": "uncertainty of the instruments",
     "no_deviations": "No deviations from the schedule.",
     "record_notes": "Notes of the record: {notes}",

@@ -202,6 +202,7 @@ GERMAN = {
     "check_plausible_signs": "Vorzeichen der Reibung",
     "check_load_direction": "Richtung der Last",
     "check_load_balance": "Kräftebilanz über der Last",
+    "check_equal_directions": "Unterschied der Richtungen",
     "check_instruments": "Unsicherheit der Messmittel",
     "no_deviations": "Keine Abweichungen vom Prüfplan.",
     "record_notes": "Hinweise der Aufzeichnung (englisch): {notes}",
