@@ -1,4 +1,4 @@
-"""Maps that are wrong where nothing in a file contradicts them: the forces do, in the verdict."""
+"""Maps that are wrong or incomplete where no file contradicts them: the verdict has to."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,16 @@ import yaml
 
 from hbench import workflow
 from hbench.report.campaign.quality import next_step, quality_verdict
+from hbench.report.conformity.text import acceptance_text
+from hbench.store.campaign.stored_acceptance import stored_checks
 from tests.support.strokes import there_and_back
 
 FRICTION_N = 150 + 900 * np.array([0.02, 0.04])  # of the logs
 LOADS_N = (200.0, 1500.0)
+INSTRUMENTS = {
+    "force": {"tolerance": "0.1 %", "of": "full_scale", "full_scale": "5 kN"},
+    "pressure": {"tolerance": "0.1 %", "of": "full_scale", "full_scale": "100 bar"},
+}
 
 
 @pytest.fixture
@@ -21,7 +27,13 @@ def analysed(tmp_path, clock):
     """
 
     def analysed(
-        bore=40.0, force_scale=1.0, loads_n=LOADS_N, cut="reversals", named=True, offset_n=0.0
+        bore=40.0,
+        force_scale=1.0,
+        loads_n=LOADS_N,
+        cut="reversals",
+        named=True,
+        offset_n=0.0,
+        instruments=None,
     ):
         (tmp_path / "logs").mkdir(exist_ok=True)
         for load in loads_n:
@@ -48,6 +60,7 @@ def analysed(tmp_path, clock):
             ],
         }
         rules["columns"]["f_applied_n"] |= {"scale": force_scale, "offset": f"{offset_n} N"}
+        rules |= {"instruments": instruments} if instruments else {}
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
         workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", clock)
         return workflow.analyze(tmp_path / "out")
@@ -130,3 +143,21 @@ def test_a_weight_that_no_load_cell_measures_makes_the_directions_differ(analyse
 def test_directions_that_differ_by_less_are_no_reason_for_care(analysed):
     """Of 168 N in both directions, 40 N make 208 and 128 N."""
     assert check_of(analysed(loads_n=(0.0,), offset_n=-40.0), "equal_directions") is None
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_u_is_stated_to_be_without_the_instruments_where_their_tolerances_are_not_known(
+    analysed, tmp_path, undrawn, known
+):
+    analysed(loads_n=(0.0,), instruments=INSTRUMENTS if known else None)
+    workflow.report(tmp_path / "out", form="md")
+    page = (tmp_path / "out/results/report.md").read_text()
+    assert ("with expanded uncertainty U" in page) == known
+    assert ("of trials and instruments together" in page) == known
+    assert ("does not contain the errors of the instruments" in page) != known
+    (tmp_path / "limits.yaml").write_text("limits: [{quantity: friction, max: 1 kN}]")
+    acceptance = workflow.accept(tmp_path / "out", tmp_path / "limits.yaml")
+    words = "U of friction: without the errors of the instruments"
+    assert (words in acceptance_text(acceptance)) != known
+    stored = stored_checks(tmp_path / "out")
+    assert [check.measurement.without_instruments for check in stored] == [not known] * 2
