@@ -75,3 +75,20 @@ def test_a_suggested_map_subtracts_the_atmosphere(logs):
     text = suggest_map(logs).text
     assert 'p_tp_pa: {column: "p_A [bara]", unit: bar, offset: -1.013 bar}' in text
     assert 'p_tr_pa: {column: "p_B [bara]", unit: bar, offset: -1.013 bar}' in text
+
+
+@pytest.mark.parametrize(("offset_bar", "is_noted"), [(-9.5, True), (-8.5, False)])
+def test_a_pressure_below_a_vacuum_is_noted(rules, import_by, logs, offset_bar, is_noted):
+    """The rod side has 8 bar."""
+    rules["columns"] = {
+        "t_s": {"column": "t [s]", "unit": "s"},
+        "x_m": {"column": "x [mm]", "unit": "mm"},
+        "p_tr_pa": {"column": 4, "unit": "bar", "offset": f"{offset_bar - 1.013} bar"},
+    }
+    rules["constants"] = {"p_tp_pa": "20 bar"}
+    rules["series"][0]["files"] = "{trial}.csv"
+    rules["cut"] = "reversals"
+    _, notes = import_by(rules, logs)
+    found = [note for note in notes if "below a vacuum" in note]
+    assert len(found) == is_noted
+    assert all("p_tr_pa: down to -1.5" in note and "(-1.013 bar)" in note for note in found)
