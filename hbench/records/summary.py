@@ -99,6 +99,11 @@ class Drift:
         return self.basis == "order" and not self.separated
 
     @property
+    def has_size(self) -> bool:
+        """Whether the change is a result: not where a significant drift is of unknown size."""
+        return not (self.significant and self.of_unknown_size)
+
+    @property
     def possible_percent(self) -> float:
         """The farther end of the interval of the change, as a magnitude."""
         return abs(self.change_percent) + self.change_percent_ci95
@@ -180,6 +185,9 @@ class QualityCheck:
         "zeros",
         "zero_drift",
         "plausible_signs",
+        "load_direction",
+        "load_balance",
+        "equal_directions",
         "instruments",
     ]
     grade: Grade

@@ -19,7 +19,7 @@ def drift_words(drift: Drift) -> str:
     """Return the drift, its test, and whether the plan separates it from speed, as a clause."""
     change = with_interval(drift.change_percent, drift.change_percent_ci95)
     how = "significant" if drift.significant else "not significant"
-    if drift.of_unknown_size and drift.significant:
+    if not drift.has_size:
         return (
             f"an unknown amount: it drifts between the trials ({how}, {_p(drift.p)}), but no times "
             "of the runs are known"
@@ -114,8 +114,9 @@ def drift_table(drift: Drift) -> Table:
         *("Change over the campaign", "Per hour", "Span", "p", "Points", "Trials"),
         *("VIF of time by speed", "Share between speeds (%)", "Separated from speed"),
     )
+    change = f"{with_interval(scale * drift.change, scale * drift.change_ci95)} {unit}"
     row = (
-        f"{with_interval(scale * drift.change, scale * drift.change_ci95)} {unit}",
+        change if drift.has_size else "not known",
         per_hour,
         f"{drift.trials} trials" if drift.span_s is None else _minutes(drift.span_s),
         _p(drift.p).removeprefix("p = ").removeprefix("p "),

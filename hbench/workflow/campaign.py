@@ -173,9 +173,9 @@ def measure(
     ``resume``. ``baud`` is the line's rate: by default 115200; on the virtual rig octets then take
     no time. ``plant`` is the file of another plant for the virtual rig; the campaign stores only
     its checksum. ``resume`` also repeats completed runs whose log is missing or changed; a changed
-    log is kept. ``clock`` gives the times in the journal; on the virtual rig, only that of the
-    session's start, and the rig's own time is added. A run that is rejected as it ends is repeated
-    at once, up to ``retry`` times.
+    log is kept. ``clock`` gives the time of the session's start; the times in the journal are that
+    plus the time of the line, so that setting the computer's clock does not change them. A run that
+    is rejected as it ends is repeated at once, up to ``retry`` times.
     During the measurement, the folder's ``live.json`` contains the state given to ``report``.
     Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """
@@ -196,7 +196,7 @@ def measure(
         line = open_port(port, bench, physics, session_seed(seed, campaign), baud)
         try:
             client = BoardClient(line)
-            now = _bench_clock(line, clock(), campaign) if port == "sim" else clock
+            now = _session_clock(line, clock(), campaign if port == "sim" else None)
             identity = client.identify()
             bring_to_rest(client, resume or take_over)  # before the folder is created
             header = campaign_header(
@@ -237,13 +237,14 @@ def measure(
             line.close()
 
 
-def _bench_clock(
-    line: Port, now: datetime, campaign: StoredCampaign | None
+def _session_clock(
+    line: Port, now: datetime, simulated: StoredCampaign | None
 ) -> Callable[[], datetime]:
     """Return a clock that adds the line's time to that of the session's start.
 
-    The virtual rig is faster than time passes, so an earlier session may end later than ``now``.
+    The virtual rig is faster than time passes, so an earlier session of a ``simulated`` campaign
+    may end later than ``now``.
     """
-    start = max(now, (campaign and campaign.ended_at()) or now)
+    start = max(now, (simulated and simulated.ended_at()) or now)
     zero_s = line.now()
     return lambda: start + timedelta(seconds=line.now() - zero_s)

@@ -1,11 +1,13 @@
 """Steady strokes of a made-up foreign bench, whose friction follows laws of its own."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hbench.config.stroke_model import parse_strokes
+from hbench.errors import ConfigError
 from hbench.reconcile.strokes.series import stroke_pairs
 from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE, StrokeTask, diagnose_strokes
 from hbench.reconcile.verdict import MISSING
@@ -198,6 +200,32 @@ def test_too_few_strokes_get_what_is_missing(lacking, pattern):
     found = diagnosed(one=strokes(saturating(120, 120), **lacking))
     assert found.verdict == "unknown" and not found.effects
     assert any(re.match(pattern, text) for text in found.missing)
+
+
+def test_the_positions_averaged_over_need_not_be_equal_for_repeats():
+    """Each file has positions of its own: those that its two directions cover."""
+    runs = [
+        replace(each, run=replace(each.run, plan=replace(plan, x_low_m=1e-5 * i, x_high_m=0.2)))
+        for i, each in enumerate(strokes(lambda bar: 50))
+        for plan in [each.run.plan]
+    ]
+    pairs = stroke_pairs(runs)
+    assert len(pairs) == 3 * len(BARS) and len({pair.plan for pair in pairs}) == len(BARS)
+
+
+def test_areas_on_which_a_pressure_acts_are_those_of_the_campaign():
+    thicker = {**MODEL, "test_cylinder": {"piston_diameter": "40 mm", "rod_diameter": "20 mm"}}
+    assert diagnosed(thicker, one=strokes(saturating(120, 120))).verdict != "unknown"  # 0 bar
+    under_pressure = [
+        replace(each, means=replace(each.means, p_tr_pa=1e5))
+        for each in strokes(saturating(120, 120))
+    ]
+    with pytest.raises(ConfigError, match=r"rod-side area of 9\.425 cm\^2, .* 12\.57") as caught:
+        diagnosed(thicker, one=under_pressure)
+    assert "test_cylinder.rod_diameter" in caught.value.hint
+    other = {**MODEL, "test_cylinder": {"piston_diameter": "50 mm"}}
+    with pytest.raises(ConfigError, match=r"piston area of 19\.63 cm\^2, .* 12\.57"):
+        diagnosed(other, one=strokes(saturating(120, 120)))
 
 
 def test_strokes_of_one_trial_are_its_repeats_until_a_second_trial_is_there():

@@ -1,5 +1,6 @@
 """The drift in words: its size, its test, and what the plan means for the numbers."""
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from hbench.analysis.summary.drift import drift_checks
 from hbench.records import Drift
 from hbench.report.campaign.page import report_document
+from hbench.report.campaign.results_document import results_json
 from hbench.report.drift import (
     drift_advice,
     drift_finding,
@@ -16,6 +18,7 @@ from hbench.report.drift import (
     drift_words,
 )
 
+CHANGES = ("change", "change_ci95", "change_percent", "change_percent_ci95")
 MEASURED = {
     "basis": "time",
     "scale": "relative",
@@ -61,8 +64,26 @@ def test_a_change_that_is_extrapolated_from_the_order_of_files_has_no_number():
     for words in (drift_words(drift), drift_finding(drift), drift_advice(drift)):
         assert "177" not in words
     assert "column of date-times" in drift_advice(drift)
+    (row,) = drift_table(drift).rows
+    assert row[0].text == "not known"
     (known,) = drift_checks(replace(drift, basis="time"))
     assert known.grade == "poor" and "177" in drift_finding(known.drift)
+
+
+def test_results_have_no_number_of_a_change_that_is_not_known(small):
+    """The p-value is that of the trials, and is kept."""
+
+    def written(drift):
+        quality = replace(small.quality, checks=drift_checks(drift))
+        document = json.loads(results_json(replace(small, drift=drift, quality=quality)))
+        (check,) = document["quality"]["checks"]
+        return [document["drift"][name] for name in CHANGES], check["value"], document["drift"]["p"]
+
+    drift = Drift(**MEASURED | {"basis": "order", "separated": False, "change_percent": -4.0})
+    assert written(drift) == ([None] * 4, None, MEASURED["p"])
+    values = [drift.change, drift.change_ci95, -4.0, drift.change_percent_ci95]
+    assert written(replace(drift, basis="time")) == (values, 4.0, MEASURED["p"])
+    assert written(replace(drift, p=0.3))[0] == values  # what is possible is stated
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,8 @@ import subprocess
 import sys
 import threading
 import time
+from datetime import UTC, datetime, timedelta
+from itertools import count
 
 import pytest
 import serial
@@ -87,6 +89,29 @@ def test_a_campaign_on_a_served_rig_is_accepted_and_says_that_it_is_simulated(
     header = load_campaign(folder).header
     assert (header["source"], header["port"]) == ("simulated", line.name)
     assert "seed" not in header  # the client doesn't know it
+
+
+def test_setting_the_computer_s_clock_does_not_change_the_times_of_runs(
+    served, experiment, tmp_path
+):
+    """The clock goes forward by an hour each time that it is read."""
+    _, line = served(share_s=1.0)
+    hours = count()
+    start = datetime(2026, 3, 29, tzinfo=UTC)
+    workflow.measure(
+        experiment,
+        tmp_path / "campaign",
+        port=line.name,
+        plant=None,
+        seed=1,
+        resume=False,
+        clock=lambda: start + timedelta(hours=next(hours)),
+        report=lambda progress: None,
+    )
+    (entry,) = load_campaign(tmp_path / "campaign").entries
+    began, ended = map(datetime.fromisoformat, (entry.started, entry.stop.at))
+    assert timedelta(0) < ended - began < timedelta(seconds=PATIENCE_S)
+    assert start <= began < start + timedelta(seconds=PATIENCE_S)
 
 
 @pytest.mark.parametrize("address", ADDRESSES)

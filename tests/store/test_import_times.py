@@ -247,3 +247,12 @@ def test_the_zero_of_a_position_is_not_told_by_rest(rules):
     rules["columns"]["x_m"]["zero"] = "rest"
     with pytest.raises(ConfigError, match="columns.x_m: .*zero"):
         parse_import_map(rules, "map.yaml")
+
+
+def test_a_time_in_a_wrong_unit_is_visible_where_no_stroke_is_found(bring_in, rules):
+    rules["cut"] = "reversals"
+    t = np.arange(0, 7, 0.02)
+    x = np.interp(t, [1, 3, 4, 6], [20, 120, 120, 20])
+    with pytest.raises(DataError, match="positions from 20 to 120 mm in 6980 s") as caught:
+        bring_in(1e3 * t, x, 0 * t, 0 * t)  # ms taken as s
+    assert "Check the units of x_m and t_s" in caught.value.hint

@@ -2,6 +2,7 @@
 
 from datetime import UTC, datetime, timedelta, timezone
 
+import numpy as np
 import pytest
 import yaml
 
@@ -90,3 +91,81 @@ def test_dates_in_foreign_logs_are_the_start_times_of_their_runs(tmp_path, at, s
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
     import_folder(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", {}, at(0))
     assert load_campaign(tmp_path / "out").start_times_s() == expected
+
+
+T = np.arange(0, 2, 0.01)
+UNITS = {"x": "m", "p": "bar"}  # of the channels, which rise with time
+
+
+def write_tdms(path, start):
+    from nptdms import ChannelObject, TdmsWriter
+
+    about = {"wf_increment": 0.01}
+    if start is not None:
+        about["wf_start_time"] = np.datetime64(start.replace(tzinfo=None))
+    with TdmsWriter(path) as writer:
+        writer.write_segment(
+            [
+                ChannelObject("log", name, T, about | {"unit_string": unit})
+                for name, unit in UNITS.items()
+            ]
+        )
+
+
+def write_mdf(path, start):
+    from asammdf import MDF, Signal
+
+    with MDF(version="4.10" if path.suffix == ".mf4" else "3.30") as mdf:
+        mdf.append([Signal(T, T, name=name, unit=unit) for name, unit in UNITS.items()])
+        if start is None and path.suffix == ".mf4":
+            mdf.header.abs_time = 0
+        elif start is None:
+            mdf.header.date = b"00:00:0000"
+        else:
+            mdf.header.start_time = start
+        mdf.save(path, overwrite=True)
+
+
+def write_twincat(path, start):
+    ticks = start and (start - datetime(1601, 1, 1, tzinfo=UTC)) // timedelta(microseconds=1) * 10
+    rows = (f"{1e3 * t:.0f},{t!r},{t!r}" for t in T.tolist())
+    head = ["Name,Crane", f"Starttime of export,{ticks or ''},Wednesday"]
+    path.write_text("\n".join([*head, "", "Name,x,p", "Unit,m,bar", "", *rows, ""]))
+
+
+@pytest.mark.parametrize(
+    ("ending", "write"),
+    [("tdms", write_tdms), ("mf4", write_mdf), ("mdf", write_mdf), ("csv", write_twincat)],
+)
+@pytest.mark.parametrize("dated", [True, False])
+def test_files_that_state_their_start_give_the_start_times_of_their_runs(
+    tmp_path, at, ending, write, dated
+):
+    """Version 3 of MDF has whole seconds; a file without a date has no start, not the present."""
+    (tmp_path / "logs").mkdir()
+    for number, seconds in enumerate((3600, 0, 9000), start=1):
+        write(tmp_path / f"logs/{number}.{ending}", at(seconds) if dated else None)
+    rules = {
+        "name": "dates",
+        "columns": {
+            "x_m": {"column": "x", "unit": "m"},
+            "p_tp_pa": {"column": "p", "unit": "bar"},
+        },
+        "series": [
+            {
+                "label": "",
+                "files": f"{{trial}}.{ending}",
+                "cylinder": {"piston_diameter": "25 mm"},
+            }
+        ],
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    import_folder(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", {}, at(0))
+    campaign = load_campaign(tmp_path / "out")
+    expected = {"0001": 3600.0, "0002": 0.0, "0003": 9000.0}
+    assert campaign.start_times_s() == (pytest.approx(expected) if dated else {})
+    if dated:
+        start = datetime.fromisoformat(campaign.entries[1].origin["start"])
+        assert abs(start - at(0)) < timedelta(days=1)  # local time without a zone in version 3
+    else:
+        assert not any("start" in entry.origin for entry in campaign.entries)

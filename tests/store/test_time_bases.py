@@ -62,9 +62,9 @@ def test_a_slower_channel_is_interpolated_and_a_faster_one_averaged(bring_in):
 
 def test_times_of_one_rate_that_coincide_give_the_samples_themselves(bring_in):
     noise = np.random.default_rng(1).standard_normal(len(T))
-    run, notes = bring_in(**columns(tp=T[3:], p=noise[3:], tf=T[:-2], f=noise[:-2]))
+    run, notes = bring_in(**columns(tp=T[3:], p=9 + noise[3:], tf=T[:-2], f=noise[:-2]))
     np.testing.assert_array_equal(run.f_applied_n, noise[3:-2])
-    np.testing.assert_allclose(run.p_tp_pa, 1e5 * noise[3:-2])
+    np.testing.assert_allclose(run.p_tp_pa, 1e5 * (9 + noise[3:-2]))
     assert len(notes) == 1 and "5 of 200" in notes[0]
 
 

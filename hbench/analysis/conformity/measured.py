@@ -54,6 +54,7 @@ def _friction(results: Results, requirement: Requirement) -> Iterable[Measuremen
                     p_lr_ref_pa=curve.p_lr_ref_pa,
                     v_m_s=abs(point.v_m_s),
                     runs=point.runs,
+                    without_instruments=point.sigma_instruments_n is None,
                 )
 
 
@@ -70,6 +71,7 @@ def _efficiency(results: Results, requirement: Requirement) -> Iterable[Measurem
                     f_load_n=curve.f_load_n,
                     p_lr_ref_pa=curve.p_lr_ref_pa,
                     v_m_s=abs(point.v_m_s),
+                    without_instruments=point.sigma is None,
                 )
 
 
@@ -101,6 +103,7 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
             p_lr_ref_pa=each.series.p_lr_ref_pa,
             dwell_s=each.dwell_s,
             runs=each.runs,
+            without_instruments=each.u95_n is None,
         )
 
 

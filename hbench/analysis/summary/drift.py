@@ -271,8 +271,9 @@ def drift_checks(drift: Drift | None) -> tuple[QualityCheck, ...]:
     size = abs(drift.change_percent)
     if drift.hidden and drift.basis == "order":
         return ()
-    mixed = drift.significant and not drift.separated
-    poor = mixed and size > LARGE_DRIFT and not drift.of_unknown_size
+    if not drift.has_size:
+        return (QualityCheck("drift", "with care", None, "%", _GOOD, LARGE_DRIFT, drift=drift),)
+    poor = drift.significant and not drift.separated and size > LARGE_DRIFT
     care = size > _GOOD if drift.significant else drift.hidden
     grade: Grade = "poor" if poor else "with care" if care else "good"
     return (QualityCheck("drift", grade, size, "%", _GOOD, LARGE_DRIFT, drift=drift),)

@@ -9,6 +9,7 @@ from statistics import median
 
 from hbench.analysis.summary.completeness import PlannedRuns, completeness
 from hbench.analysis.summary.drift import drift_checks
+from hbench.analysis.summary.force_checks import equal_directions, load_balance, load_direction
 from hbench.analysis.summary.plausibility import implausible_points
 from hbench.analysis.uncertainty.budget import of_instruments
 from hbench.records import (
@@ -86,6 +87,9 @@ def _checks(
     yield from _load_spread(runs, points)
     yield from _nominal_load(runs)
     yield _plausible_signs(implausible, len(points))
+    yield from load_direction(curves)
+    yield from load_balance(curves)
+    yield from equal_directions(curves)
     yield _instruments(points)
 
 

@@ -127,7 +127,7 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
         shortfalls = (*([_APPLIED_FORCE] if no_force else []), shortfall, *missing)
         found = insufficient_data_diagnosis(task, shortfalls, left_out)
         return found if sensor else replace(found, notes=(NO_SENSOR_NOTE, _DRIFT_NOTE))
-    _check_area(task, pairs)
+    _check_areas(task, pairs)
     of_cylinder = {label: pairs}
     for other, runs in others:
         more = _repeated(runs)
@@ -149,15 +149,20 @@ def _repeated(screened: Sequence[ScreenedRun]) -> tuple[StrokePair, ...]:
     return tuple(pair for pair in pairs if plans.count(pair.plan) > 1)
 
 
-def _check_area(task: StrokeTask, pairs: Sequence[StrokePair]) -> None:
-    measured = pairs[0].plan.specimen.area_piston_m2
-    modelled = task.plant.test_cylinder.area_piston_m2
-    if abs(modelled / measured - 1) > _SAME_AREA:
-        raise ConfigError(
-            f"{task.model}: test_cylinder has a piston area of {1e4 * modelled:.4g} cm^2, the "
-            f"campaign's cylinder {1e4 * measured:.4g} cm^2 (limit: {_SAME_AREA:.1%} difference)",
-            f"Correct test_cylinder.piston_diameter in {task.model}, or the import's map.",
-        )
+def _check_areas(task: StrokeTask, pairs: Sequence[StrokePair]) -> None:
+    """Raise ``ConfigError`` if an area on which a pressure acts is not that of the campaign."""
+    measured, modelled = pairs[0].plan.specimen, task.plant.test_cylinder
+    sides = [("piston area", measured.area_piston_m2, modelled.area_piston_m2, "piston_diameter")]
+    if any(stroke.p_tr_pa for pair in pairs for stroke in (pair.extend, pair.retract)):
+        sides += [("rod-side area", measured.area_rod_m2, modelled.area_rod_m2, "rod_diameter")]
+    for name, of_campaign, of_model, key in sides:
+        if abs(of_model - of_campaign) > _SAME_AREA * of_campaign:
+            raise ConfigError(
+                f"{task.model}: test_cylinder has a {name} of {1e4 * of_model:.4g} cm^2, the "
+                f"campaign's cylinder {1e4 * of_campaign:.4g} cm^2 "
+                f"(limit: {_SAME_AREA:.1%} difference)",
+                f"Correct test_cylinder.{key} in {task.model}, or the import's map.",
+            )
 
 
 def _assembled(

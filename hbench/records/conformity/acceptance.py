@@ -65,6 +65,7 @@ class Measurement:
     v_m_s: float | None = None
     dwell_s: float | None = None
     runs: tuple[str, ...] = ()
+    without_instruments: bool = False  # u95 does not contain their errors, which are not known
 
 
 @dataclass(frozen=True)

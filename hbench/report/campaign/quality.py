@@ -6,6 +6,7 @@ from hbench.records import Completeness, ImplausiblePoint, PointTrials, Quality,
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import load_words
 from hbench.report.drift import drift_finding, drift_words
+from hbench.report.quality_words import LIMITS, NAMES, STEPS
 from hbench.report.render.numbers import number, short, significant, with_interval
 from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
@@ -14,53 +15,6 @@ RULE = (
     "Each check is good, to be used with care, or poor; the verdict is the worst of them. The "
     "limits are hbench's own; no standard sets them. Each fit has its own verdict."
 )
-_NAMES = {
-    "complete": "Complete",
-    "runs_accepted": "Runs accepted",
-    "trials_per_point": "Trials per point",
-    "repeatability": "Repeatability",
-    "load_spread": "One load per point",
-    "nominal_load": "Nominal load",
-    "drift": "Drift",
-    "zeros": "Zeros of the sensors",
-    "zero_drift": "Drift of the zeros",
-    "plausible_signs": "Plausible signs",
-    "instruments": "Instruments",
-}
-_LIMITS = {
-    "complete": "good if all planned runs were completed and each point has a trial; poor below "
-    "{poor:g} %",
-    "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
-    "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
-    "repeatability": "good to {good:g} %, poor above {poor:g} %",
-    "load_spread": "good to {good:g} % of the load or of friction, poor above {poor:g} %",
-    "nominal_load": "good to {good:g} % of the nominal load",
-    "drift": "good to {good:g} % or not significant; if not separated from speed, with care where "
-    "more than {poor:g} % is possible, poor where a significant drift is larger",
-    "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
-    "poor if a zero is not known",
-    "zero_drift": "good to {good:g} % of that tolerance, poor above",
-    "plausible_signs": "good if no point contradicts this, poor if one does beyond its interval",
-    "instruments": "good to {good:g} %; above, rely on differences rather than on the level",
-}
-_STEPS = {
-    "complete": "make the missing runs",
-    "runs_accepted": "correct the causes of the rejected runs ([[rejected]] states what to look "
-    "for), then measure again",
-    "trials_per_point": "make at least three trials of each point",
-    "repeatability": "make more trials of each point, or find what changes between them",
-    "load_spread": "separate the loads: in the map, write {{load}} in 'files' where the names of "
-    "the files have it, or make a series of each load with a label of its own; in runs.csv, fill "
-    "in f_load_n. Then import again",
-    "nominal_load": "compare the loads in the names of the files with those of the load cell: its "
-    "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
-    "drift": "warm the bench up first, and measure in random order",
-    "zeros": "adjust the zeros of the sensors, then check them again",
-    "zero_drift": "warm the sensors up first, and check their zeros more often",
-    "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",
-    "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
-    "and state their tolerances in the {file}",
-}
 _NO_TOLERANCES = "state the tolerances of the sensors in the {file}"
 _CONTINUE = (
     "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged"
@@ -110,7 +64,7 @@ def next_step(
 def _step(check: QualityCheck) -> str:
     """Return what improves a check; tolerances that are not known are stated first."""
     unknown = check.name == "instruments" and check.value is None
-    return _NO_TOLERANCES if unknown else _STEPS[check.name]
+    return _NO_TOLERANCES if unknown else STEPS[check.name]
 
 
 def decision_reserve(quality: Quality) -> str:
@@ -133,7 +87,7 @@ def decision_reserve(quality: Quality) -> str:
 def weak_checks(quality: Quality) -> str:
     """Name the checks that give the data its grade, with commas between; empty if it is good."""
     worst = _worst(quality) if quality.grade != "good" else []
-    return ", ".join(_NAMES[check.name].lower() for check in worst)
+    return ", ".join(NAMES[check.name].lower() for check in worst)
 
 
 def _worst(quality: Quality) -> list[QualityCheck]:
@@ -152,7 +106,7 @@ def _is_in_u(check: QualityCheck) -> bool:
 def quality_table(quality: Quality) -> Table:
     """Return a row for each check."""
     rows = tuple(
-        (Cell(_NAMES[check.name]), _grade(check), Cell(value), Cell(_limits(check)))
+        (Cell(NAMES[check.name]), _grade(check), Cell(value), Cell(_limits(check)))
         for check, value in ((check, _found(check, quality)) for check in quality.checks)
     )
     return Table(_HEAD, rows, frozenset(_HEAD), title="Checks of the data")
@@ -293,7 +247,7 @@ def _reason(check: QualityCheck) -> str:
         return f"{check.count} of {check.of} runs {_were(check.count or 0)} accepted"
     if check.drift is not None:
         return drift_finding(check.drift)
-    return f"{_NAMES[check.name].lower()}: {_value(check)}"
+    return f"{NAMES[check.name].lower()}: {_value(check)}"
 
 
 def _found(check: QualityCheck, quality: Quality) -> str:
@@ -325,6 +279,22 @@ def _value(check: QualityCheck) -> str:
         return drift_words(check.drift)
     if check.name == "plausible_signs":
         return _signs(check)
+    if check.name == "load_direction":
+        return (
+            f"at all {check.count} points the load helps the motion and supplies friction, "
+            f"{number(check.value)} % of it (median)"
+        )
+    if check.name == "load_balance":
+        change = (
+            f"the mean friction of both directions changes by {number(check.value)} % of the load"
+        )
+        wrong = ", as it does with a wrong diameter or a wrong scale of a pressure or force"
+        return change if check.grade == "good" else f"{change}{wrong}"
+    if check.name == "equal_directions":
+        return (
+            f"at {check.count} of {check.of} speeds and loads one direction has more than twice "
+            "the friction of the other"
+        )
     if check.name == "load_spread":
         return (
             f"at {check.count} of {check.of} points runs of different loads are averaged: no "
@@ -374,7 +344,7 @@ def _measured(point: ImplausiblePoint) -> str:
 
 
 def _limits(check: QualityCheck) -> str:
-    return _LIMITS[check.name].format(good=check.good, poor=check.poor)
+    return LIMITS[check.name].format(good=check.good, poor=check.poor)
 
 
 def _grade(check: QualityCheck) -> Cell:

@@ -16,6 +16,7 @@ from hbench.records import (
     Curve,
     Decay,
     DistanceTrend,
+    Drift,
     DwellLaw,
     EfficiencyCurve,
     EfficiencyPoint,
@@ -32,6 +33,7 @@ from hbench.report.json_documents.layout import (
     Constant,
     Layouts,
     NullIfEmpty,
+    NullIfNot,
     Source,
     all_fields,
     json_document,
@@ -53,6 +55,7 @@ _MEANS = (
     *TEMPERATURES,
     "v_ripple_m_s",
 )
+_CHANGES = ("change", "change_ci95", "change_percent", "change_percent_ci95")
 
 
 def _with_series(record: type) -> dict[str, Source]:
@@ -105,6 +108,7 @@ LAYOUTS: Layouts = {
     EfficiencyCurve: keys(*SERIES, "points", "mean"),
     EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
     ViscosityEffect: all_fields(ViscosityEffect, determined="determined"),
+    Drift: all_fields(Drift) | {name: NullIfNot(name, "has_size") for name in _CHANGES},
     QualityCheck: all_fields(QualityCheck, without=("drift",)),
     Band: all_fields(Band, without=("extend", "retract", "factors")),
     BandTrend: {

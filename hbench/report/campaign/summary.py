@@ -74,7 +74,8 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     series = results.headline.series
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
-    title = "Results of each direction and load, with expanded uncertainty U"
+    known = _instruments_known(results)
+    title = f"Results of each direction and load, with {'expanded uncertainty ' * known}U"
     load_cell_n = _load_cell(results)
     table_of_series = _table(series, load_cell_n)
     tables = (replace(table_of_series, title=title),) if series else ()
@@ -86,7 +87,7 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     facts = (
         ("Measured", _measured(results)),
         ("Data", _data(results) if decided else ""),
-        ("Uncertainty", _uncertainty(series, parts)),
+        ("Uncertainty", _uncertainty(series, parts, known)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
         ("Load", load if _differs_from_load(series, load_cell_n) else ""),
         ("Drift", drift_fact(results.drift)),
@@ -229,17 +230,27 @@ def _laws(results: Results) -> str:
     return " ".join(filter(None, (fits_verdict(results), compared)))
 
 
-def _uncertainty(series: Collection[HeadlineSeries], budget: str) -> str:
+def _instruments_known(results: Results) -> bool:
+    """Return whether the uncertainty of friction contains the instruments, where there is any."""
+    points = [point for curve in results.curves for point in curve.points]
+    return not points or any(point.sigma_instruments_n is not None for point in points)
+
+
+def _uncertainty(series: Collection[HeadlineSeries], budget: str, known: bool) -> str:
     """State what U is, and which table has its parts; empty if no number of the summary has one."""
     numbers = [n for each in series for n in (each.friction_n, each.breakaway_n, each.efficiency)]
     single = any(each is not None and each.basis == "one_trial" for each in numbers)
     if all(each is None or each.u95 is None for each in numbers):
         return _ONE_TRIAL.lstrip() if single else ""
     parts = f" {budget} contains its factor k and its parts." if budget else ""
-    return (
+    what = (
         "U is the expanded uncertainty of trials and instruments together, for a coverage "
-        f"probability of 95 %.{parts}{_ONE_TRIAL if single else ''}"
+        f"probability of 95 %.{parts}"
+        if known
+        else "U is the half-width of the 95 % interval of the trials. It does not contain the "
+        "errors of the instruments, whose tolerances are not known."
     )
+    return f"{what}{_ONE_TRIAL if single else ''}"
 
 
 def _largest(results: Results, table: str) -> str:

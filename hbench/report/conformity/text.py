@@ -22,7 +22,7 @@ from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 
-QUANTITIES = {
+QUANTITIES: dict[LimitQuantity, str] = {
     "friction": "friction",
     "breakaway": "breakaway",
     "efficiency": "efficiency",
@@ -85,6 +85,12 @@ def acceptance_text(acceptance: Acceptance) -> str:
 
 def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
     """Explain the symbol of the rod-side pressure, speeds and parts of U where a check has them."""
+    without = [q for q in QUANTITIES if any(_lacks_instruments(check, q) for check in checks)]
+    if without:
+        yield (
+            f"U of {listed([QUANTITIES[q] for q in without])}: without the errors of the "
+            "instruments, whose tolerances are not known"
+        )
     alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
     if alone:
         yield f"U of {listed([QUANTITIES[q] for q in alone])}: of the trials alone"
@@ -99,6 +105,11 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
 
 def _measured(check: ConformityCheck, quantity: LimitQuantity) -> bool:
     return check.requirement.quantity == quantity and check.measurement is not None
+
+
+def _lacks_instruments(check: ConformityCheck, quantity: LimitQuantity) -> bool:
+    measured = check.measurement if _measured(check, quantity) else None
+    return measured is not None and measured.without_instruments
 
 
 def next_steps(checks: Sequence[ConformityCheck]) -> Iterator[tuple[Conformity, str]]:

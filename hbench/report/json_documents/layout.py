@@ -2,7 +2,7 @@
 
 A record becomes an object of all its fields, unless ``Layouts`` has a row for its class. A row maps
 each JSON key to its source: the path of an attribute of the record, such as ``run.plan.kind``
-(null where an attribute on the way is None), a ``Constant``, a ``NullIfEmpty``, or another row,
+(null where an attribute on the way is None), a ``Constant``, a ``NullIf...``, or another row,
 which becomes an object of its own.
 """
 
@@ -27,7 +27,15 @@ class NullIfEmpty:
     path: str
 
 
-Source: TypeAlias = "str | Constant | NullIfEmpty | KeyRow"
+@dataclass(frozen=True)
+class NullIfNot:
+    """Path of a value that is null in the document where another attribute is False."""
+
+    path: str
+    condition: str
+
+
+Source: TypeAlias = "str | Constant | NullIfEmpty | NullIfNot | KeyRow"
 KeyRow: TypeAlias = Mapping[str, Source]
 Layouts: TypeAlias = Mapping[type, KeyRow]
 
@@ -63,6 +71,11 @@ def _object(record: Any, row: KeyRow, layouts: Layouts) -> dict[str, Any]:
             written[key] = source.text
         elif isinstance(source, NullIfEmpty):
             written[key] = _attribute(record, source.path) or None
+        elif isinstance(source, NullIfNot):
+            known = _attribute(record, source.condition)
+            written[key] = (
+                json_document(_attribute(record, source.path), layouts) if known else None
+            )
         elif isinstance(source, str):
             written[key] = json_document(_attribute(record, source), layouts)
         else:

@@ -19,6 +19,7 @@ from hbench.report.json_documents.layout import (
     KeyRow,
     Layouts,
     NullIfEmpty,
+    NullIfNot,
     Source,
     all_fields,
 )
@@ -79,11 +80,11 @@ class _Writer:
             return {"const": source.text}
         if isinstance(source, Mapping):
             return self._row(record, source)
-        null_if_empty = isinstance(source, NullIfEmpty)
-        path = source.path if isinstance(source, NullIfEmpty) else source
+        may_be_null = isinstance(source, NullIfEmpty | NullIfNot)
+        path = source if isinstance(source, str) else source.path
         kind, owner, name, optional = _follow(record, path)
         value_schema = self._type(kind)
-        if optional or null_if_empty:
+        if optional or may_be_null:
             value_schema = _or_null(value_schema)
         description = _description(owner, name)
         return {**value_schema, "description": description} if description else value_schema

@@ -31,6 +31,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "leak": get_args(Leak),
 }
 _TEXTS = ("unit", "name", "label", *_CHOICES)
+_FLAGS = ("without_instruments",)
 
 
 def stored_decision(folder: Path) -> str:
@@ -113,6 +114,9 @@ def _record(kind: type, content: Any) -> dict[str, Any]:
             ):
                 return {}
             value = None if value is None else printable(value)
+        elif field.name in _FLAGS:
+            if not isinstance(value, bool | None):
+                return {}
         elif value is not None and not _is_number(value):
             return {}
         if value is not None:

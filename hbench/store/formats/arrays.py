@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,18 +79,26 @@ class Names(NamedTuple):
 class Arrays:
     """Table of arrays and signals, by name or by a path in MATLAB's notation.
 
-    ``names`` are the contents of the file; ``hint`` explains the names if one is not found.
+    ``names`` are the contents of the file; ``hint`` explains the names if one is not found;
+    ``started`` is the date-time from which the signals' times count.
     """
 
     leaves_out_rows = False
     short_lines: tuple[int, ...] = ()
 
-    def __init__(self, names: Names | Mapping[str, Any], source: str, hint: str = ""):
+    def __init__(
+        self,
+        names: Names | Mapping[str, Any],
+        source: str,
+        hint: str = "",
+        started: datetime | None = None,
+    ):
         names = names if isinstance(names, Names) else Names(names)
         self._root, self._other = names
         self._hint = hint
         self._unread = LARGEST_UNPACKED // 8  # samples of signals
         self.source = source
+        self.started = started
         self.names = tuple(self._root)
 
     def where(self, row: int) -> str:

@@ -1,13 +1,21 @@
-"""Date-times as text: ISO 8601, day first with points, and times of day without a date.
+"""Date-times, mostly as text: ISO 8601, day first with points, and times of day without a date.
 
 Examples are ``24.12.2024 18:30:00,5`` and ``18:30:00.5``.
 """
 
 import re
-from datetime import datetime
+from datetime import UTC, datetime
+
+import numpy as np
 
 _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]\s*(.+)")
 _TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?")
+
+
+def utc(time: np.datetime64) -> datetime:
+    """Return a time in UTC."""
+    instant: datetime = time.astype("datetime64[us]").item().replace(tzinfo=UTC)
+    return instant
 
 
 def parse_date_time(text: str) -> datetime:

@@ -2,6 +2,8 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from datetime import UTC, datetime
 from functools import partial
 from typing import Any, BinaryIO
 
@@ -32,7 +34,21 @@ def open_mdf(file: BinaryIO, source: str, layout: Format) -> Arrays:
     file.seek(0)
     if not is_mdf:
         raise DataError(f"{source}: is not an MDF file")
-    return Arrays(by_name(_signals(asammdf.MDF(file, process_bus_logging=False))), source)
+    mdf = asammdf.MDF(file, process_bus_logging=False)
+    return Arrays(by_name(_signals(mdf)), source, started=_start(mdf.header))
+
+
+def _start(header: Any) -> datetime | None:
+    """Return the start of the measurement: UTC in version 4, local time without zone before it.
+
+    The header's own ``start_time`` is the present time where its date is invalid.
+    """
+    with suppress(ValueError, OverflowError, OSError):
+        if not hasattr(header, "date"):
+            return datetime.fromtimestamp(header.abs_time / 1e9, UTC) if header.abs_time else None
+        text = f"{header.date.decode('latin-1')} {header.time.decode('latin-1')}"
+        return datetime.strptime(text.rstrip("\0 "), "%d:%m:%Y %H:%M:%S").replace(tzinfo=UTC)
+    return None
 
 
 def _signals(mdf: Any) -> Iterator[tuple[str, str, Signal]]:

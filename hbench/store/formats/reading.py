@@ -6,6 +6,7 @@ them take all memory. Their process may die; the file is then refused with its n
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from datetime import datetime
 from importlib import import_module
 from itertools import count
 from pathlib import Path
@@ -80,6 +81,7 @@ class _Head(NamedTuple):
     names: tuple[str, ...]
     leaves_out_rows: bool
     short_lines: tuple[int, ...]
+    started: datetime | None
 
 
 class _RemoteTable:
@@ -87,7 +89,9 @@ class _RemoteTable:
 
     def __init__(self, path: Path, head: _Head):
         self._path = path
-        self._number, self.source, self.names, self.leaves_out_rows, self.short_lines = head
+        self._number, self.source, self.names = head.number, head.source, head.names
+        self.leaves_out_rows, self.short_lines = head.leaves_out_rows, head.short_lines
+        self.started = head.started
 
     def where(self, row: int) -> str:
         """Return a row's position in the file, for messages."""
@@ -151,7 +155,8 @@ def _open(path: Path, layout: Format) -> _Head | TextTable:
             return table
         number = next(_numbers)
         _tables[number] = table, stack.pop_all()
-    return _Head(number, table.source, table.names, table.leaves_out_rows, table.short_lines)
+    about = table.names, table.leaves_out_rows, table.short_lines, table.started
+    return _Head(number, table.source, *about)
 
 
 def _method(number: int, name: str, arguments: tuple, options: dict[str, Any]) -> Any:

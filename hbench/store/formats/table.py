@@ -1,6 +1,7 @@
 """What every reader returns: a table of columns, each perhaps with times of its own."""
 
 from collections.abc import Iterable
+from datetime import datetime
 from typing import Protocol
 
 import numpy as np
@@ -28,6 +29,10 @@ class Table(Protocol):
     @property
     def short_lines(self) -> tuple[int, ...]:
         """Lines of the file that were left out because cells are missing."""
+
+    @property
+    def started(self) -> datetime | None:
+        """Date-time from which ``own_times`` count, in UTC; None if the file states none."""
 
     def where(self, row: int) -> str:
         """Return a row's position in the file, for messages."""

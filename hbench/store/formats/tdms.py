@@ -6,6 +6,7 @@ import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.store.formats.arrays import Arrays, Signal, by_name
+from hbench.store.formats.date_times import utc
 
 
 def open_tdms(file: BinaryIO, source: str, layout: Format) -> Arrays:
@@ -20,7 +21,7 @@ def open_tdms(file: BinaryIO, source: str, layout: Format) -> Arrays:
     starts = [c.properties["wf_start_time"] for c in channels if "wf_start_time" in c.properties]
     origin = min(starts, default=None)
     named = by_name((c.group_name, c.name, _signal(c, origin)) for c in channels)
-    return Arrays(named, source)
+    return Arrays(named, source, started=None if origin is None else utc(origin))
 
 
 def _signal(channel: Any, origin: np.datetime64 | None) -> Signal:

@@ -2,6 +2,7 @@
 
 import codecs
 import csv
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -19,6 +20,7 @@ from hbench.store.formats.header_row import ends_with_comment, layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
+_ABOVE_ASCII = re.compile(rb"[\x80-\xff]+")
 _GAPS = ("", "nan", "na", "n/a", "null")
 _MOST_SHORT = 5  # rows at the end with too few cells, which are left out
 _BOMS = {
@@ -46,6 +48,11 @@ class TextTable:
     short_lines: tuple[int, ...] = ()
     _converted: dict[int, np.ndarray] = field(default_factory=dict, repr=False, compare=False)
     leaves_out_rows: ClassVar[bool] = False
+
+    @property
+    def started(self) -> datetime | None:
+        """None: columns have no times of their own."""
+        return None
 
     def where(self, row: int) -> str:
         """Return a row's position in the file, for messages."""
@@ -257,7 +264,11 @@ def _unequal(rows: list[list[str]] | PlainRows, width: int) -> Iterator[tuple[in
 
 
 def decoded(data: bytes) -> str:
-    """Return the text; byte-order mark, zero bytes or UTF-8 faults determine its encoding."""
+    """Return the text; byte-order mark, zero bytes or UTF-8 faults determine its encoding.
+
+    Text that is not UTF-8 is Chinese (GB 18030) if its bytes above 127 come in pairs, two of them
+    in a row at least once, and else that of Western Europe.
+    """
     for mark, name in _BOMS.items():
         if data.startswith(mark):
             return data.decode(name, errors="replace")
@@ -266,6 +277,10 @@ def decoded(data: bytes) -> str:
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
+        lengths = [len(part) for part in _ABOVE_ASCII.findall(data)]
+        if max(lengths) >= 4 and not any(length % 2 for length in lengths):
+            with suppress(UnicodeDecodeError):
+                return data.decode("gb18030")
         return data.decode("cp1252", errors="replace")
 
 

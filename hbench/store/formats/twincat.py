@@ -21,6 +21,7 @@ channels end before the others, and the last rows of an interrupted export are i
 import csv
 import re
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from typing import BinaryIO, ClassVar, Literal
 
 import numpy as np
@@ -37,6 +38,7 @@ _SEPARATORS: dict[str, Literal["comma", "semicolon", "tab"]] = {
     ";": "semicolon",
     "\t": "tab",
 }
+_ZERO_TICKS = datetime(1601, 1, 1, tzinfo=UTC)
 _TICKS = re.compile(r"\d{15,18}")  # as milliseconds more than 30 000 years
 
 
@@ -52,6 +54,13 @@ class ScopeTable(TextTable):
 
     start_ticks: int = 0  # start of the export
     leaves_out_rows: ClassVar[bool] = True
+
+    @property
+    def started(self) -> datetime | None:
+        """Start of the export; None if it is not stated."""
+        if not self.start_ticks:
+            return None
+        return _ZERO_TICKS + timedelta(microseconds=self.start_ticks / 10)
 
     def own_times(self, column: int | str) -> np.ndarray:
         """Return the times (n,) [s] of a column's rows; NaN where there is none."""

@@ -12,6 +12,7 @@ from hbench.errors import DataError
 from hbench.motion.rest import ZeroOffset, rest_before_motion
 from hbench.store.campaign.run_csv import check_limits
 from hbench.store.formats.table import Table
+from hbench.store.importing.absolute_pressure import below_vacuum
 from hbench.store.importing.alignment import aligned
 from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.file_notes import FileNote
@@ -31,7 +32,7 @@ class FileChannels:
     units: dict[str, str]  # of the columns in the file
     zeros: dict[str, ZeroOffset]  # subtracted from channels
     rest: tuple[float, float] | None  # [s] the rest before the motion; None if there is none
-    origin: datetime | None  # at t_s = 0; None if the times are no date-times
+    origin: datetime | None  # at t_s = 0; None if the file does not state it
 
 
 def read_channels_by_map(
@@ -61,13 +62,14 @@ def read_channels_by_map(
     rest = rest_before_motion(channels["t_s"], channels["x_m"], channels.get("v_ref_m_s"))
     at_rest_s = channels["t_s"][rest]
     channels, zeros = zeroed(channels, rest, source, cylinder, rules)
+    vacuum = list(below_vacuum(name, channels))
     lines = table.lines_of(base.rows)
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
     subtracted = [subtraction(name, key, rules.unit(key), zero) for key, zero in zeros.items()]
     return FileChannels(
         channels=channels,
         lines=lines,
-        notes=(*omissions, *clipping, *alignment, *subtracted, *resampling),
+        notes=(*omissions, *clipping, *alignment, *subtracted, *vacuum, *resampling),
         units=units,
         zeros=zeros,
         rest=(float(at_rest_s[0]), float(at_rest_s[-1])) if len(at_rest_s) > 1 else None,

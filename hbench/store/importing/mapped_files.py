@@ -169,7 +169,8 @@ def _nominal_speeds(pieces: Sequence[Piece], tolerance: float) -> list[float]:
     """Return the signed nominal speed of each piece.
 
     It is that of the map or the name, or else the median, to three digits, of the measured speeds
-    of the same series that differ by little from one to the next.
+    of the same series that differ by less than ``tolerance`` from one to the next, unless they are
+    distinct.
     """
     nominal = [0.0] * len(pieces)
     groups: dict[tuple, list[int]] = defaultdict(list)
@@ -182,12 +183,29 @@ def _nominal_speeds(pieces: Sequence[Piece], tolerance: float) -> list[float]:
     for numbers in groups.values():
         numbers.sort(key=lambda i: abs(pieces[i].section.v_m_s))
         speeds = np.abs([pieces[i].section.v_m_s for i in numbers])
-        gaps = np.flatnonzero(np.diff(speeds) > tolerance * speeds[1:])
-        for cluster in np.split(np.array(numbers), gaps + 1):
+        for cluster in np.split(np.array(numbers), _gaps(speeds, tolerance)):
             median = np.median([pieces[i].section.v_m_s for i in cluster])
             for i in cluster:
                 nominal[i] = float(f"{median:.3g}")
     return nominal
+
+
+def _gaps(speeds: np.ndarray, tolerance: float) -> list[int]:
+    """Return the indices at which a new speed begins among rising ``speeds`` (n,).
+
+    Within ``tolerance`` two speeds are distinct if both were repeated, and differ by more than
+    their repetitions.
+    """
+    larger = np.flatnonzero(np.diff(speeds) > _SAME_SPEED * speeds[1:]) + 1
+    ends = [0, *larger.tolist(), len(speeds)]
+    found = []
+    for start, at, stop in zip(ends, ends[1:], ends[2:], strict=False):
+        gap = speeds[at] - speeds[at - 1]
+        slower, faster = speeds[start:at], speeds[at:stop]
+        distinct = min(len(slower), len(faster)) > 1 and gap > max(np.ptp(slower), np.ptp(faster))
+        if distinct or gap > tolerance * speeds[at]:
+            found.append(at)
+    return found
 
 
 def _load_sign(match: FileMatch, f_applied_n: np.ndarray | None) -> Iterator[FileNote]:

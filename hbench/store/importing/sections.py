@@ -109,10 +109,12 @@ def _at_reversals(
     t_s, x_m = channels["t_s"], channels["x_m"]
     found = cut_at_reversals(t_s, x_m, rules.min_stroke)
     if not found.pieces:
+        low, high = 1e3 * float(np.min(x_m)), 1e3 * float(np.max(x_m))
         raise DataError(
-            f"{source}: no stroke between two reversals is longer than min_stroke = "
-            f"{1e3 * rules.min_stroke:g} mm",
-            "Reduce 'min_stroke' in the map.",
+            f"{source}: no stroke between two reversals, or from or to a rest, is longer than "
+            f"min_stroke = {1e3 * rules.min_stroke:g} mm; the file has positions from {low:.4g} to "
+            f"{high:.4g} mm in {t_s[-1] - t_s[0]:.4g} s",
+            "Check the units of x_m and t_s in the map, or reduce 'min_stroke'.",
         )
     pieces = settled_strokes(t_s, x_m, found.pieces)
     left_out = {

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 
 import numpy as np
 
@@ -12,7 +12,10 @@ from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
 from hbench.store.files.number_columns import rounded_to_decimals
+from hbench.store.formats.date_times import utc
 from hbench.store.formats.table import Table
+from hbench.store.formats.text import TextTable
+from hbench.store.importing.absolute_pressure import ATMOSPHERE, is_absolute_pressure
 from hbench.store.importing.file_notes import FileNote
 from hbench.units import parse_unit, to_si
 
@@ -34,7 +37,7 @@ def read_time_bases(
 ) -> tuple[list[TimeBase], datetime | None, list[FileNote]]:
     """Return the time bases of a file, that of ``x_m`` first, and notes on omitted rows.
 
-    In between is the date-time of ``t_s = 0``; None if the times are no date-times. Raises
+    In between is the date-time of ``t_s = 0``; None if the file does not state it. Raises
     ``DataError`` naming the invalid line.
     """
     table.prefetch(_columns_of_numbers(rules))
@@ -80,12 +83,13 @@ def _columns_of_numbers(rules: ImportMap) -> Iterator[int | str]:
 def _times(table: Table, rules: ImportMap) -> tuple[dict[str, np.ndarray], datetime | None]:
     """Return the times [s] of each channel's samples from a common instant, and that instant.
 
-    The instant is known of date-times alone.
+    The instant is known of date-times, and of a file's own times if it states their start.
     """
     keys = [key for key in rules.columns if key != "t_s"]
     default = rules.columns.get("t_s")
     if default is None:
-        return dict(_own_times(table, {key: rules.columns[key] for key in keys})), None
+        own = dict(_own_times(table, {key: rules.columns[key] for key in keys}))
+        return own, table.started
     sources = {key: rules.columns[key].time or default.column for key in keys}
     gaps = table.leaves_out_rows or any(rules.columns[key].time for key in keys)
     columns = {
@@ -96,7 +100,7 @@ def _times(table: Table, rules: ImportMap) -> tuple[dict[str, np.ndarray], datet
         stamps = {source: table.date_times(source, gaps=gaps) for source in columns}
         known = [stamp[~np.isnat(stamp)] for stamp in stamps.values()]
         origin = min((stamp[0] for stamp in known if len(stamp)), default=np.datetime64(0, "s"))
-        instant = origin.astype("datetime64[us]").item().replace(tzinfo=UTC)
+        instant = utc(origin)
         seconds = {
             source: (stamp - origin) / np.timedelta64(1, "ns") * 1e-9
             for source, stamp in stamps.items()
@@ -122,6 +126,7 @@ def _own_times(table: Table, columns: Mapping[str, Column]) -> Iterator[tuple[st
 
 def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: bool) -> np.ndarray:
     unit = column_unit(table, name, column, rules)
+    _refuse_absolute(table, name, column)
     numbers = table.numbers(column.column, gaps=gaps)
     factor, zero = parse_unit(unit).factor * column.scale, parse_unit(unit).zero
     as_it_is = factor == 1 and zero == 0
@@ -131,11 +136,24 @@ def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: b
     return values if column.offset is None else values + to_si(column.offset, rules.unit(name))
 
 
+def _refuse_absolute(table: Table, name: str, column: Column) -> None:
+    """Raise ``DataError`` for an absolute pressure of which no atmosphere is subtracted."""
+    known = (column.offset is not None) or column.zero == "rest"
+    stated = table.unit(column.column) or ""
+    if not known and is_absolute_pressure(name, _name(table, column.column), stated):
+        raise DataError(
+            f"{table.source}: column {column.column}: is an absolute pressure by its name or unit; "
+            f"{name} is the pressure above the atmosphere",
+            f"Write 'offset: -{ATMOSPHERE}' at columns.{name} in the map; 'offset: 0 bar' if it is "
+            "not absolute.",
+        )
+
+
 def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> str:
     """Return a column's unit: the map's, the file's own, or SI. Raises ``DataError``."""
     wanted, in_file = rules.wanted(name), table.unit(column.column)
     if in_file is None and column.scale in (1.0, -1.0):  # another scale converts units
-        in_file = _unit_in_name(column.column)
+        in_file = _unit_in_name(_name(table, column.column))
     if in_file is None:
         return column.unit or wanted
     where = f"{table.source}: column {column.column}: unit in the file is {in_file!r}"
@@ -154,11 +172,19 @@ def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> st
     return in_file
 
 
-def _unit_in_name(column: int | str) -> str | None:
+def _name(table: Table, column: int | str) -> str:
+    """Return the name of a column, also of one that a map gives by its number; empty if none."""
+    if isinstance(column, str):
+        return column
+    named = isinstance(table, TextTable) and table.names
+    return table.names[table.position(column)] if named else ""
+
+
+def _unit_in_name(name: str) -> str | None:
     """Return the unit in brackets at the end of a column's name, if it is a known one."""
-    match = _IN_BRACKETS.search(column) if isinstance(column, str) else None
+    match = _IN_BRACKETS.search(name)
     try:
-        known = match is not None and any(parse_unit(match[1]).dimension)
+        known = match is not None and (match[1] == "%" or any(parse_unit(match[1]).dimension))
     except ValueError:
         known = False
     return match[1] if match is not None and known else None

@@ -13,6 +13,7 @@ from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.import_layout import Format
 from hbench.config.import_map import UNFILLED
 from hbench.config.schedule import Screening
+from hbench.store.importing.absolute_pressure import ATMOSPHERE, is_absolute_pressure
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
 from hbench.store.suggesting.factors import ColumnFactor
 from hbench.store.suggesting.file_names import NamePattern
@@ -332,6 +333,9 @@ def _column(found: SuggestedMap, channel: str, choice: Choice) -> str:
         parts.append(f"scale: {_ASKED}")
     elif choice.scale != 1.0:
         parts.append(f"scale: {choice.scale:g}")
+    stated = found.units_in_file.get(choice.column.key, "")
+    if is_absolute_pressure(channel, choice.column.name, stated):
+        parts.append(f"offset: -{ATMOSPHERE}")
     return f"{{{', '.join(parts)}}}"
 
 

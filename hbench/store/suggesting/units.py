@@ -80,7 +80,7 @@ def unknown_unit(name: str, stated: str = "") -> str:
     """
     match = _SQUARE.search(name)
     text = stated.strip() or (match[1] if match else "")
-    return text if re.search(r"[^\W\d]", text) and unit_in(text) is None else ""
+    return text if re.search(r"[^\W\d]|%", text) and unit_in(text) is None else ""
 
 
 def split_ending(name: str) -> tuple[str, str | None]:

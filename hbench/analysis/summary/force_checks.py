@@ -1,0 +1,140 @@
+"""Checks of the forces by what friction cannot do; errors that leave it against the motion.
+
+A load cell of the wrong sign turns a load that opposes the motion to one that helps it. Then both
+the drive and the load supply the friction at every point, by a share of the load below 1/2:
+
+    F' = F_T + |F| = F_f + 2 |F|,    |F| / F' < 1/2
+
+An error of an area, or of the scale of a pressure or a force, adds a part of the load to friction,
+in the same direction for extending and retracting. So the mean of both directions at one speed,
+m = (F_extend + F_retract) / 2, changes with the load F that both have:
+
+    s = sum x m / sum x^2,    x = F - F_speed,    U(s)^2 = sum x^2 U(m)^2 / (sum x^2)^2
+
+over the loads of each speed, with the intervals of the trials. Friction that grows with the load in
+both directions leaves m as it is; if it grows in one alone, by 6 % of the load, s is 3 %.
+
+A force that is not measured, such as a weight on an upright cylinder, an error of a zero or one of
+an area under a single load is in m too. Seals have more friction in one direction, but rarely twice
+that of the other, which is |m| = h / 3 with h = (F_extend - F_retract) / 2.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from statistics import fmean, median
+from typing import NamedTuple
+
+import numpy as np
+
+from hbench.records import Curve, CurvePoint, Grade, QualityCheck
+
+_SUPPLIED_GOOD = 5.0  # of the friction by the load, %
+_CHANGE_GOOD, _CHANGE_POOR = 3.0, 10.0  # of the mean of both directions, % of the load
+_DIFFERENCE_GOOD = 100 / 3  # half the difference of the directions, % of their mean
+_SAME_SPEED = 0.05  # relative difference of speeds with the same reference
+
+
+class _Both(NamedTuple):
+    """Both directions at one speed and load."""
+
+    load_n: float  # F_applied, mean
+    middle_n: float  # m
+    u_n: float  # U(m)
+    half_n: float  # h
+
+
+def load_direction(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
+    """Yield the share of friction that the load supplies (median), if it helps at every point.
+
+    Signs of friction, and points at which the load opposes the motion, show the rest.
+    """
+    shares = []
+    for curve in curves:
+        for point in curve.points:
+            drive, load = (curve.against_motion * f for f in (point.f_test_n, point.f_applied_n))
+            helps = drive > 0 > load
+            shares.append(-100 * load / (drive - load) if helps else 0.0)
+    if shares and min(shares) > _SUPPLIED_GOOD:
+        yield QualityCheck(
+            "load_direction", "with care", median(shares), "%", _SUPPLIED_GOOD, None, len(shares)
+        )
+
+
+def load_balance(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
+    """Yield the change of the mean of both directions with the load, % of it, where it is known.
+
+    The grade is that of the end of its interval that is nearer to zero.
+    """
+    x, middles, u = [], [], []
+    for of_speed in _both_directions(curves):
+        mean = fmean(both.load_n for both in of_speed)
+        for both in of_speed:
+            x.append(both.load_n - mean)
+            middles.append(both.middle_n)
+            u.append(both.u_n)
+    loads, square = np.array(x), float(np.dot(x, x))
+    if square == 0.0:
+        return
+    change = 100 * abs(float(loads @ np.array(middles))) / square
+    half = 100 * float(np.linalg.norm(loads * np.array(u))) / square
+    sure = max(change - half, 0.0)
+    grade: Grade = (
+        "good" if sure <= _CHANGE_GOOD else "poor" if sure > _CHANGE_POOR else "with care"
+    )
+    if grade != "good" or half <= _CHANGE_GOOD:
+        yield QualityCheck("load_balance", grade, change, "%", _CHANGE_GOOD, _CHANGE_POOR)
+
+
+def equal_directions(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
+    """Yield the largest difference of the directions, where one has over twice the friction."""
+    found = [both for of_speed in _both_directions(curves) for both in of_speed]
+    beyond = [
+        both
+        for both in found
+        if 100 * (abs(both.middle_n) - both.u_n) > _DIFFERENCE_GOOD * abs(both.half_n)
+    ]
+    if beyond:
+        shares = (100 * abs(both.middle_n / both.half_n) for both in beyond if both.half_n)
+        largest = max(shares, default=None)
+        counts = len(beyond), len(found)
+        yield QualityCheck(
+            "equal_directions", "with care", largest, "%", _DIFFERENCE_GOOD, None, *counts
+        )
+
+
+def _both_directions(curves: Iterable[Curve]) -> Iterator[list[_Both]]:
+    """Yield what was measured in both directions: a list for each speed, by load."""
+    series: dict[tuple, dict[float | None, dict[str, Curve]]] = defaultdict(dict)
+    for curve in curves:
+        key = curve.kind, curve.label, curve.factors, curve.specimen, curve.p_lr_ref_pa
+        series[key].setdefault(curve.f_load_n, {})[curve.direction] = curve
+    for loads in series.values():
+        speeds: list[tuple[float, list[_Both]]] = []
+        for both in loads.values():
+            if len(both) < 2:
+                continue
+            for extend in both["extend"].points:
+                retract = _at(both["retract"].points, extend.v_m_s)
+                if retract is None or extend.ci95_n is None or retract.ci95_n is None:
+                    continue
+                middle = _Both(
+                    (extend.f_applied_n + retract.f_applied_n) / 2,
+                    (extend.friction_n + retract.friction_n) / 2,
+                    float(np.hypot(extend.ci95_n, retract.ci95_n)) / 2,
+                    (extend.friction_n - retract.friction_n) / 2,
+                )
+                same = [found for v, found in speeds if _alike(v, extend.v_m_s)]
+                if same:
+                    same[0].append(middle)
+                else:
+                    speeds.append((extend.v_m_s, [middle]))
+        yield from (found for _, found in speeds)
+
+
+def _at(points: Sequence[CurvePoint], v_m_s: float) -> CurvePoint | None:
+    return next((point for point in points if _alike(point.v_m_s, v_m_s)), None)
+
+
+def _alike(a: float, b: float) -> bool:
+    """Return whether two speeds are the same, in any direction."""
+    return abs(abs(a) - abs(b)) <= _SAME_SPEED * max(abs(a), abs(b))

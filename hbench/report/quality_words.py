@@ -1,0 +1,62 @@
+"""Names, limits and remedies of the checks of a campaign's data, in words."""
+
+NAMES = {
+    "complete": "Complete",
+    "runs_accepted": "Runs accepted",
+    "trials_per_point": "Trials per point",
+    "repeatability": "Repeatability",
+    "load_spread": "One load per point",
+    "nominal_load": "Nominal load",
+    "drift": "Drift",
+    "zeros": "Zeros of the sensors",
+    "zero_drift": "Drift of the zeros",
+    "plausible_signs": "Plausible signs",
+    "load_direction": "Direction of the load",
+    "load_balance": "Balance over load",
+    "equal_directions": "Both directions",
+    "instruments": "Instruments",
+}
+LIMITS = {
+    "complete": "good if all planned runs were completed and each point has a trial; poor below "
+    "{poor:g} %",
+    "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
+    "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
+    "repeatability": "good to {good:g} %, poor above {poor:g} %",
+    "load_spread": "good to {good:g} % of the load or of friction, poor above {poor:g} %",
+    "nominal_load": "good to {good:g} % of the nominal load",
+    "drift": "good to {good:g} % or not significant; if not separated from speed, with care where "
+    "more than {poor:g} % is possible, poor where a significant drift is larger",
+    "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
+    "poor if a zero is not known",
+    "zero_drift": "good to {good:g} % of that tolerance, poor above",
+    "plausible_signs": "good if no point contradicts this, poor if one does beyond its interval",
+    "load_direction": "good if the load opposes the motion at a point, or supplies up to {good:g} "
+    "% of friction",
+    "load_balance": "good to {good:g} % of the load, poor above {poor:g} %, less the interval",
+    "equal_directions": "good if no direction has more than twice the friction of the other",
+    "instruments": "good to {good:g} %; above, rely on differences rather than on the level",
+}
+STEPS = {
+    "complete": "make the missing runs",
+    "runs_accepted": "correct the causes of the rejected runs ([[rejected]] states what to look "
+    "for), then measure again",
+    "trials_per_point": "make at least three trials of each point",
+    "repeatability": "make more trials of each point, or find what changes between them",
+    "load_spread": "separate the loads: in the map, write {{load}} in 'files' where the names of "
+    "the files have it, or make a series of each load with a label of its own; in runs.csv, fill "
+    "in f_load_n. Then import again",
+    "nominal_load": "compare the loads in the names of the files with those of the load cell: its "
+    "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
+    "drift": "warm the bench up first, and measure in random order",
+    "zeros": "adjust the zeros of the sensors, then check them again",
+    "zero_drift": "warm the sensors up first, and check their zeros more often",
+    "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",
+    "load_direction": "if the load opposed the motion, correct the sign of the load cell (scale: "
+    "-1 in a map)",
+    "load_balance": "check the diameters of the cylinder, and the scale and sign of the pressures "
+    "and of the load cell",
+    "equal_directions": "look for a force that is not measured, such as a weight on an upright "
+    "cylinder, for a zero offset, and for a wrong diameter",
+    "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
+    "and state their tolerances in the {file}",
+}

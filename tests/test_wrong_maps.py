@@ -1,0 +1,163 @@
+"""Maps that are wrong or incomplete where no file contradicts them: the verdict has to."""
+
+import numpy as np
+import pytest
+import yaml
+
+from hbench import workflow
+from hbench.report.campaign.quality import next_step, quality_verdict
+from hbench.report.conformity.text import acceptance_text
+from hbench.store.campaign.stored_acceptance import stored_checks
+from tests.support.strokes import there_and_back
+
+FRICTION_N = 150 + 900 * np.array([0.02, 0.04])  # of the logs
+LOADS_N = (200.0, 1500.0)
+INSTRUMENTS = {
+    "force": {"tolerance": "0.1 %", "of": "full_scale", "full_scale": "5 kN"},
+    "pressure": {"tolerance": "0.1 %", "of": "full_scale", "full_scale": "100 bar"},
+}
+
+
+@pytest.fixture
+def analysed(tmp_path, clock):
+    """Return a function that imports strokes at two speeds and loads by a map, and analyses them.
+
+    ``bore`` [mm], ``force_scale`` and ``offset_n`` of the load cell are those of the map; right are
+    40 mm, 1 and 0.
+    """
+
+    def analysed(
+        bore=40.0,
+        force_scale=1.0,
+        loads_n=LOADS_N,
+        cut="reversals",
+        named=True,
+        offset_n=0.0,
+        instruments=None,
+    ):
+        (tmp_path / "logs").mkdir(exist_ok=True)
+        for load in loads_n:
+            for v in (20, 40):
+                for trial in (1, 2, 3):
+                    run = there_and_back(v / 1e3, load, seed=round(load + v + trial), cycles=1)
+                    if cut == "none":
+                        run = {name: values[run["t_s"] < 4.0] for name, values in run.items()}
+                    rows = np.stack(list(run.values()), axis=1)
+                    name = f"{v}_{load:g}_{trial}" if named else f"{v}_{trial}"
+                    np.savetxt(tmp_path / f"logs/{name}.csv", rows, "%.8g", ",",
+                               header=",".join(run), comments="")  # fmt: skip
+        channels = ("t_s", "x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")
+        rules = {
+            "name": "strokes",
+            "columns": {name: {"column": name} for name in channels},
+            "cut": cut,
+            "series": [
+                {
+                    "label": "A",
+                    "files": "{speed}_{load}_{trial}.csv" if named else "{speed}_{trial}.csv",
+                    "cylinder": {"piston_diameter": f"{bore} mm", "rod_diameter": "25 mm"},
+                }
+            ],
+        }
+        rules["columns"]["f_applied_n"] |= {"scale": force_scale, "offset": f"{offset_n} N"}
+        rules |= {"instruments": instruments} if instruments else {}
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+        workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", clock)
+        return workflow.analyze(tmp_path / "out")
+
+    return analysed
+
+
+def check_of(results, name):
+    found = [check for check in results.quality.checks if check.name == name]
+    return found[0] if found else None
+
+
+def test_a_right_map_gives_the_friction_and_a_balance_over_the_load(analysed):
+    results = analysed()
+    for curve in results.curves:
+        found = [curve.against_motion * point.friction_n for point in curve.points]
+        assert found == pytest.approx(FRICTION_N, rel=0.02)
+    balance = check_of(results, "load_balance")
+    assert balance.grade == "good" and balance.value < 0.5
+    assert check_of(results, "load_direction") is None
+
+
+@pytest.mark.parametrize(
+    ("bore", "grade"), [(39.0, "with care"), (41.0, "with care"), (50, "poor")]
+)
+def test_a_wrong_bore_adds_its_part_of_the_load_to_the_mean_of_both_directions(
+    analysed, bore, grade
+):
+    balance = check_of(results := analysed(bore), "load_balance")
+    assert balance.grade == grade
+    # F_T' - F_T = (A' - A) (P_p - P_r), with A dP_p / dF = 1
+    assert balance.value == pytest.approx(100 * abs((bore / 40) ** 2 - 1), abs=0.5)
+    assert "mean friction of both directions changes by" in quality_verdict(results.quality)
+    assert "Check the diameters of the cylinder" in next_step(results.quality, "", imported=True)
+
+
+def test_a_load_cell_in_another_unit_is_out_of_balance(analysed):
+    balance = check_of(analysed(force_scale=1 / 9.81), "load_balance")  # N taken as kgf
+    assert balance.grade == "poor"
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_load_that_opposes_the_only_direction_has_no_check_of_its_sign(analysed, named):
+    results = analysed(loads_n=(1500.0,), cut="none", named=named)
+    assert check_of(results, "load_direction") is None
+
+
+def test_the_share_of_a_load_of_the_wrong_sign_is_stated(analysed):
+    results = analysed(force_scale=-1.0, loads_n=(1500.0,), cut="none", named=False)
+    (curve,) = results.curves
+    stated = [point.friction_n for point in curve.points]
+    assert stated == pytest.approx(FRICTION_N + 2 * 1500, rel=0.01)
+    check = check_of(results, "load_direction")
+    assert check.grade == "with care"
+    assert check.value == pytest.approx(np.median(100 * 1500 / (FRICTION_N + 3000)), abs=0.5)
+    verdict = quality_verdict(results.quality)
+    assert "at all 2 points the load helps the motion and supplies friction" in verdict
+    assert "correct the sign of the load cell" in next_step(results.quality, "", imported=True)
+
+
+def test_a_load_that_opposes_one_direction_has_no_such_check(analysed):
+    """The other direction shows a wrong sign as friction that drives."""
+    results = analysed(force_scale=-1.0, loads_n=(1500.0,))
+    assert check_of(results, "load_direction") is None
+    assert check_of(results, "plausible_signs").grade == "poor"
+
+
+def test_a_weight_that_no_load_cell_measures_makes_the_directions_differ(analysed):
+    results = analysed(loads_n=(0.0,), offset_n=-100.0)  # 100 N act besides
+    extend, retract = results.curves
+    assert extend.points[0].friction_n == pytest.approx(268, abs=5)
+    assert retract.points[0].friction_n == pytest.approx(-68, abs=5)
+    check = check_of(results, "equal_directions")
+    assert (check.grade, check.count, check.of) == ("with care", 2, 2)
+    assert check.value == pytest.approx(100 * 100 / 168, abs=2)
+    assert "one direction has more than twice the friction" in quality_verdict(results.quality)
+    assert "Look for a force that is not measured" in next_step(results.quality, "", imported=True)
+
+
+def test_directions_that_differ_by_less_are_no_reason_for_care(analysed):
+    """Of 168 N in both directions, 40 N make 208 and 128 N."""
+    assert check_of(analysed(loads_n=(0.0,), offset_n=-40.0), "equal_directions") is None
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_u_is_stated_to_be_without_the_instruments_where_their_tolerances_are_not_known(
+    analysed, tmp_path, undrawn, known
+):
+    analysed(loads_n=(0.0,), instruments=INSTRUMENTS if known else None)
+    workflow.report(tmp_path / "out", form="md")
+    page = (tmp_path / "out/results/report.md").read_text()
+    assert ("with expanded uncertainty U" in page) == known
+    assert ("of trials and instruments together" in page) == known
+    assert ("does not contain the errors of the instruments" in page) != known
+    (tmp_path / "limits.yaml").write_text("limits: [{quantity: friction, max: 1 kN}]")
+    acceptance = workflow.accept(tmp_path / "out", tmp_path / "limits.yaml")
+    words = "U of friction: without the errors of the instruments"
+    assert (words in acceptance_text(acceptance)) != known
+    stored = stored_checks(tmp_path / "out")
+    assert [check.measurement.without_instruments for check in stored] == [not known] * 2
