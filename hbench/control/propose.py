@@ -43,7 +43,7 @@ from hbench.model.build import plant_parameters
 from hbench.records import Check
 
 ZERO_RATIO = 5.0  # of a pressure loop's bandwidth to its zero
-_SLOWEST, _FASTEST = 1.0, 3000.0  # rad/s, limits of w
+_SLOWEST, _FASTEST = 1.0, 3000.0  # rad/s: least bandwidth of the slowest loop, largest w
 _FINE = 0.02  # relative tolerance of w
 
 
@@ -78,13 +78,13 @@ def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
     best: tuple[int, ...] = ()
     slowest, chosen = 0.0, None
     for order in permutations(range(3)):
-        w = _fastest(points, c, ratio, order, beyond=slowest * ratio**2)
+        w = _fastest(points, c, ratio, order, beyond=max(slowest, _SLOWEST) * ratio**2)
         if w > 0.0:
             best, slowest, chosen = order, w / ratio**2, family(c, w, ratio, order)
     if chosen is None:
         raise ConvergenceError(
-            f"{bench.name}: no gains with a loop of {_SLOWEST:g} rad/s or faster keep "
-            f"{PHASE_MARGIN_DEG:g} degrees and {GAIN_MARGIN_DB:g} dB",
+            f"{bench.name}: no gains with bandwidths of at least {_SLOWEST:g} rad/s "
+            f"keep {PHASE_MARGIN_DEG:g} degrees and {GAIN_MARGIN_DB:g} dB",
             "Is the bench file right? A resonance without damping (viscous friction 0) or a slow "
             "valve or filter leaves no margin.",
         )
@@ -112,7 +112,7 @@ def _fastest(
         loops = family(c, float(np.exp(log_w)), ratio, order)
         return all(check.holds for point in points for check in margin_checks([point], loops))
 
-    low, high = np.log(max(_SLOWEST, beyond)) + _FINE, np.log(_FASTEST)
+    low, high = np.log(beyond) + _FINE, np.log(_FASTEST)
     if not points or not good(low):
         return 0.0
     while high - low > _FINE:

@@ -79,7 +79,16 @@ def test_every_schedule_can_be_planned_on_the_bench_and_limits_are_read(size):
         ),
         (16, 15, 100, 350, "--rod: is 15 mm: .* leave 0 N"),
         (300, 280, 600, 40, "--rod: is 280 mm: .* leave 0 N"),
-        (25, 12, 50, 100, "--stroke: is 50; limits 60 to 2000 mm"),
+        (25, 12, 50, 100, "--stroke: is 50 mm; limits 60 to 2000 mm"),
+        (50, 60, 250, 100, r"--rod: is 60 mm; limits 5 to 47.5 mm .*--bore"),
+        (2, 1.4, 10, 100, "--bore: is 2 mm; limits .*\n.* without a unit is in mm; .*'2 in'"),
+        (
+            50,
+            36,
+            250,
+            10,
+            "--supply: is 10 bar; limits .*\n.* without a unit is in bar; .*'10 MPa'",
+        ),
     ],
 )
 def test_a_size_whose_schedules_could_not_run_is_refused(

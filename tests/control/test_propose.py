@@ -114,9 +114,9 @@ def test_the_same_bench_gets_the_same_proposal(stiff, proposed):
 def test_a_bench_without_damping_gets_no_proposal(make_bench):
     bench = make_bench(
         friction={side: {"viscous": "0 N s/m"} for side in ("test", "load")},
-        valve={"bandwidth": "0.2 Hz"},
+        valve={"bandwidth": "2 Hz"},
         oil={"bulk_modulus": "10000 bar"},
-        controllers={"velocity_filter": "5 s", "pressure_filter": "5 s"},
+        controllers={"velocity_filter": "500 ms", "pressure_filter": "500 ms"},
     )
     with pytest.raises(ConvergenceError, match=r"\b45 degrees"):
         propose(bench, 1.7, operating_point(bench, plant_parameters(bench), {}))

@@ -115,10 +115,18 @@ def _size(**given: str | None) -> "Size | None":
         low, high = _RANGES[name]
         if not low <= si[name] <= high:
             limits = " to ".join(f"{from_si(limit, unit):g}" for limit in (low, high))
-            raise ConfigError(f"--{name}: is {value}; limits {limits} {unit}")
+            other = "10 MPa" if unit == "bar" else "2 in"
+            raise ConfigError(
+                f"--{name}: is {from_si(si[name], unit):.4g} {unit}; limits {limits} {unit}",
+                f"A number without a unit is in {unit}; write for example '{other}' for another.",
+            )
     if not 0.1 * si["bore"] <= si["rod"] <= 0.95 * si["bore"]:
         rod_mm, bore_mm = 1e3 * si["rod"], 1e3 * si["bore"]
-        raise ConfigError(f"--rod: is {rod_mm:g} mm; limits 10 to 95 % of --bore ({bore_mm:g} mm)")
+        raise ConfigError(
+            f"--rod: is {rod_mm:.4g} mm; limits {0.1 * bore_mm:.4g} to {0.95 * bore_mm:.4g} mm "
+            f"(10 to 95 % of --bore, {bore_mm:.4g} mm)",
+            "Give the diameter of the rod; it must be smaller than the bore.",
+        )
     size = Size(si["bore"], si["rod"], si["stroke"], si["supply"])
     load_n, least_n = min(size.moved_n, size.held_n), _LEAST_LOAD * size.rod_force_n
     if load_n < least_n:
