@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from hbench.config.bench import parse_bench
+from hbench.config.bench import Bench, parse_bench
 from hbench.config.files.edited_yaml import with_values
 from hbench.config.files.sized_examples import BENCH_FILE, EXAMPLE_BENCH, Size, sized
 from hbench.config.schedule import Screening
+from hbench.errors import ConvergenceError
 from hbench.workflow.controllers import RATIOS
 
 if TYPE_CHECKING:
+    from hbench.control.linearisation import OperatingPoint
     from hbench.control.propose import Proposed
 
 # Bandwidth of the slowest loop for the speeds and accelerations of the example: the velocity
@@ -41,14 +43,13 @@ def sized_files(examples: Mapping[str, str], size: Size) -> SizedFiles:
     that loop is slower. Raises ``ConvergenceError`` where no gains keep their margins.
     """
     from hbench.control.grid import GAIN_MARGIN_DB, PHASE_MARGIN_DEG, operating_point
-    from hbench.control.propose import propose
     from hbench.model.build import plant_parameters
     from hbench.model.pressure_level import level_travel
 
     bench = parse_bench(yaml.safe_load(sized(examples[EXAMPLE_BENCH], size)), BENCH_FILE)
     par = plant_parameters(bench)
     point = operating_point(bench, par, {})
-    found = max((propose(bench, ratio, point) for ratio in RATIOS), key=_slowest)
+    found = max(_proposed(bench, point), key=_slowest)
     size = replace(size, time=max(1.0, _SLOWEST_RAD_S / _slowest(found)))
     rules = Screening()
     settle_travel = max(rules.settle_travel, level_travel(par, _LEVEL_PA))
@@ -67,6 +68,21 @@ def sized_files(examples: Mapping[str, str], size: Size) -> SizedFiles:
         f"{GAIN_MARGIN_DB:g} dB at {found.points} operating points of the linear model; slowest "
         f"loop {_slowest(found):.2g} rad/s",
     )
+
+
+def _proposed(bench: Bench, point: "OperatingPoint") -> list["Proposed"]:
+    """Return the proposal of each ratio; raises the last ``ConvergenceError`` if none has one."""
+    from hbench.control.propose import propose
+
+    found, failure = [], None
+    for ratio in RATIOS:
+        try:
+            found.append(propose(bench, ratio, point))
+        except ConvergenceError as error:
+            failure = error
+    if failure and not found:
+        raise failure
+    return found
 
 
 def _slowest(found: "Proposed") -> float:
