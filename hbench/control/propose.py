@@ -6,7 +6,7 @@ is designed at the nominal point, with an ideal valve and G of 4.25, 4.26 and 4.
 
     velocity    tau_c = d_T1/d_T0 - n_T1/n_T0, the plant's own lag, which the zero cancels
                 K_c = w / G_T(0), so that K_v = w: on a ramp of slope a, velocity lags by a / w
-    pressures   tau_c = 5 / w: the zero costs 11 degrees at w
+    pressures   tau_c = 10 / w: the zero costs 6 degrees at w
                 K_c tau_c = w V / (beta K_u): the open loop of a chamber at rest (K_P = 0), an
                 integrator beta K_u / (V s), crosses 1 near w
 
@@ -42,7 +42,7 @@ from hbench.errors import ConvergenceError
 from hbench.model.build import plant_parameters
 from hbench.records import Check
 
-ZERO_RATIO = 5.0  # of a pressure loop's bandwidth to its zero
+ZERO_RATIO = 10.0  # of a pressure loop's bandwidth to its zero
 _SLOWEST, _FASTEST = 1.0, 3000.0  # rad/s: least bandwidth of the slowest loop, largest w
 _FINE = 0.02  # relative tolerance of w
 

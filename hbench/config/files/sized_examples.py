@@ -278,7 +278,7 @@ _BENCH: dict[Path, Rule] = {
     ("sensors", "load_cell", "area"): _LOAD_CELL,
     ("controllers", "pressure_slew"): _times(lambda size: size.pressure / size.time),
     ("controllers", "return_speed"): _SPEED,
-    ("controllers", "acceleration"): _ACCELERATION,
+    ("controllers", "acceleration"): _times(lambda size: size.acceleration, 4, 0.01),  # the board
     ("limits", "speed_max"): _REACH,
     ("limits", "speed_error"): _REACH,
     ("limits", "travel_min"): _REACH,
