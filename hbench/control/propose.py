@@ -1,12 +1,18 @@
 """Gains for a bench: the fastest of a family of designs that keeps its margins everywhere.
 
 A design of the family is an order of the three loops, from fast to slow, and the bandwidth w of
-the fastest. Neighbouring bandwidths are apart by the ratio r: w, w/r, w/r^2, at the nominal point
-and with an ideal valve, as the source counts them (table 4.2). With G of 4.25, 4.26 and 4.29:
+the fastest. Neighbouring bandwidths are apart by the ratio r: w, w/r, w/r^2. A loop of bandwidth w
+is designed at the nominal point, with an ideal valve and G of 4.25, 4.26 and 4.29:
 
     velocity    tau_c = d_T1/d_T0 - n_T1/n_T0, the plant's own lag, which the zero cancels
-    pressures   tau_c = 10 / bandwidth: the zero lies a decade below, where it costs 6 degrees
-    all         K_c so that the closed loop has its bandwidth
+                K_c = w / G_T(0), so that K_v = w: on a ramp of slope a, velocity lags by a / w
+    pressures   tau_c = 10 / w: the zero costs 6 degrees at w
+                K_c tau_c = w V / (beta K_u): the open loop of a chamber at rest (K_P = 0), an
+                integrator beta K_u / (V s), crosses 1 near w
+
+Neither law becomes unstable in a slower design: the oil's resonance, sqrt(beta A^2 / (V m)), limits
+w from above alone. A pressure gain that gives the closed loop a bandwidth at the nominal point
+would not fall with w where w is below the chamber's pole, beta K_P / V.
 
 w is the largest for which every loop, opened at its valve with the other two closed, keeps its
 margins at every point of a grid: positions, loads, speeds and both directions, with valve,
@@ -19,7 +25,6 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from scipy.optimize import brentq
 
 from hbench.config.bench import Bench
 from hbench.control.grid import (
@@ -32,15 +37,13 @@ from hbench.control.grid import (
 )
 from hbench.control.linearisation import LinearCoefficients, OperatingPoint, linear_coefficients
 from hbench.control.loops import loop_plants
-from hbench.control.merits import bandwidth
 from hbench.control.sampled import Pi, T
-from hbench.control.transfer import TransferFunction, pi
 from hbench.errors import ConvergenceError
 from hbench.model.build import plant_parameters
 from hbench.records import Check
 
 ZERO_RATIO = 10.0  # of a pressure loop's bandwidth to its zero
-_SLOWEST, _FASTEST = 1.0, 3000.0  # rad/s, limits of w
+_SLOWEST, _FASTEST = 1.0, 3000.0  # rad/s: least bandwidth of the slowest loop, largest w
 _FINE = 0.02  # relative tolerance of w
 
 
@@ -56,6 +59,11 @@ class Proposed:
     points: int
     left_out: tuple[str, ...]  # of the grid, with the reason
 
+    @property
+    def velocity_constant(self) -> float:
+        """K_v of the velocity loop [1/s]: on a ramp of slope a it lags by a / K_v (4.37)."""
+        return self.bandwidths_rad_s[self.order.index(T)]
+
 
 def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
     """Return gains for ``bench``, designed at ``point`` and checked over the grid.
@@ -70,12 +78,13 @@ def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
     best: tuple[int, ...] = ()
     slowest, chosen = 0.0, None
     for order in permutations(range(3)):
-        w = _fastest(points, c, ratio, order, beyond=slowest * ratio**2)
+        w = _fastest(points, c, ratio, order, beyond=max(slowest, _SLOWEST) * ratio**2)
         if w > 0.0:
             best, slowest, chosen = order, w / ratio**2, family(c, w, ratio, order)
     if chosen is None:
         raise ConvergenceError(
-            f"{bench.name}: no gains keep {PHASE_MARGIN_DEG:g} degrees and {GAIN_MARGIN_DB:g} dB",
+            f"{bench.name}: no gains with bandwidths of at least {_SLOWEST:g} rad/s "
+            f"keep {PHASE_MARGIN_DEG:g} degrees and {GAIN_MARGIN_DB:g} dB",
             "Is the bench file right? A resonance without damping (viscous friction 0) or a slow "
             "valve or filter leaves no margin.",
         )
@@ -103,7 +112,7 @@ def _fastest(
         loops = family(c, float(np.exp(log_w)), ratio, order)
         return all(check.holds for point in points for check in margin_checks([point], loops))
 
-    low, high = np.log(max(_SLOWEST, beyond)) + _FINE, np.log(_FASTEST)
+    low, high = np.log(beyond) + _FINE, np.log(_FASTEST)
     if not points or not good(low):
         return 0.0
     while high - low > _FINE:
@@ -116,28 +125,13 @@ def family(
     c: LinearCoefficients, w: float, ratio: float, order: Sequence[int]
 ) -> tuple[Pi, Pi, Pi]:
     """Return K_c and tau_c of the three loops; see above. ``w`` is the fastest's [rad/s]."""
-    velocity = loop_plants(c)[T]
-    n_1, n_0 = velocity.numerator
-    _, _, d_1, d_0 = velocity.denominator
     loops: dict[int, Pi] = {}
     for rank, loop in enumerate(order):
-        width = w / ratio**rank
-        tau = d_1 / d_0 - n_1 / n_0 if loop == T else ZERO_RATIO / width
-        loops[loop] = (_gain(loop_plants(c)[loop], tau, width), tau)
+        plant, width = loop_plants(c)[loop], w / ratio**rank
+        if loop == T:
+            (n_1, n_0), (d_1, d_0) = plant.numerator, plant.denominator[-2:]
+            loops[loop] = (width * d_0 / n_0, d_1 / d_0 - n_1 / n_0)
+        else:
+            tau = ZERO_RATIO / width
+            loops[loop] = (width / (tau * plant.numerator[0]), tau)
     return loops[0], loops[1], loops[2]
-
-
-def _gain(plant: TransferFunction, tau: float, width: float) -> float:
-    """Return K_c with which the closed loop has the bandwidth ``width`` [rad/s]."""
-    omega = width * np.geomspace(1e-3, 100.0, 800)
-    opened = (plant * pi(1.0, tau))(1j * omega)
-    guess = float(1 / abs((plant * pi(1.0, tau))(1j * width)))
-
-    def surplus(log_factor: float) -> float:
-        loop = guess * np.exp(log_factor) * opened
-        return np.log(bandwidth(omega, loop / (1 + loop)) / width)
-
-    low, high = -4.0, 2.0
-    if not surplus(low) < 0 < surplus(high):
-        return guess  # a resonance makes the bandwidth jump; the margins decide
-    return float(guess * np.exp(brentq(surplus, low, high, xtol=1e-4)))

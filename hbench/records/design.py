@@ -89,7 +89,7 @@ class Proposal:
     """Gains for a bench, and the verdict on them."""
 
     gains: dict[str, tuple[float, float]]  # loop: K_c, tau_c
-    bandwidths_rad_s: dict[str, float]  # loop: closed, ideal valve; from fast to slow
+    bandwidths_rad_s: dict[str, float]  # loop: of its design; from fast to slow
     feedforward: tuple[float, float]  # rod, piston [V s/m]
     ratio: float  # of neighbouring bandwidths
     points: int  # of the grid, at which the margins were computed

@@ -28,6 +28,7 @@ _MODULES = {
     "identification": ("identify", "write_identification"),
     "reconciliation": ("planned_effects", "reconcile", "write_diagnosis"),
     "exports": ("export",),
+    "example_files": ("sized_files",),
     "controllers": ("design", "write_design", "write_gains"),
     "simulation": (
         "phenomena",

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
+from hbench.analysis.screening.screen import screen
 from hbench.cli.commands.init import _FILES
 from hbench.config.bench import parse_bench
 from hbench.config.conformity.limits import parse_limits
@@ -14,8 +15,10 @@ from hbench.config.files.sized_examples import BENCH_FILE, Size, sized
 from hbench.config.schedule import parse_schedule
 from hbench.errors import HbenchError
 from hbench.experiment import design_verification
+from hbench.experiment.closed_loop import record
 from hbench.experiment.plan import plan_runs
 from hbench.experiment.steady_demand import steady_demand
+from hbench.workflow import sized_files
 from tests.support import ROOT
 from tests.support.commands import hbench
 
@@ -44,8 +47,8 @@ def drawn_sizes(count):
 
 @pytest.mark.parametrize("size", [*SIZES, *drawn_sizes(12)], ids=lambda size: size.words)
 def test_every_schedule_can_be_planned_on_the_bench_and_limits_are_read(size):
-    files = {name: yaml.safe_load(sized(text, size)) for name, text in EXAMPLES.items()}
-    bench = parse_bench(files["bench-aau.yaml"], "bench")
+    files = {name: yaml.safe_load(text) for name, text in sized_files(EXAMPLES, size).files.items()}
+    bench = parse_bench(files[BENCH_FILE], "bench")
     assert bench.test_cylinder.piston_diameter == pytest.approx(size.bore_m, rel=1e-4)
     assert bench.supply.pressure == pytest.approx(size.supply_pa, rel=1e-4)
     schedules = [name for name, data in files.items() if "experiments" in data]
@@ -76,7 +79,16 @@ def test_every_schedule_can_be_planned_on_the_bench_and_limits_are_read(size):
         ),
         (16, 15, 100, 350, "--rod: is 15 mm: .* leave 0 N"),
         (300, 280, 600, 40, "--rod: is 280 mm: .* leave 0 N"),
-        (25, 12, 50, 100, "--stroke: is 50; limits 60 to 2000 mm"),
+        (25, 12, 50, 100, "--stroke: is 50 mm; limits 60 to 2000 mm"),
+        (50, 60, 250, 100, r"--rod: is 60 mm; limits 5 to 47.5 mm .*--bore"),
+        (2, 1.4, 10, 100, "--bore: is 2 mm; limits .*\n.* without a unit is in mm; .*'2 in'"),
+        (
+            50,
+            36,
+            250,
+            10,
+            "--supply: is 10 bar; limits .*\n.* without a unit is in bar; .*'10 MPa'",
+        ),
     ],
 )
 def test_a_size_whose_schedules_could_not_run_is_refused(
@@ -116,20 +128,35 @@ def test_values_are_replaced_in_place():
     assert with_values("a: &x 1  # n\nb: *x\n", lambda path, value: "2") == "a: &x 2  # n\nb: *x\n"
 
 
-def test_a_small_cylinder_is_measured_on_the_virtual_rig(tmp_path):
-    """A short stroke: eight runs of the demo schedule, all accepted."""
-    size = ("--bore", 25, "--rod", "12 mm", "--stroke", 100)
-    done = hbench("init", tmp_path / "sized", *size, "--supply", 100)
-    assert "nothing checked that the scaled gains suit this size" in done.stderr
-    assert "hbench design" in done.stderr and "--propose --write" in done.stderr
-    done = hbench("init", tmp_path / "b", *size)
-    assert done.returncode == 2 and "--supply" in done.stderr
-    for name, text in EXAMPLES.items():
-        text = sized(text, SIZES[1])
-        if name == "demo.yaml":
-            text = text.replace("count: 8", "count: 2").replace("trials: 3", "trials: 1")
-        (tmp_path / (BENCH_FILE if name == "bench-aau.yaml" else name)).write_text(text)
-    done = hbench("run", tmp_path / "demo.yaml", "-o", tmp_path / "campaign")
+@pytest.mark.parametrize(
+    "size", [(25, 12, 100, 160), (50, 45, 250, 100), (300, 210, 2000, 350)], ids=str
+)
+def test_a_sized_demo_runs_on_the_virtual_rig_and_every_run_is_accepted(tmp_path, size):
+    options = zip(("--bore", "--rod", "--stroke", "--supply"), size, strict=True)
+    done = hbench("init", tmp_path, *(part for option in options for part in option))
     assert done.returncode == 0, done.stderr
-    done = hbench("analyze", tmp_path / "campaign")
-    assert "8 accepted, 0 rejected" in done.stdout, done.stdout
+    assert "at least 45 degrees" in done.stderr and "at least 6 dB" in done.stderr
+    bench = parse_bench(yaml.safe_load((tmp_path / BENCH_FILE).read_text()), "bench")
+    schedule = yaml.safe_load((tmp_path / "demo.yaml").read_text())
+    schedule.pop("bench")
+    for experiment in schedule["experiments"]:
+        experiment |= {"trials": 1, "velocities": experiment["velocities"] | {"count": 2}}
+    recorded = record(bench, schedule)
+    assert (len(recorded.runs), recorded.stopped) == (8, "")
+    rules = parse_schedule({**schedule, "bench": BENCH_FILE}, "demo").screening
+    rejected = [verdict.reasons for run in recorded.runs if (verdict := screen(run, rules)).reasons]
+    assert not rejected
+
+
+def test_a_size_without_its_supply_is_refused(tmp_path):
+    done = hbench("init", tmp_path / "b", "--bore", 25, "--rod", "12 mm", "--stroke", 100)
+    assert done.returncode == 2 and "--supply" in done.stderr
+
+
+def test_slower_loops_lower_speeds_and_accelerations():
+    """Half the bandwidth: lag a / K_v as before needs a quarter of the acceleration at most."""
+    size = Size(0.040, 0.025, 0.400, 150e5, time=2.0)
+    bench = yaml.safe_load(sized(EXAMPLES["bench-aau.yaml"], size))["controllers"]
+    assert (bench["acceleration"], bench["return_speed"]) == ("0.25 m/s^2", "75 mm/s")
+    demo = yaml.safe_load(sized(EXAMPLES["demo.yaml"], size))["experiments"][0]
+    assert demo["acceleration"] == "0.25 m/s^2" and demo["velocities"]["last"] == "100 mm/s"

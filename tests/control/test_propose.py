@@ -1,15 +1,21 @@
 """Proposed gains: their method, and that they hold on benches other than the source's."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 
+from hbench.config.bench import parse_bench
+from hbench.config.files.examples import example
+from hbench.config.files.sized_examples import Size, sized
 from hbench.config.scaling import scaled
 from hbench.config.schedule import Screening, parse_schedule
 from hbench.control.grid import conditions, grid, margin_checks, operating_point
 from hbench.control.linearisation import linear_coefficients
 from hbench.control.loops import loop_plants
+from hbench.control.merits import margins, velocity_constant
 from hbench.control.propose import family, propose
 from hbench.control.transfer import pi
 from hbench.errors import ConvergenceError
@@ -40,27 +46,36 @@ def proposed(stiff):
     return proposal(stiff, 1.7, operating_point(stiff, plant_parameters(stiff), {}), quiet)
 
 
-def closed_bandwidth(opened):
-    """Where |L / (1 + L)| = 1/sqrt(2), from the roots of the polynomial in omega^2."""
-    closed = opened.closed
-
-    def even(polynomial):  # |p(j omega)|^2 as a polynomial in omega^2
-        p = np.poly1d(polynomial)
-        mirrored = np.poly1d([c * (-1) ** (p.order - i) for i, c in enumerate(p.coeffs)])
-        square = (p * mirrored).coeffs[::-1]  # ascending powers of s, even ones alone
-        return np.array([c * (-1) ** k for k, c in enumerate(square[::2])])[::-1]
-
-    roots = np.roots(np.polysub(2 * even(closed.numerator), even(closed.denominator)))
-    real = roots[(np.abs(roots.imag) < 1e-6 * np.abs(roots)) & (roots.real > 0)].real
-    return np.sqrt(real.min())
-
-
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
-def test_bandwidths_of_the_family_are_apart_by_the_ratio(bench, par, order):
+def test_gains_follow_from_flow_gain_stiffness_and_bandwidth(bench, par, order):
+    """The velocity loop has K_v = w; a pressure loop crosses 1 at w, but for its zero at w / 10."""
     c = linear_coefficients(par, operating_point(bench, par, {}))
     loops = family(c, 150.0, 1.7, order)
-    widths = [closed_bandwidth(loop_plants(c)[i] * pi(*loops[i])) for i in order]
-    assert widths == pytest.approx([150.0, 150.0 / 1.7, 150.0 / 1.7**2], rel=2e-3)
+    widths = {loop: 150.0 / 1.7**rank for rank, loop in enumerate(order)}
+    assert velocity_constant(loop_plants(c)[0] * pi(*loops[0])) == pytest.approx(widths[0])
+    for loop, flow_gain, volume in ((1, c.ku_lr, c.v_lr), (2, c.ku_lp, c.v_lp)):
+        gain, tau = loops[loop]
+        assert gain * tau * flow_gain * c.beta / volume == pytest.approx(widths[loop])
+        assert tau == pytest.approx(10 / widths[loop])
+
+
+def test_a_closed_chamber_under_its_pressure_loop_keeps_the_phase_of_the_law(bench, par):
+    """Without leakage (K_P = 0) L = w (s + w/10) / s^2: 84 degrees at its crossing, 1.005 w."""
+    c = replace(linear_coefficients(par, operating_point(bench, par, {})), kp_lr=0.0)
+    omega = np.geomspace(1.0, 1e4, 4000)
+    loops = family(c, 100.0, 1.7, (1, 0, 2))
+    found = margins(omega, (loop_plants(c)[1] * pi(*loops[1]))(1j * omega))
+    crossing = 100 * np.sqrt(0.5 + np.sqrt(0.25 + 0.01))
+    assert found.phase_rad_s == pytest.approx(crossing, rel=1e-4)
+    assert found.phase_deg == pytest.approx(np.degrees(np.arctan(10 * crossing / 100)), abs=0.01)
+
+
+@pytest.mark.parametrize("size", [(0.279, 0.234, 1.6, 220e5), (0.05, 0.045, 0.25, 100e5)])
+def test_a_large_and_a_thick_rod_get_gains_that_keep_their_margins(size):
+    text = example("bench-aau.yaml").decode()
+    bench = parse_bench(yaml.safe_load(sized(text, Size(*size))), "bench")
+    found = propose(bench, 1.7, operating_point(bench, plant_parameters(bench), {}))
+    assert all(check.holds for check in found.checks)
 
 
 def test_the_source_gains_have_no_place_on_a_stiffer_bench(stiff):

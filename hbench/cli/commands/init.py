@@ -55,19 +55,21 @@ def init(
     Example: hbench init my-bench
     """
     from hbench.config.files.examples import example
+    from hbench.config.files.sized_examples import BENCH_FILE
     from hbench.errors import ConfigError
 
     size = _size(bore=bore, rod=rod, stroke=stroke, supply=supply)
     contents = {name: example(name) for name in _FILES}
-    if size is not None:
-        from hbench.config.files.sized_examples import BENCH_FILE, sized
-
-        contents = {name: sized(text.decode(), size).encode() for name, text in contents.items()}
-        contents = {BENCH_FILE: contents.pop(_FILES[0]), **contents}
-    bench, *_ = contents
-    taken = [name for name in contents if (directory / name).exists()]
+    bench = BENCH_FILE if size else _FILES[0]
+    taken = [name for name in (bench, *_FILES[1:]) if (directory / name).exists()]
     if taken:
         raise ConfigError(f"{directory / taken[0]}: exists already", "Choose another folder.")
+    if size is not None:
+        from hbench import workflow
+
+        texts = {name: content.decode() for name, content in contents.items()}
+        made = workflow.sized_files(texts, size)
+        contents = {name: text.encode() for name, text in made.files.items()}
     try:
         directory.mkdir(parents=True, exist_ok=True)
         for name, content in contents.items():
@@ -82,17 +84,13 @@ def init(
         return
     typer.echo("\n".join(paths))
     schedule, bench_file = (shlex.quote(str(directory / name)) for name in ("demo.yaml", bench))
-    if size is None:
-        then = f"run hbench run {schedule} --check"
-    else:
-        typer.echo(
-            "note: nothing checked that the scaled gains suit this size: the board may stop runs "
-            "(speed_error) or screening reject them until `hbench design` has written gains that "
-            "pass its checks",
-            err=True,
-        )
-        then = f"hbench design {bench_file} --propose --write, then hbench run {schedule} --check"
-    typer.echo(f"next: enter your bench's data in {directory / bench}, then {then}", err=True)
+    if size is not None:
+        typer.echo(f"gains: {made.gains}", err=True)
+    typer.echo(
+        f"next: hbench run {schedule} --check; for measurements first enter your bench's data in "
+        f"{bench_file}" + (f", then hbench design {bench_file} --propose --write" if size else ""),
+        err=True,
+    )
 
 
 def _size(**given: str | None) -> "Size | None":
@@ -117,10 +115,18 @@ def _size(**given: str | None) -> "Size | None":
         low, high = _RANGES[name]
         if not low <= si[name] <= high:
             limits = " to ".join(f"{from_si(limit, unit):g}" for limit in (low, high))
-            raise ConfigError(f"--{name}: is {value}; limits {limits} {unit}")
+            other = "10 MPa" if unit == "bar" else "2 in"
+            raise ConfigError(
+                f"--{name}: is {from_si(si[name], unit):.4g} {unit}; limits {limits} {unit}",
+                f"A number without a unit is in {unit}; write for example '{other}' for another.",
+            )
     if not 0.1 * si["bore"] <= si["rod"] <= 0.95 * si["bore"]:
         rod_mm, bore_mm = 1e3 * si["rod"], 1e3 * si["bore"]
-        raise ConfigError(f"--rod: is {rod_mm:g} mm; limits 10 to 95 % of --bore ({bore_mm:g} mm)")
+        raise ConfigError(
+            f"--rod: is {rod_mm:.4g} mm; limits {0.1 * bore_mm:.4g} to {0.95 * bore_mm:.4g} mm "
+            f"(10 to 95 % of --bore, {bore_mm:.4g} mm)",
+            "Give the diameter of the rod; it must be smaller than the bore.",
+        )
     size = Size(si["bore"], si["rod"], si["stroke"], si["supply"])
     load_n, least_n = min(size.moved_n, size.held_n), _LEAST_LOAD * size.rod_force_n
     if load_n < least_n:

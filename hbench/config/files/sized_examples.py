@@ -1,9 +1,11 @@
 """The example files for a cylinder of another size.
 
-The example bench is scaled so that it behaves alike: the same speed of the piston per volt of a
-valve, the same friction per length of a seal, pressures in proportion to the supply. Positions and
-speeds scale with the stroke (speeds at most as in the example), loads with the driven area and the
-supply.
+The example bench is scaled so that it behaves alike. Up to the example's stroke, lengths and speeds
+are in proportion to the stroke, and times do not change. Beyond it, speeds and dead volumes are
+those of the example. The valves give the same speed per volt, pressures and bulk modulus are in
+proportion to the supply, friction to the length of the seals, loads to the driven area and the
+supply. Where the loops of the bench are slower than those of the example, by the factor ``time``,
+accelerations are lower by its square: then speed and load pressures lag as in the example.
 """
 
 import math
@@ -15,11 +17,10 @@ from hbench.config.files.edited_yaml import Path, with_values
 from hbench.units import from_si, to_si
 
 BENCH_FILE = "bench.yaml"  # of another size
-_EXAMPLE_BENCH = "bench-aau.yaml"
+EXAMPLE_BENCH = "bench-aau.yaml"
 _BORE_M, _ROD_M, _STROKE_M, _SUPPLY_PA = 0.040, 0.025, 0.400, 150e5  # of the example bench
 _SPANS_PA = (100e5, 160e5, 250e5, 400e5, 600e5, 1000e5)  # of pressure transducers
 _SPAN_OVER_SUPPLY = 250 / 150
-_LEAST_START_MM = 10.0  # of a travel: braking stays within limits.travel_min
 _LEAST_PISTON_BAR = 3.0  # that p_lr alone causes in P_Lp, above the tank's pressure
 _HIGHEST_ROD = 140 / 150  # of the supply: highest p_lr of the examples
 _LEAST_P_LP_PA = 5.5e5  # that the largest retracting load leaves
@@ -35,8 +36,10 @@ _HEAD = """\
 #
 # Diameters, stroke and supply pressure are those that were given to `hbench init`. Every line that
 # says "scaled" is a guess by size from the bench of Aalborg University (`hbench init` without
-# options): enter the values of your bench. Other values and comments are those of that bench. Then
-# propose gains: hbench design bench.yaml --propose --write
+# options): enter the values of your bench. Other values and comments are those of that bench.
+#
+# Gains are computed for the values below. After changes compute them again, and check them on the
+# virtual rig: hbench design bench.yaml --propose --write
 """
 
 
@@ -48,6 +51,7 @@ class Size:
     rod_m: float
     stroke_m: float
     supply_pa: float
+    time: float = 1.0  # time constant of the slowest loop over that of the example, at least 1
 
     @property
     def piston_area(self) -> float:
@@ -95,9 +99,33 @@ class Size:
         return self.bore_m / _BORE_M
 
     @property
+    def reach(self) -> float:
+        """Lengths that grow no further than in the example."""
+        return min(1.0, self.length)
+
+    @property
     def speed(self) -> float:
         """Speeds over those of the example."""
-        return min(1.0, self.length)
+        return min(1.0, math.sqrt(self.length * self.reach) / self.time)
+
+    @property
+    def acceleration(self) -> float:
+        """Accelerations over those of the example."""
+        return self.reach / self.time**2
+
+    @property
+    def bulk_modulus(self) -> float:
+        """Effective bulk modulus over that of the example.
+
+        The supply pressure compresses the oil by the same share of the stroke; from the example's
+        stroke on, where speeds no longer grow, by the same length.
+        """
+        return self.pressure * self.length / self.reach
+
+    @property
+    def valve(self) -> float:
+        """Flow gain of the valves over that of the example: the same voltage at scaled speeds."""
+        return self.piston_area * self.reach / math.sqrt(self.pressure)
 
     @property
     def friction_n(self) -> float:
@@ -213,12 +241,16 @@ def _of_friction(value: str, size: Size) -> str:
 
 
 _PISTON = _times(lambda size: size.piston_area, 4)
-_ROD = _times(lambda size: size.rod_area, 4)
+_PISTON_VOLUME = _times(lambda size: size.piston_area * size.reach, 4)
+_ROD_VOLUME = _times(lambda size: size.rod_area * size.reach, 4)
 _FORCE = _times(lambda size: size.force)
 _LOAD_CELL = _times(lambda size: max(size.piston_area, size.rod_area) * size.pressure)
-_LENGTH = _times(lambda size: size.length)
+_LENGTH = _times(lambda size: size.length, 3)
+_REACH = _times(lambda size: size.reach)
 _SPEED = _times(lambda size: size.speed)
+_ACCELERATION = _times(lambda size: size.acceleration, 4)
 _SEAL = _times(lambda size: size.seal)
+_PRESSURE = _times(lambda size: size.pressure)
 
 _CYLINDERS = ("test_cylinder", "load_cylinder")
 _GIVEN: dict[Path, Rule] = {
@@ -233,18 +265,23 @@ _BENCH: dict[Path, Rule] = {
     ("load_cylinder", "rod_diameter"): _exactly("mm", lambda size: size.rod_m),
     ("load_cylinder", "stroke"): _exactly("mm", lambda size: size.stroke_m),
     ("load_cylinder", "offset"): _LENGTH,
-    **{(cylinder, "dead_volume_piston"): _PISTON for cylinder in _CYLINDERS},
-    **{(cylinder, "dead_volume_rod"): _ROD for cylinder in _CYLINDERS},
+    **{(cylinder, "dead_volume_piston"): _PISTON_VOLUME for cylinder in _CYLINDERS},
+    **{(cylinder, "dead_volume_rod"): _ROD_VOLUME for cylinder in _CYLINDERS},
     **{("moving_mass", side): _PISTON for side in ("test", "load")},
-    ("valve", "gain"): _times(lambda size: size.piston_area / math.sqrt(size.pressure), 3),
+    ("oil", "bulk_modulus"): _times(lambda size: size.bulk_modulus, 3),
+    ("valve", "gain"): _times(lambda size: size.valve, 3),
     **{("friction", side, key): _SEAL for side in ("test", "load") for key in _SEALS},
     ("end_stop", "stiffness"): _PISTON,
     ("end_stop", "damping"): _PISTON,
     ("sensors", "position", "span"): _LENGTH,
     ("sensors", "pressure", "span"): _exactly("bar", lambda size: size.span_pa),
     ("sensors", "load_cell", "area"): _LOAD_CELL,
-    # Damping by friction falls with size: B / m with the bore, B / A with the stroke's compliance.
-    ("controllers", "velocity", "gain"): _times(lambda s: min(1.0, 1 / (s.seal * s.length**0.5))),
+    ("controllers", "pressure_slew"): _times(lambda size: size.pressure / size.time),
+    ("controllers", "return_speed"): _SPEED,
+    ("controllers", "acceleration"): _times(lambda size: size.acceleration, 4, 0.01),  # the board
+    ("limits", "speed_max"): _REACH,
+    ("limits", "speed_error"): _REACH,
+    ("limits", "travel_min"): _REACH,
     ("limits", "travel_max"): _times(lambda size: size.length, 3),
     ("limits", "pressure_max"): _exactly("bar", lambda size: 0.92 * size.span_pa),
     ("instruments", "force", "full_scale"): _LOAD_CELL,
@@ -253,11 +290,11 @@ _BENCH: dict[Path, Rule] = {
 _SCHEDULE: dict[str, Rule] = {
     **dict.fromkeys(("loads", "load"), _load),
     "p_lr": _rod_pressure,
-    "pressure": _times(lambda size: size.pressure),  # of limits
-    "start": _times(lambda size: size.length, least=_LEAST_START_MM),
-    **dict.fromkeys(("end", "position", "positions", "rest_travel"), _LENGTH),
+    "pressure": _PRESSURE,  # of limits
+    **dict.fromkeys(("start", "end", "position", "positions", "rest_travel"), _LENGTH),
     **dict.fromkeys(("rise", "rate"), _FORCE),
     **dict.fromkeys(("first", "last", "velocities", "speed", "levels", "velocity"), _SPEED),
+    **dict.fromkeys(("acceleration", "accelerations"), _ACCELERATION),
     **dict.fromkeys(("min_step", "max_step", "transition"), _SPEED),
     **dict.fromkeys(("min", "max", "tolerance"), _of_friction),  # limits, adaptive speeds
     "piston_diameter": _exactly("mm", lambda size: size.bore_m),  # of import maps

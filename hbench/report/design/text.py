@@ -197,7 +197,7 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
     """Return the derivation of the gains, a sentence each."""
     order = ", ".join(f"{name} {w:.0f}" for name, w in proposal.bandwidths_rad_s.items())
     return (
-        f"bandwidths (ideal valve), a factor of {proposal.ratio:g} apart (--ratio): {order} rad/s",
+        f"bandwidths of the design, a factor of {proposal.ratio:g} apart (--ratio): {order} rad/s",
         f"the fastest gains with these ratios that keep all margins at {proposal.points} points: "
         "positions, loads, speeds, both directions",
         f"feedforward, if it is used: C_ffLr {proposal.feedforward[0]:.3g}, "
