@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from hbench.records.bands import *
+    from hbench.records.curves import *
     from hbench.records.design import *
     from hbench.records.diagnosis import *
     from hbench.records.differences import *
     from hbench.records.fleet import *
-    from hbench.records.flow import *
     from hbench.records.identification import *
     from hbench.records.import_preview import *
     from hbench.records.kinds import *
     from hbench.records.motions import *
     from hbench.records.phenomenon import *
     from hbench.records.results import *
+    from hbench.records.runs import *
     from hbench.records.summary import *
 
 _MODULES = {
@@ -27,6 +28,19 @@ _MODULES = {
         "BandTrend",
         "MotionBalance",
         "PressureLine",
+    ),
+    "curves": (
+        "Curve",
+        "CurvePoint",
+        "EfficiencyCurve",
+        "EfficiencyPoint",
+        "Fit",
+        "FitParameter",
+        "HeldOut",
+        "JointFit",
+        "MeanEfficiency",
+        "ParameterPair",
+        "Selection",
     ),
     "design": (
         "Check",
@@ -97,35 +111,6 @@ _MODULES = {
         "VarianceSource",
         "WearTrend",
     ),
-    "flow": (
-        "DIRECTIONS",
-        "TEMPERATURES",
-        "Curve",
-        "CurvePoint",
-        "Direction",
-        "EfficiencyCurve",
-        "EfficiencyPoint",
-        "Factors",
-        "Fit",
-        "FitParameter",
-        "HeldOut",
-        "JointFit",
-        "LevelReference",
-        "LogChannel",
-        "MeanEfficiency",
-        "Motion",
-        "Outcome",
-        "ParameterPair",
-        "Provenance",
-        "RawRun",
-        "Run",
-        "RunPlan",
-        "ScreenedRun",
-        "Segment",
-        "Selection",
-        "Specimen",
-        "SteadyMeans",
-    ),
     "identification": (
         "Followed",
         "Identification",
@@ -175,6 +160,24 @@ _MODULES = {
         "WordTable",
     ),
     "results": ("Results",),
+    "runs": (
+        "DIRECTIONS",
+        "TEMPERATURES",
+        "Direction",
+        "Factors",
+        "LevelReference",
+        "LogChannel",
+        "Motion",
+        "Outcome",
+        "Provenance",
+        "RawRun",
+        "Run",
+        "RunPlan",
+        "ScreenedRun",
+        "Segment",
+        "Specimen",
+        "SteadyMeans",
+    ),
     "summary": (
         "Basis",
         "Completeness",

@@ -1,12 +1,13 @@
 """Friction bands between the two directions, and their dependence on pressure and speed.
 
-All quantities are SI, as in ``flow.py``.
+All quantities are SI, as in ``runs.py``.
 """
 
 from dataclasses import dataclass
 
-from hbench.records.flow import CurvePoint, Factors, Specimen
+from hbench.records.curves import CurvePoint
 from hbench.records.numbers import KindName
+from hbench.records.runs import Factors, Specimen
 
 
 @dataclass(frozen=True)

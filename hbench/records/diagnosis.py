@@ -8,8 +8,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hbench.records.flow import FitParameter, Provenance, RunPlan
+from hbench.records.curves import FitParameter
 from hbench.records.numbers import FloatOrNan
+from hbench.records.runs import Provenance, RunPlan
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
 REST_M_S = 2e-3  # windows with a lower speed are at rest

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from hbench.records.bands import Band, BandTrend
-from hbench.records.flow import Curve, Direction, Provenance
+from hbench.records.curves import Curve
+from hbench.records.runs import Direction, Provenance
 from hbench.records.summary import OilTemperature, Quality
 
 

@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import Literal
 
 from hbench.records.conformity.acceptance import Measurement, Requirement
-from hbench.records.flow import DIRECTIONS, Direction
+from hbench.records.runs import DIRECTIONS, Direction
 
 Side = Direction | None  # of a number; None: of both directions together
 CYLINDER = "cylinder"  # the source of variance that is not of the measurement

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from hbench.records.flow import DIRECTIONS
+from hbench.records.runs import DIRECTIONS
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hbench.records.flow import ScreenedRun
+from hbench.records.runs import ScreenedRun
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from hbench.records.flow import Direction
 from hbench.records.numbers import Count, FloatOrNan, KindName
+from hbench.records.runs import Direction
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,9 @@ from dataclasses import dataclass, field
 from itertools import chain
 
 from hbench.records.bands import Band, BandTrend, MotionBalance
-from hbench.records.flow import (
-    Curve,
-    EfficiencyCurve,
-    JointFit,
-    Provenance,
-    ScreenedRun,
-)
+from hbench.records.curves import Curve, EfficiencyCurve, JointFit
 from hbench.records.motions import Motions
+from hbench.records.runs import Provenance, ScreenedRun
 from hbench.records.summary import Drift, FitVerdicts, Headline, OilTemperature, Quality
 
 

@@ -7,7 +7,8 @@ from typing import TypeVar
 
 from hbench.records.bands import Band, BandTrend
 from hbench.records.conformity.acceptance import Measurement
-from hbench.records.flow import Curve, EfficiencyCurve, RunPlan
+from hbench.records.curves import Curve, EfficiencyCurve
+from hbench.records.runs import RunPlan
 from hbench.records.summary import HeadlineSeries, ImplausiblePoint, PointTrials
 
 SeriesRecord = TypeVar(

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from hbench.records.flow import Curve, Direction, TemperatureSensor
+from hbench.records.curves import Curve
 from hbench.records.numbers import Count, KindName
+from hbench.records.runs import Direction, TemperatureSensor
 
 Basis = Literal["trials", "one_trial", "extrapolated", "ramp", "breakaway"]
 Grade = Literal["good", "with care", "poor"]

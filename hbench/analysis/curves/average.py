@@ -9,7 +9,7 @@ import numpy as np
 
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import TEMPERATURES, Curve, CurvePoint, RunPlan, ScreenedRun
-from hbench.records.flow import TemperatureSensor
+from hbench.records.runs import TemperatureSensor
 
 
 def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:

@@ -9,8 +9,8 @@ from hbench.config.files.loading import validate
 from hbench.config.identity import Text
 from hbench.config.quantity import ConfigSection
 from hbench.records.conformity.acceptance import LimitQuantity, Requirement, Rule
-from hbench.records.flow import Direction
 from hbench.records.motions import Leak
+from hbench.records.runs import Direction
 from hbench.units import to_si
 
 # Units in which a limit may be stated: the first that has the dimension is that of the reports.

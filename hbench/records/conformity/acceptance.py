@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from hbench.records.flow import Direction, Provenance
 from hbench.records.motions import Leak
+from hbench.records.runs import Direction, Provenance
 from hbench.records.summary import Grade
 
 LimitQuantity = Literal["friction", "breakaway", "efficiency", "leakage", "speed_ripple", "drift"]

@@ -14,8 +14,8 @@ from hbench.records.conformity.acceptance import (
     Requirement,
     Rule,
 )
-from hbench.records.flow import DIRECTIONS
 from hbench.records.motions import Leak
+from hbench.records.runs import DIRECTIONS
 from hbench.store.campaign.stored_diagnosis import read_document
 from hbench.units import parse_unit
 from hbench.untrusted_text import printable

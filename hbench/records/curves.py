@@ -1,0 +1,259 @@
+"""Curves: averaged points, fitted laws and efficiencies, the second half of the flow.
+
+All quantities are SI, as in ``runs.py``.
+"""
+
+import math
+from dataclasses import dataclass, field
+from itertools import combinations_with_replacement
+from typing import Literal
+
+from hbench.records.numbers import Count, FloatOrNan, KindName
+from hbench.records.runs import Direction, Factors, Specimen
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """The average of the accepted trials of one reference."""
+
+    v_m_s: float
+    friction_n: float
+    ci95_n: float | None  # half-width of Student's interval; None with fewer than two trials
+    n: Count  # trials
+    f_test_n: float
+    f_applied_n: float
+    p_tp_pa: float | None  # None without hydraulics
+    p_tr_pa: float | None
+    trials: tuple[int, ...]  # their numbers
+    trials_n: tuple[float, ...]  # friction of each trial
+    trials_f_test_n: tuple[float, ...]  # F_T of each trial
+    runs: tuple[str, ...]
+    sigma_instruments_n: float | None = None  # 6.15 for 5.1; None where they are not known
+    sigma_instruments_dof: float | None = None  # its degrees of freedom; None: infinite
+    u95_n: float | None = None  # expanded uncertainty: trials, instruments, a significant drift
+    u95_dof: float | None = None  # its effective degrees of freedom; None: infinite
+    u95_monte_carlo_n: float | None = None  # half-width of the interval of drawn errors (JCGM 101)
+    # The inputs' parts of sigma by name, with their signs: an error has the same sign at all
+    # points of a campaign.
+    parts_n: dict[str, float] = field(default_factory=dict)
+    trials_work_j: tuple[float | None, ...] = ()  # work of each trial's strokes, where known
+    # of a significant drift, below 0 before the middle of the campaign; None without one
+    sigma_drift_n: float | None = None
+    sigma_temperature_n: float | None = None  # of the reduction to a reference temperature
+    temp_k: float | None = None  # of the oil, where the campaign's results take it; None: unknown
+    trials_temp_k: tuple[float, ...] = ()  # of each trial; empty where one is not known
+    hersey_m: float | None = None  # eta |v| / p, see analysis/temperature/hersey.py
+    trials_hersey_m: tuple[float, ...] = ()  # of each trial, at its temperature
+
+
+@dataclass(frozen=True)
+class FitParameter:
+    """One fitted number. ``se`` and ``ci95`` are None where the data does not determine it.
+
+    At an active bound there is no standard error, and ``ci95`` begins or ends at the bound.
+    """
+
+    value: float
+    se: float | None
+    ci95: tuple[FloatOrNan, FloatOrNan] | None
+    at_bound: Literal["lower", "upper"] | None
+    unit: str
+    # 95 % intervals by method: linearised, profile (which ``ci95`` is), bootstrap if asked for.
+    intervals: dict[str, tuple[FloatOrNan, FloatOrNan] | None] = field(default_factory=dict)
+    disagree: bool = False  # whether these differ by much
+    # Half of ci95 exceeds a tenth of the typical size, and the value, or a bound cuts ci95 off.
+    wide: bool = False
+    # Mean error of the estimate by the law's curvature; not corrected. None without a ``se``.
+    bias: float | None = None
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data determines the parameter: no active bound, and an interval not wide."""
+        return self.at_bound is None and self.ci95 is not None and not self.wide
+
+
+@dataclass(frozen=True)
+class ParameterPair:
+    """Covariance of two fitted parameters; of a parameter with itself, its variance."""
+
+    parameter: str
+    with_parameter: str
+    covariance: float | None  # in the product of their units; None: not determined, or at a bound
+    correlation: float | None  # -1 to 1
+
+
+FitVerdict = Literal["determined", "not determined", "not converged"]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A friction law fitted to one curve."""
+
+    law: str
+    parameters: dict[str, FitParameter]
+    rmse_n: FloatOrNan
+    converged: bool
+    message: str
+    # The law at (v_m_s, friction_n), signed like the curve's points: the speed of each point,
+    # and enough between for a smooth line. Nothing outside the measured speeds.
+    line: tuple[tuple[float, float], ...] = ()
+    # The same outside of them: down to rest, and somewhat above. Extrapolated, not measured.
+    beyond: tuple[tuple[tuple[float, float], ...], ...] = ()
+    # Of each pair of parameters by their names, linearised; in the product of their units. None at
+    # an active bound, and where the data does not determine it.
+    covariance: dict[str, dict[str, float | None]] = field(default_factory=dict)
+    dof: int | None = None  # degrees of freedom of the covariance: points less parameters
+    # Errors of predictions at each point [N] by fits without its speed; nan at the ends.
+    held_out_n: tuple[float, ...] = ()
+
+    @property
+    def correlation(self) -> dict[str, dict[str, float | None]]:
+        """Coefficients of correlation of each pair of parameters, -1 to 1 (JCGM 102, 3.21)."""
+        variance = {name: row[name] or 0.0 for name, row in self.covariance.items()}
+        return {
+            a: {
+                b: None if value is None or not product else value / math.sqrt(product)
+                for b, value in row.items()
+                for product in [variance[a] * variance[b]]
+            }
+            for a, row in self.covariance.items()
+        }
+
+    @property
+    def covariances(self) -> tuple[ParameterPair, ...]:
+        """Covariance and correlation of each pair of parameters, each pair once."""
+        correlation = self.correlation
+        return tuple(
+            ParameterPair(a, b, self.covariance[a][b], correlation[a][b])
+            for a, b in combinations_with_replacement(self.covariance, 2)
+        )
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Names of the parameters that the data does not determine."""
+        return tuple(name for name, p in self.parameters.items() if not p.determined)
+
+    @property
+    def verdict(self) -> FitVerdict:
+        """Verdict on the fit; "not determined" if that is so for one parameter or more."""
+        if not self.parameters:
+            return "not determined"  # too few points
+        if not self.converged:
+            return "not converged"
+        return "not determined" if self.undetermined else "determined"
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Error of a law at held-out speeds."""
+
+    law: str
+    rmse_n: FloatOrNan
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Laws by their error at held-out speeds, the best first."""
+
+    laws: tuple[HeldOut, ...]
+    difference_n2: FloatOrNan  # mean square error of the second law less that of the first
+    difference_se_n2: FloatOrNan  # its standard error
+    distinguishable: bool  # whether its 95 % interval is above zero
+    speeds: int  # held out, one at a time
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Friction over velocity for one direction, load and rod-side pressure."""
+
+    kind: KindName
+    direction: Direction
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+    label: str
+    specimen: Specimen
+    points: tuple[CurvePoint, ...]  # by rising speed
+    fits: tuple[Fit, ...] = ()
+    a_ref_m_s2: float | None = None  # of a ramp
+    selection: Selection | None = None  # None with fewer than two laws or seven speeds
+    factors: Factors = ()
+
+    @property
+    def factor_values(self) -> dict[str, str]:
+        """Value of each factor, such as a current or a lubricant, with its unit."""
+        return dict(self.factors)
+
+    @property
+    def temp_range_k(self) -> tuple[float, float] | None:
+        """Lowest and highest oil temperature of the trials; None where it is not known."""
+        known = [temp for point in self.points for temp in point.trials_temp_k]
+        return (min(known), max(known)) if known else None
+
+    @property
+    def against_motion(self) -> float:
+        """Factor from the points' friction to friction against the motion, which is positive."""
+        return 1.0 if self.direction == "extend" else -1.0
+
+    @property
+    def over_velocity(self) -> bool:
+        """Enough speeds for a curve over velocity; fewer are points over pressure."""
+        return len(self.points) >= 3
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """Laws with pressure in them, fitted to all curves of a kind and label at once."""
+
+    kind: KindName
+    label: str
+    curves: int
+    points: int
+    fits: tuple[Fit, ...]
+    selection: Selection | None  # with the laws that have parameters for each curve
+
+
+@dataclass(frozen=True)
+class EfficiencyPoint:
+    """Efficiency 6.10 at one reference."""
+
+    v_m_s: float
+    efficiency: float | None  # None with a reason
+    sigma: float | None  # instruments, equations 6.16 to 6.19
+    sigma_trials: float | None  # standard error of the trials' mean
+    reason: str = ""
+    sigma_combined: float | None = None  # both
+    ci95: float | None = None  # half-width of Student's interval of the trials
+    u95: float | None = None  # expanded uncertainty of trials and instruments
+    u95_dof: float | None = None  # its effective degrees of freedom; None: infinite
+    u95_monte_carlo: float | None = None  # half-width of the interval of drawn errors (JCGM 101)
+    sigma_as_printed: float | None = None  # 6.16 with tolerances as standard uncertainties
+    # The inputs' parts of sigma by name, with their signs: an error has the same sign at all
+    # points of a campaign.
+    parts: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MeanEfficiency:
+    """The mean over the speeds of a curve, with the correlation of its points kept."""
+
+    efficiency: float
+    sigma: float | None
+    sigma_trials: float | None
+    sigma_combined: float | None
+    parts: dict[str, float]
+    points: int
+
+
+@dataclass(frozen=True)
+class EfficiencyCurve:
+    """Efficiency over velocity for one direction, load and rod-side pressure."""
+
+    kind: KindName
+    direction: Direction
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+    label: str
+    points: tuple[EfficiencyPoint, ...]
+    mean: MeanEfficiency | None = None  # None where no point has an efficiency
+    a_ref_m_s2: float | None = None  # of a ramp
+    factors: Factors = ()
