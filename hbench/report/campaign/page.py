@@ -21,11 +21,11 @@ from hbench.report.campaign.series_words import common_label, without_common_lab
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
 from hbench.report.campaign.summary import (
     decided_step_words,
-    headline_words,
     next_step_words,
     summary_section,
 )
 from hbench.report.drift import drift_reserve
+from hbench.report.headline import headline_words
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
-from statistics import median_low
 
 from hbench.records import KINDS, Curve, HeadlineNumber, HeadlineSeries, Results
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
@@ -21,19 +20,15 @@ from hbench.report.campaign.quality import (
 from hbench.report.campaign.settings import aborted_words, is_aborted
 from hbench.report.drift import drift_fact
 from hbench.report.drift_section import drift_sections
+from hbench.report.headline import FLAGS, headline_tiles
 from hbench.report.oil_words import temperature_words
-from hbench.report.render.document import Section, Tile
+from hbench.report.render.document import Section
 from hbench.report.render.numbers import (
     NONE,
-    alike,
-    as_written,
     half_width,
     number,
-    percent_span,
     short,
-    significant,
     span,
-    span_with_intervals,
     with_interval,
 )
 from hbench.report.render.word_tables import Cell, Table
@@ -57,13 +52,6 @@ _NOMINAL_LOAD = (
     "cell measured."
 )
 _LONG = 12  # rows; a longer table starts folded
-_FLAGS = {
-    "trials": "",
-    "one_trial": "one trial",
-    "extrapolated": "extrapolated",
-    "ramp": "ramp",
-    "breakaway": "",
-}
 
 
 def summary_section(results: Results, decided: bool = False) -> Section:
@@ -97,7 +85,7 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     return Section(
         "Summary",
         facts=tuple((name, words) for name, words in facts if words),
-        tiles=tuple(_tiles(results)),
+        tiles=tuple(headline_tiles(results)),
         parts=(
             *([Section(heading, tables=tables, folded=folded)] if tables else []),
             Section(
@@ -150,76 +138,6 @@ def _data(results: Results) -> str:
     verdict = quality_verdict(results.quality, not aborted)
     step = "" if aborted else _next_step(results)
     return " ".join(filter(None, (verdict, step)))
-
-
-def headline_words(results: Results) -> str:
-    """Return the first quantity that was measured, such as friction, in a sentence.
-
-    Empty without any, and where the data is poor or the campaign was aborted. The tiles contain
-    the other quantities.
-    """
-    series = results.headline.series
-    if results.quality.grade == "poor" or aborted_words(results) or not series:
-        return ""
-    speeds = [each.v_m_s for each in series if each.v_m_s is not None]
-    speed = f" at {_speed(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
-    quantities = (
-        (f"friction{speed}", [each.friction_n for each in series], 1.0, "N"),
-        ("breakaway", [each.breakaway_n for each in series], 1.0, "N"),
-        ("efficiency", [each.efficiency for each in series], 100.0, "%"),
-    )
-    parts = [
-        (name, words, numbers)
-        for name, numbers, scale, unit in quantities
-        if (words := _span_words([each for each in numbers if each is not None], scale, unit))
-    ]
-    if not parts:
-        return ""
-    name, words, numbers = parts[0]
-    where = f", over {_of_series(numbers, series)}" if len(series) > 1 else ""
-    return f"{name[:1].upper()}{name[1:]} is {words}{where}."
-
-
-def _of_series(numbers: Sequence[HeadlineNumber | None], series: Sequence[HeadlineSeries]) -> str:
-    """Count the loads and directions that have a number; labelled ones are series."""
-    known = sum(each is not None for each in numbers)
-    count = "all" if known == len(numbers) else f"{known} of {len(numbers)}"
-    labelled = len({each.label for each in series}) > 1
-    return f"{count} {'series' if labelled else 'loads and directions'}"
-
-
-def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
-    """Return numbers as a range, with their largest U and how they were determined."""
-    if not numbers:
-        return ""
-    remarks = _flag_words(numbers)
-    if halves := [scale * each.u95 for each in numbers if each.u95 is not None]:
-        most = "up to " if len(numbers) > 1 else ""
-        points = "percentage points" if unit == "%" else unit
-        remarks.append(f"U {most}{half_width(max(halves))} {points}{_shares(numbers, unit)}")
-    text = f"{_ends(numbers, scale)} {unit}"
-    return f"{text} ({'; '.join(remarks)})" if remarks else text
-
-
-def _ends(numbers: Iterable[HeadlineNumber], scale: float) -> str:
-    """Return the smallest and the largest number, rounded as in the table of all of them."""
-    halves = ((each.value, each.u95) for each in numbers)
-    return span_with_intervals(
-        [(scale * value, None if half is None else scale * half) for value, half in halves]
-    )
-
-
-def _shares(numbers: Iterable[HeadlineNumber], unit: str) -> str:
-    """Return U as a share of each number, both as written in the table; empty for efficiencies."""
-    written = [as_written(each.value, each.u95) for each in numbers if each.u95]
-    shares = [100 * half / abs(value) for value, half in written if value]
-    return "" if unit == "%" or not shares else f", {percent_span(shares)} of the value"
-
-
-def _flag_words(numbers: list[HeadlineNumber]) -> list[str]:
-    flags = dict.fromkeys(_FLAGS[each.basis] for each in numbers if _FLAGS[each.basis])
-    partly = "" if all(_FLAGS[each.basis] for each in numbers) else "partly "
-    return [partly + flag for flag in flags]
 
 
 def _laws(results: Results) -> str:
@@ -280,85 +198,6 @@ def _quality_details(results: Results) -> Iterable[Section]:
                 yield Section(name, tables=(each,), folded=True, printed=printed)
 
 
-def _tiles(results: Results) -> Iterable[Tile]:
-    series = results.headline.series
-    speeds = [each.v_m_s for each in series if each.v_m_s is not None]
-    at = f"friction at {_speed(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
-    quantities = (
-        ([each.friction_n for each in series], 1.0, "N", at, "working-speed"),
-        ([each.breakaway_n for each in series], 1.0, "N", "breakaway", "breakaway"),
-        (
-            [each.efficiency for each in series],
-            100.0,
-            "%",
-            "efficiency at that speed",
-            "efficiency",
-        ),
-    )
-    for numbers, scale, unit, caption, anchor in quantities:
-        where = _of_series(numbers, series) if len(series) > 1 else ""
-        yield from _tile(numbers, scale, unit, caption, anchor, where)
-    yield from _band_tiles(results)
-    accepted = sum(run.accepted for run in results.runs)
-    planned = results.quality.completeness.planned
-    if planned is None:
-        yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
-    else:
-        yield Tile(f"{accepted} of {planned}", "runs", "accepted, of those planned")
-    caption = f"data: {quality_count(results.quality)}"
-    yield Tile(results.quality.grade.capitalize(), "", caption)
-
-
-def _speed(tolerance: float, speeds_m_s: Collection[float]) -> str:
-    """Write the median of speeds that are the same, or else their range."""
-    middle = median_low(speeds_m_s)
-    if all(abs(v - middle) <= tolerance * middle for v in speeds_m_s):
-        return number(1e3 * middle, 0)
-    return span([1e3 * v for v in speeds_m_s])
-
-
-def _band_tiles(results: Results) -> Iterable[Tile]:
-    """Yield the half band over all pressures, and its slope."""
-    if results.bands:
-        halves = [band.half_ci95_n for band in results.bands if band.half_ci95_n is not None]
-        most = f"; 95 % interval ±{half_width(max(halves))} N at most" if halves else ""
-        value = alike([band.half_n for band in results.bands])
-        caption = f"half of the friction band, all pressures{most}"
-        yield Tile(value, "N", caption, "method-half-band-and-middle")
-    if results.band_trends:
-        lines = [trend.half for trend in results.band_trends]
-        slopes = [line.slope_n_pa / from_si(1.0, "bar") for line in lines]
-        widest = max(line.slope_ci95_n_pa for line in lines) / from_si(1.0, "bar")
-        value = with_interval(slopes[0], widest) if len(slopes) == 1 else alike(slopes)
-        most = f"; 95 % interval ±{significant(widest, 2)} N/bar at most" if len(slopes) > 1 else ""
-        caption = f"slope of the half band over pressure{most}"
-        yield Tile(value, "N/bar", caption, "method-lines-over-pressure")
-
-
-def _tile(
-    numbers: Sequence[HeadlineNumber | None],
-    scale: float,
-    unit: str,
-    caption: str,
-    anchor: str,
-    where: str,
-) -> Iterable[Tile]:
-    known = [each for each in numbers if each is not None]
-    if not known:
-        return
-    halves = [each.u95 for each in known if each.u95 is not None]
-    caption = ", ".join(filter(None, (caption, *_flag_words(known), where)))
-    anchor = f"method-{anchor}"
-    if len(known) == 1:
-        half = scale * halves[0] if halves else None
-        yield Tile(with_interval(scale * known[0].value, half), unit, caption, anchor)
-        return
-    points = "percentage points" if unit == "%" else unit  # not per cent of the value
-    widest = half_width(scale * max(halves)) if halves else ""
-    most = f"; U up to {widest} {points}" if halves else ""
-    yield Tile(_ends(known, scale), unit, f"{caption}{most}", anchor)
-
-
 def _load_cell(results: Results) -> list[float | None]:
     """Return the mean force of the load cell [N] at each series' point of the headline."""
     forces = {
@@ -412,7 +251,7 @@ def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
     if estimate is None:
         return Cell(NONE)
     half = None if estimate.u95 is None else scale * estimate.u95
-    return Cell(with_interval(scale * estimate.value, half), _FLAGS[estimate.basis])
+    return Cell(with_interval(scale * estimate.value, half), FLAGS[estimate.basis])
 
 
 def _unflagged(estimate: HeadlineNumber | None, scale: float) -> str:

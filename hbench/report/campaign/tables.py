@@ -21,7 +21,8 @@ from hbench.records import (
 from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.results_document import SERIES, results_json, row
 from hbench.report.campaign.settings import aborted_words, identity_facts
-from hbench.report.campaign.summary import headline_words, summary_section
+from hbench.report.campaign.summary import summary_section
+from hbench.report.headline import headline_words
 from hbench.report.render.csv_text import csv_text
 from hbench.report.render.document import BANNERS
 from hbench.report.render.word_tables import Cell
