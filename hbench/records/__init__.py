@@ -7,7 +7,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from hbench.records.bands import *
     from hbench.records.curves import *
     from hbench.records.design import *
     from hbench.records.diagnosis import *
@@ -23,13 +22,9 @@ if TYPE_CHECKING:
     from hbench.records.summary import *
 
 _MODULES = {
-    "bands": (
+    "curves": (
         "Band",
         "BandTrend",
-        "MotionBalance",
-        "PressureLine",
-    ),
-    "curves": (
         "Curve",
         "CurvePoint",
         "EfficiencyCurve",
@@ -39,7 +34,9 @@ _MODULES = {
         "HeldOut",
         "JointFit",
         "MeanEfficiency",
+        "MotionBalance",
         "ParameterPair",
+        "PressureLine",
         "Selection",
     ),
     "design": (

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from hbench.records.bands import Band, BandTrend
-from hbench.records.curves import Curve
+from hbench.records.curves import Band, BandTrend, Curve
 from hbench.records.runs import Direction, Provenance
 from hbench.records.summary import OilTemperature, Quality
 

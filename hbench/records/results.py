@@ -4,8 +4,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from itertools import chain
 
-from hbench.records.bands import Band, BandTrend, MotionBalance
-from hbench.records.curves import Curve, EfficiencyCurve, JointFit
+from hbench.records.curves import Band, BandTrend, Curve, EfficiencyCurve, JointFit, MotionBalance
 from hbench.records.motions import Motions
 from hbench.records.runs import Provenance, ScreenedRun
 from hbench.records.summary import Drift, FitVerdicts, Headline, OilTemperature, Quality

@@ -5,9 +5,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TypeVar
 
-from hbench.records.bands import Band, BandTrend
 from hbench.records.conformity.acceptance import Measurement
-from hbench.records.curves import Curve, EfficiencyCurve
+from hbench.records.curves import Band, BandTrend, Curve, EfficiencyCurve
 from hbench.records.runs import RunPlan
 from hbench.records.summary import HeadlineSeries, ImplausiblePoint, PointTrials
 

@@ -1,7 +1,7 @@
 """Runs, from the plan to the screened run: the first products of the flow, a frozen dataclass each.
 
     RunPlan -> RawRun -> Run -> ScreenedRun -> Curve (with Fits) -> EfficiencyCurve -> Results
-                                (``curves.py``)                  -> Band (``bands.py``) ->
+                                               (``curves.py``)   -> Band            ->
 
 All quantities are SI; a field's name ends in its unit. Positive velocity extends the test
 cylinder; positive forces F_L and F_applied oppose extension.
