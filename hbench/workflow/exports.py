@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from hbench.errors import ConfigError
-from hbench.report.campaign.tables import about_rows
+from hbench.report.first_sheet import about_rows
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.mat_curves import mat_curves
 from hbench.store.exporting.modelica import modelica_tables

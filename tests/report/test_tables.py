@@ -16,7 +16,6 @@ from hbench.report.campaign.motion_tables import MOTION_TABLES
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.tables import (
     TABLES,
-    about_rows,
     band_trends_csv,
     bands_csv,
     covariances_csv,
@@ -26,6 +25,7 @@ from hbench.report.campaign.tables import (
     runs_csv,
 )
 from hbench.report.campaign.terminal import summary_text
+from hbench.report.first_sheet import about_rows
 from hbench.report.render.numbers import with_minus, without_powers
 from hbench.report.setting_words import value_words
 

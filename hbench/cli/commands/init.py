@@ -86,11 +86,9 @@ def init(
     schedule, bench_file = (shlex.quote(str(directory / name)) for name in ("demo.yaml", bench))
     if size is not None:
         typer.echo(f"gains: {made.gains}", err=True)
-    typer.echo(
-        f"next: hbench run {schedule} --check; for measurements first enter your bench's data in "
-        f"{bench_file}" + (f", then hbench design {bench_file} --propose --write" if size else ""),
-        err=True,
-    )
+    design = f", then hbench design {bench_file} --propose --write" if size else ""
+    typer.echo(f"for measurements, first enter your bench's data in {bench_file}{design}", err=True)
+    typer.echo(f"next: hbench run {schedule} --check", err=True)
 
 
 def _size(**given: str | None) -> "Size | None":
