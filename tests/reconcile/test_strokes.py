@@ -202,17 +202,6 @@ def test_too_few_strokes_get_what_is_missing(lacking, pattern):
     assert any(re.match(pattern, text) for text in found.missing)
 
 
-def test_the_positions_averaged_over_need_not_be_equal_for_repeats():
-    """Each file has positions of its own: those that its two directions cover."""
-    runs = [
-        replace(each, run=replace(each.run, plan=replace(plan, x_low_m=1e-5 * i, x_high_m=0.2)))
-        for i, each in enumerate(strokes(lambda bar: 50))
-        for plan in [each.run.plan]
-    ]
-    pairs = stroke_pairs(runs)
-    assert len(pairs) == 3 * len(BARS) and len({pair.plan for pair in pairs}) == len(BARS)
-
-
 def test_areas_on_which_a_pressure_acts_are_those_of_the_campaign():
     thicker = {**MODEL, "test_cylinder": {"piston_diameter": "40 mm", "rod_diameter": "20 mm"}}
     assert diagnosed(thicker, one=strokes(saturating(120, 120))).verdict != "unknown"  # 0 bar
