@@ -55,7 +55,7 @@ def sized_files(examples: Mapping[str, str], size: Size) -> SizedFiles:
     settle_travel = max(rules.settle_travel, level_travel(par, _LEVEL_PA))
     settling = {
         "settle_time": f"{rules.settle_time * size.time:.2g} s",
-        "settle_travel": f"{1e3 * settle_travel:.2g} mm",
+        "settle_travel": f"{1e3 * settle_travel:.0f} mm",
     }
     files = {BENCH_FILE: _with_gains(sized(examples[EXAMPLE_BENCH], size), found)}
     for name, text in examples.items():

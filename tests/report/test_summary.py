@@ -394,7 +394,7 @@ def test_two_effects_share_one_description_of_the_working_point(named):
         "side of the test cylinder (Tp) (elsewhere up to 0.35 l/min), and the load cell shows 50 N "
         "too much. "
     )
-    assert "With both, the error in runs outside the fit falls from 9.50 to 9.50 times" in verdict
+    assert "With both, the error in runs outside the fit goes from 9.50 to 9.50 times" in verdict
     assert verdict.endswith("Inspect first the piston seal, then known weights.")
     law = SimpleNamespace(balances=("force_test",))
     with_laws = verdict_words(replace(both, unnamed=(law,)))

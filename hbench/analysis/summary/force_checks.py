@@ -1,4 +1,4 @@
-"""Checks of the forces by what friction cannot do; errors that leave it against the motion.
+"""Checks of the forces for errors with which friction still opposes the motion.
 
 A load cell of the wrong sign turns a load that opposes the motion to one that helps it. Then both
 the drive and the load supply the friction at every point, by a share of the load below 1/2:
@@ -11,7 +11,8 @@ m = (F_extend + F_retract) / 2, changes with the load F that both have:
 
     s = sum x m / sum x^2,    x = F - F_speed,    U(s)^2 = sum x^2 U(m)^2 / (sum x^2)^2
 
-over the loads of each speed, with the intervals of the trials. Friction that grows with the load in
+over the loads of each speed, with the intervals of the trials. A change that is a small part of
+friction does not matter. Friction that grows with the load in
 both directions leaves m as it is; if it grows in one alone, by 6 % of the load, s is 3 %.
 
 A force that is not measured, such as a weight on an upright cylinder, an error of a zero or one of
@@ -30,6 +31,7 @@ from hbench.records import Curve, CurvePoint, Grade, QualityCheck
 
 _SUPPLIED_GOOD = 5.0  # of the friction by the load, %
 _CHANGE_GOOD, _CHANGE_POOR = 3.0, 10.0  # of the mean of both directions, % of the load
+_SMALL = 5.0  # such a change, % of friction: it does not matter
 _DIFFERENCE_GOOD = 100 / 3  # half the difference of the directions, % of their mean
 _SAME_SPEED = 0.05  # relative difference of speeds with the same reference
 
@@ -39,7 +41,8 @@ class _Both(NamedTuple):
 
     load_n: float  # F_applied, mean
     middle_n: float  # m
-    u_n: float  # U(m)
+    u_n: float  # U(m) of the trials
+    u_all_n: float  # U(m) with the instruments, where they are known
     half_n: float  # h
 
 
@@ -65,19 +68,22 @@ def load_balance(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
 
     The grade is that of the end of its interval that is nearer to zero.
     """
-    x, middles, u = [], [], []
+    x, middles, u, friction = [], [], [], []
     for of_speed in _both_directions(curves):
         mean = fmean(both.load_n for both in of_speed)
         for both in of_speed:
             x.append(both.load_n - mean)
             middles.append(both.middle_n)
             u.append(both.u_n)
+            friction.append(abs(both.half_n))
     loads, square = np.array(x), float(np.dot(x, x))
     if square == 0.0:
         return
     change = 100 * abs(float(loads @ np.array(middles))) / square
     half = 100 * float(np.linalg.norm(loads * np.array(u))) / square
     sure = max(change - half, 0.0)
+    if sure * np.ptp(loads) < _SMALL * fmean(friction):
+        sure = 0.0
     grade: Grade = (
         "good" if sure <= _CHANGE_GOOD else "poor" if sure > _CHANGE_POOR else "with care"
     )
@@ -91,7 +97,7 @@ def equal_directions(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
     beyond = [
         both
         for both in found
-        if 100 * (abs(both.middle_n) - both.u_n) > _DIFFERENCE_GOOD * abs(both.half_n)
+        if 100 * (abs(both.middle_n) - both.u_all_n) > _DIFFERENCE_GOOD * abs(both.half_n)
     ]
     if beyond:
         shares = (100 * abs(both.middle_n / both.half_n) for both in beyond if both.half_n)
@@ -103,36 +109,49 @@ def equal_directions(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
 
 
 def _both_directions(curves: Iterable[Curve]) -> Iterator[list[_Both]]:
-    """Yield what was measured in both directions: a list for each speed, by load."""
+    """Yield what was measured in both directions: a list for each speed, an entry for each load."""
     series: dict[tuple, dict[float | None, dict[str, Curve]]] = defaultdict(dict)
     for curve in curves:
-        key = curve.kind, curve.label, curve.factors, curve.specimen, curve.p_lr_ref_pa
-        series[key].setdefault(curve.f_load_n, {})[curve.direction] = curve
+        made = curve.kind, curve.label, curve.factors, curve.specimen, curve.a_ref_m_s2
+        series[*made, curve.p_lr_ref_pa].setdefault(curve.f_load_n, {})[curve.direction] = curve
     for loads in series.values():
-        speeds: list[tuple[float, list[_Both]]] = []
-        for both in loads.values():
+        speeds: list[tuple[float, dict[float | None, _Both]]] = []
+        for load, both in loads.items():
             if len(both) < 2:
                 continue
             for extend in both["extend"].points:
-                retract = _at(both["retract"].points, extend.v_m_s)
-                if retract is None or extend.ci95_n is None or retract.ci95_n is None:
+                retract = _nearest(both["retract"].points, extend.v_m_s)
+                middle = None if retract is None else _middle(extend, retract)
+                if middle is None:
                     continue
-                middle = _Both(
-                    (extend.f_applied_n + retract.f_applied_n) / 2,
-                    (extend.friction_n + retract.friction_n) / 2,
-                    float(np.hypot(extend.ci95_n, retract.ci95_n)) / 2,
-                    (extend.friction_n - retract.friction_n) / 2,
-                )
-                same = [found for v, found in speeds if _alike(v, extend.v_m_s)]
+                same = [each for each in speeds if load not in each[1]]
+                same = [each for each in same if _alike(each[0], extend.v_m_s)]
                 if same:
-                    same[0].append(middle)
+                    nearest = min(same, key=lambda each: abs(each[0] - extend.v_m_s))
+                    nearest[1][load] = middle
                 else:
-                    speeds.append((extend.v_m_s, [middle]))
-        yield from (found for _, found in speeds)
+                    speeds.append((extend.v_m_s, {load: middle}))
+        yield from (list(found.values()) for _, found in speeds)
 
 
-def _at(points: Sequence[CurvePoint], v_m_s: float) -> CurvePoint | None:
-    return next((point for point in points if _alike(point.v_m_s, v_m_s)), None)
+def _middle(extend: CurvePoint, retract: CurvePoint) -> _Both | None:
+    """Return both directions together; None where one has a single trial."""
+    if extend.ci95_n is None or retract.ci95_n is None:
+        return None
+    u95 = [each.u95_n or each.ci95_n or 0.0 for each in (extend, retract)]
+    return _Both(
+        (extend.f_applied_n + retract.f_applied_n) / 2,
+        (extend.friction_n + retract.friction_n) / 2,
+        float(np.hypot(extend.ci95_n, retract.ci95_n)) / 2,
+        fmean(u95),
+        (extend.friction_n - retract.friction_n) / 2,
+    )
+
+
+def _nearest(points: Sequence[CurvePoint], v_m_s: float) -> CurvePoint | None:
+    """Return the point whose speed is nearest; None where none is the same."""
+    same = [point for point in points if _alike(point.v_m_s, v_m_s)]
+    return min(same, key=lambda point: abs(abs(point.v_m_s) - abs(v_m_s)), default=None)
 
 
 def _alike(a: float, b: float) -> bool:

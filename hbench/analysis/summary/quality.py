@@ -7,6 +7,7 @@ limits are hbench's own; no standard sets them.
 from collections.abc import Iterable, Iterator, Sequence
 from statistics import median
 
+from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.summary.completeness import PlannedRuns, completeness
 from hbench.analysis.summary.drift import drift_checks
 from hbench.analysis.summary.force_checks import equal_directions, load_balance, load_direction
@@ -87,9 +88,10 @@ def _checks(
     yield from _load_spread(runs, points)
     yield from _nominal_load(runs)
     yield _plausible_signs(implausible, len(points))
-    yield from load_direction(curves)
-    yield from load_balance(curves)
-    yield from equal_directions(curves)
+    moving = [*map(sliding, curves)]
+    yield from load_direction(moving)
+    yield from load_balance(moving)
+    yield from equal_directions(moving)
     yield _instruments(points)
 
 

@@ -94,7 +94,7 @@ def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
 def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
     """Return the first change by each of several effects at the working point, in one sentence."""
     point = diagnosis.working_point
-    if point is None:
+    if point is None or not effects:
         return ""
     parts, still = [], []
     alone = sum(not wrong_readings(effect) for effect in effects) == 1

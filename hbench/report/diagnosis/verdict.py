@@ -170,8 +170,8 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
-        f"With it, their error in runs outside the fit falls from {before} to {after} times the "
-        f"repeatability{laws}."
+        f"With it, their error in runs outside the fit falls from {before} to "
+        f"{after} times the repeatability{laws}."
     )
 
 
@@ -184,8 +184,9 @@ def _together(diagnosis: Diagnosis) -> str:
         return least_odds(diagnosis.confirmed)
     total = diagnosis.gap_heldout.total
     effects = "both" if len(diagnosis.confirmed) == 2 else "these effects"
+    falls = "falls" if total.after < total.refitted else "goes"
     return (
-        f"With {effects}, the error in runs outside the fit falls from "
+        f"With {effects}, the error in runs outside the fit {falls} from "
         f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability."
     )
 

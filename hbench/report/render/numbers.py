@@ -146,14 +146,16 @@ def alike(values: Collection[float]) -> str:
 def span_with_intervals(values: Collection[tuple[float, float | None]]) -> str:
     """Write the range of values with half-widths, each end as ``with_interval`` rounds it.
 
-    Neither end has more decimals than the other: ``1.7–16.1``.
+    Neither end has more decimals than the other, unless it would keep one digit: ``1.7–16.1``.
     """
     ends = (min(values, key=itemgetter(0)), max(values, key=itemgetter(0)))
     written = [with_interval(*end).partition(" ± ")[0] for end in ends]
     fewest = min(len(text.partition(".")[2]) for text in written)
     return _range(
         *(
-            text if len(text.partition(".")[2]) == fewest else number(value, fewest)
+            number(value, fewest)
+            if len(text.partition(".")[2]) > fewest and abs(value) >= 10.0 ** (1 - fewest)
+            else text
             for text, (value, _) in zip(written, ends, strict=True)
         )
     )

@@ -1,0 +1,61 @@
+"""Balance over the load and equality of both directions, on curves whose truth is known."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hbench.analysis.summary.force_checks import equal_directions, load_balance
+
+SPEEDS = np.geomspace(5e-3, 0.2, 40)  # steps of a tenth
+CLOSE = np.arange(0.1, 0.2, 0.004)  # steps within 5 % of each other
+
+
+def curves(loads_n, speeds=SPEEDS, middle=lambda load: 0.0, ci95_n=0.5, u95_n=None):
+    """Curves of both directions with 300 N + 500 N s/m, measured at slightly different speeds."""
+    made = []
+    for load in loads_n:
+        for direction, sign, off in (("extend", 1, 1.0), ("retract", -1, 1.001)):
+            points = tuple(
+                SimpleNamespace(
+                    v_m_s=sign * v * off,
+                    f_applied_n=load + sign * 20 * v,
+                    friction_n=sign * (300 + 500 * v) + middle(load),
+                    ci95_n=ci95_n,
+                    u95_n=u95_n,
+                )
+                for v in speeds
+            )
+            series = dict(kind="steady", label="", factors=(), specimen=None, a_ref_m_s2=None)
+            made.append(
+                SimpleNamespace(
+                    **series, p_lr_ref_pa=None, f_load_n=load, direction=direction, points=points
+                )
+            )
+    return made
+
+
+@pytest.mark.parametrize("speeds", [SPEEDS, CLOSE])
+def test_neighbouring_speeds_of_one_load_are_no_loads(speeds):
+    assert not list(load_balance(curves([1000.0], speeds)))
+    assert not list(equal_directions(curves([1000.0], speeds)))
+
+
+@pytest.mark.parametrize("speeds", [SPEEDS, CLOSE])
+def test_a_part_of_the_load_in_both_directions_is_found_whatever_the_steps_of_speed(speeds):
+    right, wrong = curves([500.0, 4000.0], speeds), curves([500.0, 4000.0], speeds, lambda f: f / 5)
+    (balance,) = load_balance(right)
+    assert balance.grade == "good" and balance.value < 0.1
+    (balance,) = load_balance(wrong)
+    assert balance.grade == "poor" and balance.value == pytest.approx(20, abs=0.1)
+
+
+def test_a_change_that_is_small_beside_friction_does_not_matter():
+    (balance,) = load_balance(curves([0.0, 50.0], middle=lambda load: 7 * load / 50))
+    assert balance.grade == "good" and balance.value == pytest.approx(14, abs=0.1)
+
+
+def test_a_difference_of_the_directions_within_the_instruments_uncertainty_is_none():
+    uneven = {"loads_n": [1000.0], "middle": lambda load: 200.0}
+    assert list(equal_directions(curves(**uneven)))
+    assert not list(equal_directions(curves(**uneven, u95_n=150.0)))
