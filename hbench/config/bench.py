@@ -185,7 +185,7 @@ class Controllers(ConfigSection):
     load: LoadControl = LoadControl()
     pressure_slew: q.PressureRate
     return_speed: q.Speed  # back to the start position
-    acceleration: q.Acceleration  # default of a run, and for braking
+    acceleration: q.BoardAcceleration  # default of a run, and for braking
 
 
 class Limits(ConfigSection):

@@ -62,6 +62,7 @@ PressureRate = Annotated[float, quantity("bar/s", ge=1e5, le=1e10)]
 Speed = Annotated[float, quantity("mm/s", ge=1e-9, le=10)]
 Velocity = Annotated[float, quantity("mm/s", ge=-10, le=10)]
 Acceleration = Annotated[float, quantity("m/s^2", ge=1e-4, le=100)]
+BoardAcceleration = Annotated[float, quantity("m/s^2", ge=0.01, le=100)]  # the firmware's limits
 Force = Annotated[float, quantity("N", ge=0, le=1e7)]
 SignedForce = Annotated[float, quantity("N", ge=-1e7, le=1e7)]
 Duration = Annotated[float, quantity("s", ge=0, le=3600)]

@@ -11,6 +11,7 @@ which is zero on the line b = r a. It depends on the distance, not on the speed.
 """
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from hbench.model.cylinders import extending_volumes
 from hbench.model.parameters import PlantParameters
@@ -36,4 +37,4 @@ def level_travel(par: PlantParameters, remaining_pa: float) -> float:
     p_r = np.linspace(start, end + remaining_pa, _STEPS)
     a, b = np.sqrt(available - r * p_r), np.sqrt(p_r)
     per_pa = r / par.bulk_modulus_pa * (l_r * a + l_p * b) / (b - r * a)
-    return float(-np.trapezoid(per_pa, p_r))
+    return float(-trapezoid(per_pa, p_r))

@@ -71,7 +71,7 @@ def sized_files(examples: Mapping[str, str], size: Size) -> SizedFiles:
 
 
 def _proposed(bench: Bench, point: "OperatingPoint") -> list["Proposed"]:
-    """Return the proposal of each ratio; raises the last ``ConvergenceError`` if none has one."""
+    """Return the proposal of each ratio; raises ``ConvergenceError`` if none has one."""
     from hbench.control.propose import propose
 
     found, failure = [], None
@@ -81,7 +81,7 @@ def _proposed(bench: Bench, point: "OperatingPoint") -> list["Proposed"]:
         except ConvergenceError as error:
             failure = error
     if failure and not found:
-        raise failure
+        raise ConvergenceError(failure.message, "Give another size.")
     return found
 
 

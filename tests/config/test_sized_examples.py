@@ -160,3 +160,10 @@ def test_slower_loops_lower_speeds_and_accelerations():
     assert (bench["acceleration"], bench["return_speed"]) == ("0.25 m/s^2", "75 mm/s")
     demo = yaml.safe_load(sized(EXAMPLES["demo.yaml"], size))["experiments"][0]
     assert demo["acceleration"] == "0.25 m/s^2" and demo["velocities"]["last"] == "100 mm/s"
+
+
+def test_an_acceleration_that_the_board_refuses_is_refused_in_the_bench_file():
+    data = yaml.safe_load(EXAMPLES[_FILES[0]])
+    data["controllers"]["acceleration"] = "0.005 m/s^2"
+    with pytest.raises(HbenchError, match=r"controllers\.acceleration"):
+        parse_bench(data, "bench.yaml")
