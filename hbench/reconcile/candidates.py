@@ -48,9 +48,9 @@ _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger on
 _REFIT_ROUNDS = 16  # steps, or new columns
 _FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it
 _NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluation below
-# Shares of a step, and the radius of its damping in priors of nuisances and typical sizes.
-_SHORTER = tuple((share, np.inf) for share in (1.0, 0.5, 0.25))
-_DAMPED = tuple((1.0, radius) for radius in (1.0, 0.3, 0.1))
+# Radius of a step's damping, in priors of nuisances and typical sizes, and shares of the step.
+_SHORTER = ((np.inf, (1.0, 0.5, 0.25)),)
+_DAMPED = tuple((radius, (1.0,)) for radius in (1.0, 0.3, 0.1))
 _NEGLIGIBLE_GAIN = 0.5  # nats of a step, a tenth of what an effect must gain; it is the last one
 
 
@@ -190,7 +190,7 @@ class CandidateEvaluator:
         self,
         current: LinearisedModel,
         effects: Sequence[str],
-        steps: Sequence[tuple[float, float]],
+        steps: Sequence[tuple[float, Sequence[float]]],
     ) -> LinearisedModel:
         """Return the model at a better step from ``current``; the same model where none is.
 
@@ -198,14 +198,15 @@ class CandidateEvaluator:
         then damped ones, which leave alone what the data hardly determine.
         """
         chosen, before = current.index(effects), self._cost(current, effects)
-        for share, radius in steps:
-            beta = share * self._fit(current, effects, radius)
-            if np.abs(beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
-                break
-            hypothesis = hypothesis_at(current, self.measured.plant, chosen, beta)
-            model = self.linearise_at(current, hypothesis)
-            if self._cost(model, effects) < before:
-                return model
+        for radius, shares in steps:
+            beta = self._fit(current, effects, radius)
+            for share in shares:
+                if np.abs(share * beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
+                    return current
+                hypothesis = hypothesis_at(current, self.measured.plant, chosen, share * beta)
+                model = self.linearise_at(current, hypothesis)
+                if self._cost(model, effects) < before:
+                    return model
         return current
 
     def _fit(

@@ -51,7 +51,7 @@ class Priors:
         )
 
     def damped(self, radius: float) -> "Priors":
-        """Return the priors where beta is also near 0, by a normal prior of deviation ``radius``.
+        """Return the priors with a further normal prior about 0 of the deviation ``radius``.
 
         What data determine still moves far, what they hardly determine does not (Levenberg 1944,
         Marquardt 1963).
