@@ -25,7 +25,8 @@ LIMITS = {
     "load_spread": "good to {good:g} % of the load or of friction, poor above {poor:g} %",
     "nominal_load": "good to {good:g} % of the nominal load",
     "drift": "good to {good:g} % or not significant; if not separated from speed, with care where "
-    "more than {poor:g} % is possible, poor where a significant drift is larger",
+    "more than {poor:g} % is possible, poor where a significant drift is larger; with care where "
+    "its size is not known",
     "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
     "poor if a zero is not known",
     "zero_drift": "good to {good:g} % of that tolerance, poor above",
