@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from hbench.analysis.fitting.marton_lantos import TWO_LINES
 from hbench.analysis.statistics import profile
-from hbench.analysis.statistics.bounded import Problem, descend, sum_of_squares
+from hbench.analysis.statistics.bounded import Problem, descend, solve, sum_of_squares
 from hbench.analysis.statistics.profile import profile_interval
 from hbench.analysis.statistics.student import student_factor
 from tests.support.analysis import nist_strd
@@ -151,6 +152,46 @@ def test_steps_on_ellipsoids_find_the_limits_of_the_search_along_the_parameter(m
         half = np.abs(expected - solution.x[:, None])
         np.testing.assert_array_less(np.abs(found - expected), 3e-3 * half + 1e-12)
     assert np.mean([limit is not None for limit in quick]) > 0.6
+
+
+def two_lines(seed):
+    """Two lines that meet at a speed, nearly parallel: S over that speed has several minima."""
+    v = np.linspace(0.01, 0.2, 12)
+    law = TWO_LINES
+    y = 300 - 500 * np.minimum(v, 0.1) + 3 * np.random.default_rng(seed).standard_normal(12)
+    inputs = np.vstack([v, v, v])
+    lower, upper = law.limits(inputs, 300.0, {})
+    problem = Problem(
+        lambda p: law.model(inputs, p) - y,
+        lower,
+        upper,
+        law.scale(inputs, 300.0),
+        lambda p: law.jacobian(inputs, p),
+        uneven=law.uneven(inputs, y, np.ones(12), lower, upper),
+    )
+    return problem, solve(problem, law.starts(inputs, y, np.ones(12), lower, upper)), inputs, y
+
+
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_limits_of_a_law_with_a_kink_are_the_outermost_over_all_its_places(number):
+    """Against S at 2,000 places of the kink, each a linear problem with a limit in closed form."""
+    away = []
+    for seed in range(12):
+        problem, solution, inputs, y = two_lines(seed)
+        least = sum_of_squares(problem, solution.x)
+        level = 2.3**2 * least / 8
+        limits = []
+        for place in np.linspace(problem.lower[3], problem.upper[3], 2000):
+            matrix = TWO_LINES.basis(inputs, place)
+            best, rest, *_ = np.linalg.lstsq(matrix, y, rcond=None)
+            room = least + level - float(rest[0])
+            if room > 0:
+                half = np.sqrt(room * np.linalg.inv(matrix.T @ matrix)[number, number])
+                limits += [best[number] - half, best[number] + half]
+        found = profile_interval(problem, solution, number, level, np.full(4, np.nan))
+        half = np.ptp(limits) / 2
+        away += [abs(found[0] - min(limits)) / half, abs(found[1] - max(limits)) / half]
+    assert max(away) < 5e-3
 
 
 @pytest.mark.parametrize("slope", [0.0, 1e-12])

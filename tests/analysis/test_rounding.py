@@ -106,6 +106,9 @@ def verdict(fit):
 @of_fits
 @example(truth="constant", noise=0.0, loss="linear", seed=85616)
 @example(truth="constant", noise=0.3, loss="linear", seed=138)
+@example(truth="constant", noise=0.3, loss="huber", seed=3465)
+@example(truth="no Stribeck part", noise=0.3, loss="huber", seed=29)
+@example(truth="no Stribeck part", noise=0.3, loss="huber", seed=57)
 @given(truth=truths, noise=noises, loss=st.sampled_from(["linear", "huber"]), seed=seeds)
 def test_what_a_fit_determines(make_curve, law, truth, noise, loss, seed):
     friction, how = curve_of(truth, noise, seed), Fitting(loss=loss)

@@ -221,7 +221,7 @@ def estimate_parameters(
         upper=upper,
         scale=scale,
         jacobian=lambda p: law.jacobian(inputs, p) / sigma[:, None],
-        kinked=law.candidates is not None,
+        uneven=law.uneven(inputs, friction, sigma, lower, upper),
     )
     if start is None:
         solution = solve(problem, law.starts(inputs, friction, sigma, lower, upper))

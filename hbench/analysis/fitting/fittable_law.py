@@ -29,7 +29,8 @@ class FittableLaw:
     scale: Callable[[np.ndarray, float], np.ndarray]
     pressures: bool = False  # whether the law needs both chambers' pressures
     # Values of the nonlinear parameter between two bounds, rising, among which are all minima of
-    # the cost: from inputs, friction, its standard deviations and the bounds. None: a grid.
+    # the cost: from inputs, friction, its standard deviations and the bounds. The basis is linear
+    # between them. None: a grid.
     candidates: Callable[..., np.ndarray] | None = None
 
     @property
@@ -45,6 +46,20 @@ class FittableLaw:
         free = (-np.inf, np.inf)
         lower, upper = np.array([chosen.get(name, free) for name in self.names], dtype=float).T
         return lower, upper
+
+    def uneven(
+        self,
+        inputs: np.ndarray,
+        friction: np.ndarray,
+        sigma: np.ndarray,
+        lower: np.ndarray,
+        upper: np.ndarray,
+    ) -> tuple[int, np.ndarray] | None:
+        """Return index and values of a nonlinear parameter with several minima; else None."""
+        if self.candidates is None:
+            return None
+        index = self.names.index(self.nonlinear)
+        return index, self.candidates(inputs, friction, sigma, lower[index], upper[index])
 
     def starts(
         self,

@@ -37,7 +37,9 @@ class Problem(NamedTuple):
     upper: np.ndarray
     scale: np.ndarray
     jacobian: Function | None = None
-    kinked: bool = False  # whether derivatives jump, so that S may have several minima
+    # A parameter along which S may have several minima, and values (m,) of it, between which the
+    # derivatives by the others change linearly; they do not depend on these. None: one minimum.
+    uneven: tuple[int, np.ndarray] | None = None
 
     def derivatives(self, x: np.ndarray) -> np.ndarray:
         """Return the derivatives (n, p) of the residuals."""

@@ -8,7 +8,8 @@ ends at the parameter's own bound and is one-sided there.
 
 A limit is the largest value of the parameter where S <= S_min + t^2 s^2. It is sought over all
 parameters at once (Venzon and Moolgavkar, 1988), each step on the ellipsoid of the linearised
-residuals. Where that fails, or derivatives jump, S(theta) is evaluated along the parameter.
+residuals; where S has several minima (``Problem.uneven``), over all places of these. Where that
+fails, S(theta) is evaluated along the parameter.
 """
 
 import numpy as np
@@ -18,6 +19,7 @@ from hbench.analysis.statistics.bounded import Problem, Solution, descend, sum_o
 
 _NEAR = 1e-3  # of t: tolerance of the search for a limit
 _STEPS = 15  # on ellipsoids
+_ROUNDS = 4  # along the uneven parameter, each four times finer
 _TOLERANCE = 1e-10  # of the cost: the others are then exact to 1e-5 of their standard errors
 _EVALUATIONS = 40
 _GROWTH = 4.0  # longest step outwards, as a multiple of the distance so far
@@ -47,10 +49,13 @@ def _limit(
 ) -> float:
     """Search for tau = t on one side. Along the parameter: secant steps in tau in a bracket."""
     best, least = solution.x, sum_of_squares(problem, solution.x)
-    if not problem.kinked:
+    limit = None
+    if problem.uneven is None:
         limit = _by_ellipsoids(problem, best + direction, number, sign, least, level)
-        if limit is not None:
-            return limit
+    elif number != problem.uneven[0]:
+        limit = _by_parabolas(problem, best, number, sign, least + level)
+    if limit is not None:
+        return limit
     bound = problem.upper[number] if sign > 0 else problem.lower[number]
     to_bound = abs(bound - best[number])
     if to_bound == 0.0:
@@ -89,6 +94,52 @@ def _limit(
         if distance > 1e9 * problem.scale[number]:
             return sign * np.inf
     return float(best[number] + sign * distance)
+
+
+def _by_parabolas(
+    problem: Problem, best: np.ndarray, number: int, sign: float, height: float
+) -> float | None:
+    """Search for a limit along the uneven parameter; None where it is not found inside the bounds.
+
+    At each value of the uneven parameter, S over parameter ``number`` is a parabola, the others
+    being optimal. The limit is where the outermost of them rises to ``height``.
+    """
+    assert problem.uneven is not None
+    uneven, values = problem.uneven
+    others = [i for i in range(len(best)) if i not in (number, uneven)]
+    at = np.tile(best, (len(values), 1))
+    at[:, uneven] = values
+    residuals = np.array([problem.residual(x) for x in at])  # (m, n)
+    jacobians = np.array([problem.derivatives(x) for x in at]) * problem.scale  # (m, n, p)
+    last = len(values) - 1
+    places, width = np.linspace(0.0, last, 4 * last + 1), 0.25
+    for _ in range(_ROUNDS):
+        residual, jacobian = _between(residuals, places), _between(jacobians, places)
+        own = np.stack([residual, jacobian[:, :, number]], axis=-1)
+        change = -np.linalg.pinv(jacobian[:, :, others]) @ own  # of the others: at rest, per step
+        left = own + jacobian[:, :, others] @ change
+        squares = left.transpose(0, 2, 1) @ left  # S = (1, step) squares (1, step)
+        if squares[:, 1, 1].min() <= ROUNDING**2 * np.sum(own[:, :, 1] ** 2):
+            return None  # the others take its place
+        middle = -squares[:, 0, 1] / squares[:, 1, 1]
+        room = (height - squares[:, 0, 0]) / squares[:, 1, 1] + middle**2
+        steps = np.where(room >= 0.0, sign * middle + np.sqrt(np.maximum(room, 0.0)), -np.inf)
+        outermost = int(steps.argmax())
+        step, place = sign * steps[outermost], places[outermost]
+        places = np.linspace(max(place - width, 0.0), min(place + width, last), 9)
+        width /= 4.0
+    x = best.copy()
+    x[others] += change[outermost] @ [1.0, step] * problem.scale[others]
+    x[number] += step * problem.scale[number]
+    inside = (problem.lower <= x) & (x <= problem.upper)
+    return float(x[number]) if inside.all() else None
+
+
+def _between(arrays: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Interpolate along the first axis, at places counted in its elements."""
+    low = np.minimum(places.astype(int), len(arrays) - 2)
+    share = (places - low).reshape(-1, *[1] * (arrays.ndim - 1))
+    return (1.0 - share) * arrays[low] + share * arrays[low + 1]
 
 
 def _by_ellipsoids(
