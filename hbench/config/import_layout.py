@@ -95,6 +95,9 @@ def check_column(name: str, column: Column, layout: Format, wanted: str) -> None
         if column.scale != 1.0 or column.offset is not None:
             raise ValueError("columns.t_s: date-times have neither scale nor offset")
     elif parse_unit(column.unit).dimension != parse_unit(wanted).dimension:
-        raise ValueError(f"columns.{name}: unit {column.unit!r} is not one of {wanted}")
+        raise ValueError(
+            f"columns.{name}: unit {column.unit!r} is not one of {wanted}; for a signal write "
+            f"'unit: {wanted}' and a scale, the number of {wanted} for 1 {column.unit}"
+        )
     if column.zero == "rest" and (name in ("t_s", "x_m") or name.startswith("temp_")):
         raise ValueError(f"columns.{name}: zero: rest is not possible for this channel")

@@ -171,6 +171,26 @@ def test_units_that_cannot_be_or_contradict_are_refused(bring_in, rules, row, gi
         bring_in(f"t,x,p,f\n{row}\n0,0,1,2\n1,40,1,2\n")
 
 
+def test_a_scale_converts_a_signal_of_another_quantity(bring_in, rules):
+    """A transducer's volts, and a valve's command in percent of 10 V."""
+    rules["columns"]["p_tp_pa"] |= {"unit": "bar", "scale": 25}
+    rules["columns"]["u_t_v"] = {"column": "y", "unit": "V", "scale": 0.1}
+    run, _ = bring_in("t,x,p,f,y\nms,mm,V,kN,%\n0,0,2,2,-35\n500,20,2,2,-35\n1000,40,2,2,-35\n")
+    np.testing.assert_allclose(run.p_tp_pa, 50e5)
+    np.testing.assert_allclose(run.u_t_v, -3.5)
+
+
+@pytest.mark.parametrize(
+    "given", [{}, {"unit": "V"}, {"unit": "V", "scale": -1}, {"scale": 0.1}, {"unit": "%"}]
+)
+def test_a_signal_without_unit_or_scale_is_refused_with_what_to_write(bring_in, rules, given):
+    rules["columns"]["u_t_v"] = {"column": "y", **given}
+    with pytest.raises((ConfigError, DataError)) as caught:
+        bring_in("t,x,p,f,y\nms,mm,bar,kN,%\n0,0,2,2,-35\n500,20,2,2,-35\n1000,40,2,2,-35\n")
+    said = f"{caught.value.message} {caught.value.hint}"
+    assert "'%'" in said and "V" in said and "scale" in said
+
+
 def test_a_column_without_unit_is_refused_unless_it_is_named_in_si(rules):
     rules["format"] = {}
     with pytest.raises(ConfigError, match="columns.t_s: .*unit"):

@@ -163,13 +163,25 @@ def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> st
         unit = None
     if column.unit is not None:
         if unit and column.unit != DATE_TIME and unit != parse_unit(column.unit):
-            raise DataError(f"{where}; unit in the map is {column.unit!r}")
+            if unit.dimension == parse_unit(column.unit).dimension:
+                raise DataError(f"{where}; unit in the map is {column.unit!r}")
+            if column.scale in (1.0, -1.0):  # another scale converts a signal
+                hint = _scale_hint(name, column.unit, in_file)
+                raise DataError(f"{where}; unit in the map is {column.unit!r}", hint)
         return column.unit
     if unit is None:
         raise DataError(f"{where}, which is not a known unit", "Write the unit in the map.")
     if unit.dimension != parse_unit(wanted).dimension:
-        raise DataError(f"{where}; {name} needs a unit such as {wanted}")
+        message = f"{where}; {name} needs a unit such as {wanted}"
+        raise DataError(message, _scale_hint(name, wanted, in_file))
     return in_file
+
+
+def _scale_hint(name: str, unit: str, in_file: str) -> str:
+    return (
+        f"If the column is a signal of {name}, write 'unit: {unit}' and 'scale: ' with the number "
+        f"of {unit} for 1 {in_file} in the map; if it is another quantity, name another column."
+    )
 
 
 def _name(table: Table, column: int | str) -> str:
