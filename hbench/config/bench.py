@@ -119,7 +119,7 @@ class Plant(ConfigSection):
     valve: Valve
     friction: FrictionPair
     end_stop: EndStop
-    sensors: Sensors
+    sensors: Sensors | None = None  # None: readings are in SI, as in imported logs
     effects: Effects = Field(default_factory=dict)
     learned: tuple[LearnedLaw, ...] = ()
 
@@ -225,6 +225,7 @@ class Bench(Plant, Identified):
     """Bench: physics, controllers, limits and instruments."""
 
     name: str
+    sensors: Sensors
     controllers: Controllers
     limits: Limits
     instruments: Instruments

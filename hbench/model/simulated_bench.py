@@ -43,6 +43,7 @@ def new_simulated_bench(bench: Bench, plant: Plant | None, seed: int) -> Simulat
     ``plant`` replaces the bench's own physics where it is given.
     """
     plant = plant or bench
+    own = plant.sensors or bench.sensors
     par, noise = plant_parameters(plant), new_noise(seed)
     middle_m = 0.5 * plant.test_cylinder.stroke
     return SimulatedBench(
@@ -52,9 +53,7 @@ def new_simulated_bench(bench: Bench, plant: Plant | None, seed: int) -> Simulat
         levels=new_levels(noise, par),
         noise=noise,
         par=par,
-        sensors=changed_by(
-            "sensors", sensor_parameters(plant.sensors), read_effects(plant.effects)
-        ),
+        sensors=changed_by("sensors", sensor_parameters(own), read_effects(plant.effects)),
         values=np.zeros(N_SENSED),
         u=np.zeros(3),
         work=new_work(par),

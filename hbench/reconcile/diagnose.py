@@ -28,7 +28,7 @@ from hbench.reconcile.learned.law_search import LawSearch
 from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
-from hbench.reconcile.measured.session import sessions
+from hbench.reconcile.measured.session import CAVITATES_PA, sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
@@ -55,6 +55,7 @@ from hbench.records import (
     UnnamedLaw,
 )
 from hbench.records.diagnosis import MATERIAL
+from hbench.units import from_si
 
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
 NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
@@ -67,6 +68,10 @@ _MUCH = 0.25  # of a run's windows
 _OSCILLATES = (
     "The control oscillates faster than the log resolves ({runs}). The balances of flows and "
     "forces leave those windows out. Log faster, or lower the gains of the loops."
+)
+_CAVITATES = (
+    "The pressure of a chamber falls below {limit:g} bar ({runs}), where oil releases air. The "
+    "balance of its flow leaves these moments out. Raise the pressure, or brake more gently."
 )
 _STOPPED = "No gaps of signals: the simulation with the {} model ended early ({})."
 
@@ -114,7 +119,7 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     Insufficient data give a diagnosis that lists what is missing.
     """
     usable, left_out = _usable_runs(task.runs)
-    missing = unmeasured_channels(usable) | missing_experiments([run.plan for run in usable])
+    missing = unmeasured_channels(usable) | missing_experiments(usable)
     if shortfalls := data_shortfalls(usable):
         every = tuple((shortfalls | missing).values())
         return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
@@ -218,6 +223,7 @@ def assembled(
         revised=sections,
         notes=(
             *_oscillations(measured),
+            *_cavitations(measured),
             *notes,
             *proposal.notes,
             *([] if task.instruments else [_ASSUMED]),
@@ -242,10 +248,22 @@ def _oscillations(measured: MeasuredCampaign) -> tuple[str, ...]:
         for i, run in enumerate(log.runs)
         if log.counts[i] and log.oscillating[log.run_of_window == i].mean() > _MUCH
     ]
-    if not runs:
-        return ()
-    count = f"; {len(runs)} runs in all" if len(runs) > 1 else ""
-    return (_OSCILLATES.format(runs=f"run {runs[0]}{count}"),)
+    return (_OSCILLATES.format(runs=_first_of(runs)),) if runs else ()
+
+
+def _cavitations(measured: MeasuredCampaign) -> tuple[str, ...]:
+    """Return a remark on runs in which a chamber cavitates."""
+    runs = [
+        log.runs[i].plan.run
+        for log in measured.logs
+        for i in np.unique(log.run_of_window[log.cavitating.any(axis=1)])
+    ]
+    limit = from_si(CAVITATES_PA, "bar")
+    return (_CAVITATES.format(limit=limit, runs=_first_of(runs)),) if runs else ()
+
+
+def _first_of(runs: Sequence[str]) -> str:
+    return f"run {runs[0]}" + (f"; {len(runs)} runs in all" if len(runs) > 1 else "")
 
 
 def _unnamed_laws(
@@ -336,16 +354,14 @@ def _added_effects(
 ) -> tuple[AddedEffect, ...]:
     """Return the effects; their gaps are those without learned laws."""
     effects = []
-    for step in result.steps:
-        if step.added in result.names:
-            unconfirmed = result.unconfirmed.get(step.added)
-            model = unconfirmed.model if unconfirmed else result.without_laws
-            effect = added_effect(
-                step.added,
-                [each.candidate for each in step.evaluated],
-                fits[step.added],
-                *held_out_gaps(result, model, step.added, held_out),
-            )
-            shape = fitted_shape(step.added, model.hypothesis)
-            effects.append(replace(effect, shape=shape))
+    for name, step in zip(result.names, result.additions, strict=True):
+        unconfirmed = result.unconfirmed.get(name)
+        model = unconfirmed.model if unconfirmed else result.without_laws
+        effect = added_effect(
+            name,
+            [each.candidate for each in step.evaluated],
+            fits[name],
+            *held_out_gaps(result, model, name, held_out),
+        )
+        effects.append(replace(effect, shape=fitted_shape(name, model.hypothesis)))
     return tuple(effects)

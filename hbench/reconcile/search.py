@@ -28,7 +28,8 @@ After each addition the earlier effects are evaluated again beside the others. O
 the refitted model without it loses at most 5 nats in cross-validation, and it no longer meets these
 criteria about that model. At the end the effects found are refined: refitted with the nuisances,
 now with the deviations below what is material, which a search for names leaves out, and with the
-shape of each law that cross-validation supports.
+shape of each law that cross-validation supports. An effect that is then smaller than these criteria
+ask for is left out again.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -100,10 +101,27 @@ class CampaignSearch(CandidateEvaluator):
                 break
             current, dropped = self.without_superfluous(with_effect, added_names([*steps, step]))
             steps.append(replace(step, dropped=dropped))
-        if names := added_names(steps):
+        final, vanished = self._refined_and_named(current, added_names(steps))
+        return SearchResult(given, refitted, tuple(steps), final, refused, vanished=vanished)
+
+    def _refined_and_named(
+        self, model: LinearisedModel, names: tuple[str, ...]
+    ) -> tuple[LinearisedModel, tuple[str, ...]]:
+        """Return the refined model, and the effects that are now too small to be named, if any."""
+        vanished: tuple[str, ...] = ()
+        while names:
             self.stage(f"refining {', '.join(names)}")
-            current = self.refined(current, names)
-        return SearchResult(given, refitted, tuple(steps), current, refused)
+            refined = self.refined(model, names)
+            small = [name for name in names if self._size(refined, name) < CRITERIA.size]
+            if not small:
+                return refined, vanished
+            names = tuple(name for name in names if name not in small)
+            model, vanished = self.without(refined, small, names), (*vanished, *small)
+        return model, vanished
+
+    def _size(self, model: LinearisedModel, name: str) -> float:
+        """Return the largest coefficient of an effect, in typical sizes."""
+        return self._candidate(name, 0.0, 0.0, self._own_values(model, name), "full").size
 
     def without_superfluous(
         self, model: LinearisedModel, names: tuple[str, ...]

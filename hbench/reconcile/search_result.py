@@ -40,11 +40,18 @@ class SearchResult:
     laws: tuple[LawFound, ...] = ()  # learned, in the final model
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
     unconfirmed: Mapping[str, Unconfirmed] = field(default_factory=dict)  # not in the final model
+    vanished: tuple[str, ...] = ()  # of which refinement left too little to be named
 
     @property
     def names(self) -> tuple[str, ...]:
         """The effects that were added and not dropped, in order."""
-        return added_names(self.steps)
+        return tuple(name for name in added_names(self.steps) if name not in self.vanished)
+
+    @property
+    def additions(self) -> tuple[SearchStep, ...]:
+        """The steps that added the named effects; the last one of an effect that was dropped."""
+        last = {step.added: step for step in self.steps}
+        return tuple(last[name] for name in self.names)
 
     @property
     def confirmed(self) -> tuple[str, ...]:

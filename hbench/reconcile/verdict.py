@@ -1,16 +1,19 @@
 """Verdict of a search, and what the data do not contain."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+
+import numpy as np
 
 from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.reconcile.candidates import CRITERIA, ambiguity_margin
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
 from hbench.reconcile.search_result import SearchResult
-from hbench.records import KINDS, Candidate, Gap, Run, RunPlan, Verdict
+from hbench.records import KINDS, Candidate, Gap, Run, Verdict
 from hbench.records.diagnosis import UNEXPLAINED_GAP
 
 FEWEST_POINTS = 8  # operating points
+_OTHER_LOAD = 0.2  # of the largest mean force: a smaller difference may be that of friction
 NO_RESIDUALS = (
     "No balance has residuals that are significant, large enough to matter and more than "
     f"{UNEXPLAINED_GAP:g} trial scatters."
@@ -117,7 +120,7 @@ def data_shortfalls(runs: Sequence[Run]) -> dict[str, str]:
     codes = []
     if len(speeds) < 2 and not any(KINDS[plan.kind].covers_speeds for plan in plans):
         codes.append("speeds")
-    if len({plan.f_load_n for plan in plans if plan.f_load_n is not None}) < 2:
+    if not _has_second_load(runs):
         codes.append("loads")
     if runs and not set(_compared(runs)) - {"kinematics", "supply"}:
         codes.append("chambers")
@@ -140,14 +143,30 @@ def _compared(runs: Sequence[Run]) -> tuple[str, ...]:
     return tuple(name for name in BALANCES if any(not channels_missing(run, name) for run in runs))
 
 
-def missing_experiments(plans: Sequence[RunPlan]) -> dict[str, str]:
+def _has_second_load(runs: Sequence[Run]) -> bool:
+    """Return whether runs have two loads: nominal ones, or measured ones at one speed."""
+    nominal = {run.plan.f_load_n for run in runs if run.plan.f_load_n is not None}
+    if nominal:
+        return len(nominal) > 1
+    forces: dict[Hashable, dict[str, list[float]]] = {}
+    for run in runs:
+        if run.f_applied_n is not None:
+            of_speed = forces.setdefault((run.plan.kind, run.plan.v_ref_m_s), {})
+            of_speed.setdefault(run.plan.label, []).append(float(np.median(run.f_applied_n)))
+    means = [[float(np.mean(each)) for each in labels.values()] for labels in forces.values()]
+    largest = max((abs(mean) for at_speed in means for mean in at_speed), default=0.0)
+    return any(np.ptp(at_speed) > _OTHER_LOAD * largest for at_speed in means)
+
+
+def missing_experiments(runs: Sequence[Run]) -> dict[str, str]:
     """Return by code which experiments would make more effects distinguishable."""
+    plans = [run.plan for run in runs]
     steady = [plan for plan in plans if KINDS[plan.kind].has_constant_speed]
     kinds = [KINDS[plan.kind] for plan in plans]
     codes = []
     if len({abs(plan.v_ref_m_s) for plan in steady}) < 3:
         codes.append("speeds")
-    if len({plan.f_load_n for plan in plans if plan.f_load_n is not None}) < 2:
+    if not _has_second_load(runs):
         codes.append("loads")
     if len({plan.direction for plan in steady}) < 2:
         codes.append("directions")

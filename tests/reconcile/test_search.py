@@ -19,7 +19,7 @@ from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.search import CampaignSearch, silent
-from hbench.reconcile.search_result import SearchStep
+from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import Candidate
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule
@@ -83,6 +83,38 @@ def test_two_effects_are_found_one_after_the_other():
     assert slope.ci95[0] < 0.1 < slope.ci95[1]
     for name in found.names:
         assert gap(found.final, name, out) < 1.5
+
+
+def test_an_effect_of_which_refinement_leaves_nothing_is_not_named():
+    class Refined(CampaignSearch):
+        def refined(self, model, names):
+            best = super().refined(model, names)
+            if "supply_droop" not in names:
+                return best
+            effects = best.hypothesis.effects | {"supply_droop": {"slope": 1e-9}}
+            return self.linearise_at(best, replace(best.hypothesis, effects=effects))
+
+    found, _, _ = searched(
+        {
+            "internal_leakage": {"load": "5e-3 l/min/bar"},
+            "supply_droop": {"slope": "0.1 bar min/l"},
+        },
+        search=Refined,
+    )
+    assert found.vanished == ("supply_droop",) and found.names == ("internal_leakage",)
+    assert set(found.final.hypothesis.effects) & set(CANDIDATES) == {"internal_leakage"}
+
+
+def test_an_effect_that_is_dropped_and_added_again_is_one_addition():
+    steps = [
+        SearchStep(None, (), "added_mass", ()),
+        SearchStep(None, (), "supply_droop", (), dropped=("added_mass",)),
+        SearchStep(None, (), "added_mass", ()),
+        SearchStep(None, (), None, ()),
+    ]
+    found = SearchResult(None, None, tuple(steps), None)
+    assert found.names == ("supply_droop", "added_mass")
+    assert found.additions == (steps[1], steps[2])
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from scipy.signal import savgol_filter
 from hbench.config.bench import parse_plant
 from hbench.errors import DataError
 from hbench.model.plant import initial_state
-from hbench.reconcile.diagnose import _oscillations
+from hbench.reconcile.diagnose import _cavitations, _oscillations
 from hbench.reconcile.measured.balances import (
     BALANCES,
     balance_model,
@@ -224,6 +224,23 @@ def test_the_diagnosis_says_in_which_runs_the_control_oscillates(runs):
     (remark,) = _oscillations(SimpleNamespace(logs=(with_oscillating(session, found),)))
     assert f"(run {runs[2].plan.run})" in remark and runs[0].plan.run not in remark
     assert _oscillations(SimpleNamespace(logs=(session,))) == ()
+
+
+def test_the_flow_of_a_cavitating_chamber_is_left_out_and_the_diagnosis_says_so(runs, model):
+    """The load piston's chamber, for three records of the third run."""
+    p_lp = runs[2].p_lp_pa.copy()
+    p_lp[100:103] = -0.6e5
+    (session,) = sessions([*runs[:2], replace(runs[2], p_lp_pa=p_lp), *runs[3:]])
+    values, lp = balance_values(session, model), BALANCES.index("flow_lp")
+    low = np.flatnonzero(session.cavitating.any(axis=1))
+    assert len(low) and np.all(session.run_of_window[low] == 2)
+    others = np.setdiff1d(np.arange(6), lp)
+    assert np.isnan(values[low, lp]).all() and np.isfinite(values[np.ix_(low, others)]).all()
+    assert np.isfinite(np.delete(values[:, lp], low)).all()
+    np.testing.assert_array_equal(session.smoothed().cavitating, session.cavitating)
+    (remark,) = _cavitations(SimpleNamespace(logs=(session,)))
+    assert f"below -0.3 bar (run {runs[2].plan.run})" in remark
+    assert _cavitations(SimpleNamespace(logs=sessions(runs))) == ()
 
 
 def test_smoothed_logs_oscillate_where_the_logs_do(runs):

@@ -102,7 +102,7 @@ def plans_of(bench, kinds=None, **changes):
 
 
 def test_the_plan_made_for_telling_effects_apart_lacks_nothing(bench):
-    assert missing_experiments(plans_of(bench)) == {}
+    assert missing_experiments(repeated(plans_of(bench))) == {}
 
 
 @pytest.mark.parametrize(
@@ -114,19 +114,19 @@ def test_the_plan_made_for_telling_effects_apart_lacks_nothing(bench):
     ],
 )
 def test_what_is_left_out_is_missing_and_nothing_else(bench, lacks, kinds, changes):
-    assert list(missing_experiments(plans_of(bench, kinds, **changes))) == [lacks]
+    assert list(missing_experiments(repeated(plans_of(bench, kinds, **changes)))) == [lacks]
 
 
 def test_one_speed_at_one_load_in_one_direction_lacks_everything(bench):
     one = [plan for plan in plans_of(bench, ("steady",)) if plan.label == "extending, again"]
     every = ["speeds", "loads", "directions", "reversals", "steps", "hold", "pressures"]
-    assert list(missing_experiments(one[:1])) == list(missing_experiments([])) == every
+    assert list(missing_experiments(repeated(one[:1]))) == list(missing_experiments([])) == every
     assert all(missing_experiments([])[code] == MISSING[code] for code in every)
 
 
 def test_the_same_load_at_two_pressures_is_asked_for(bench):
     level = [plan for plan in plans_of(bench) if plan.label != "extending, high pressures"]
-    assert list(missing_experiments(level)) == ["pressures"]
+    assert list(missing_experiments(repeated(level))) == ["pressures"]
 
 
 def repeated(plans):
@@ -146,6 +146,20 @@ def test_many_points_of_one_speed_or_of_one_load_name_nothing(bench):
     load = [replace(plan, f_load_n=500.0, p_lr_ref_pa=1e5 * i) for i, plan in enumerate(plans)]
     assert list(data_shortfalls(repeated(load))) == ["loads"]
     assert data_shortfalls(repeated(plans)) == {}
+
+
+def test_loads_that_no_plan_states_are_those_measured(bench):
+    """Points of an imported campaign differ by a factor, such as the load cylinder's pressure."""
+    runs = [
+        replace(run, plan=replace(run.plan, f_load_n=None, label=label), f_applied_n=np.full(3, n))
+        for run in repeated(plans_of(bench, ("steady",), trials=1))
+        for label, n in (("20 bar", 1000.0), ("30 bar", 2900.0))
+    ]
+    assert "loads" not in data_shortfalls(runs) | missing_experiments(runs)
+    friction = [replace(run, f_applied_n=0.3 * run.f_applied_n + 2500) for run in runs]
+    assert "loads" in data_shortfalls(friction)  # 2800 and 3370 N
+    unknown = [replace(run, f_applied_n=None) for run in runs]
+    assert "loads" in missing_experiments(unknown)
 
 
 def test_reversals_have_many_speeds(bench):

@@ -78,7 +78,8 @@ def _omission_reason(run: Run) -> str:
 
 def _sensor_errors(bench: Bench, plant: Plant) -> dict[str, tuple[float, float]]:
     """Return each channel's reading as a * true value + b: (a, b) by channel."""
-    actual = changed_by("sensors", sensor_parameters(plant.sensors), read_effects(plant.effects))
+    own = sensor_parameters(plant.sensors or bench.sensors)
+    actual = changed_by("sensors", own, read_effects(plant.effects))
     assumed = sensor_gains(bench.sensors)
     return {
         name: (assumed[name][0] * per_unit, assumed[name][0] * zero + assumed[name][1])

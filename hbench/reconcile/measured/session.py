@@ -18,6 +18,7 @@ _VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least fi
 _OSCILLATING = 10.0  # times the fluctuation of the median window
 _VISIBLE = 0.01  # of a channel's range: a smaller oscillation does not matter
 _SUSTAINED = 4  # windows: what ends earlier is a transient
+CAVITATES_PA = -0.3e5  # above the atmosphere; below it oil releases air, and no chamber stays full
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,13 @@ class Session:
     def oscillating(self) -> np.ndarray:
         """Windows (w,) in which the log does not resolve the control."""
         return _oscillating(self) if self.logged is None else self.logged.oscillating
+
+    @cached_property
+    def cavitating(self) -> np.ndarray:
+        """Windows (w, 4) in which a chamber's pressure is too low for the laws of its oil."""
+        own = self.logged or self
+        lowest = [own.channels[name][own._samples].min(axis=1) for name in PRESSURES[:4]]
+        return np.column_stack(lowest) < CAVITATES_PA
 
     def mean(self, y: np.ndarray) -> np.ndarray:
         """Return <y> (..., w) of the samples (..., n)."""

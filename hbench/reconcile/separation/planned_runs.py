@@ -36,7 +36,7 @@ def planned_effects(bench: Bench, plant: Plant, plans: Sequence[RunPlan]) -> Pla
         Separation(model, train).separability(names),
         not_tried,
         tuple(data_shortfalls(runs).values()),
-        tuple(missing_experiments([run.plan for run in runs]).values()),
+        tuple(missing_experiments(runs).values()),
     )
 
 

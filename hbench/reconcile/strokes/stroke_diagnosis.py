@@ -114,8 +114,8 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
     left_out = tuple(
         f"run {run.run.plan.run}: {'; '.join(run.reasons)}" for run in screened if not run.accepted
     )
-    plans = [run.run.plan for run in screened if run.accepted]
-    missing = tuple(missing_experiments(plans).values())
+    accepted = [run.run for run in screened if run.accepted]
+    missing = tuple(missing_experiments(accepted).values())
     sensor, pairs = has_force_sensor(screened), _repeated(screened)
     loads = len({pair.plan for pair in pairs})
     if loads < FEWEST_LOADS:
