@@ -271,7 +271,7 @@ def test_pairs_of_strokes_are_drawn_by_themselves_and_without_a_position(named):
     }  # fmt: skip
     assert not any("scatter" in axes.get_title(loc="right") for axes in figure.axes)
     scatters = shape_figure(named, named.where[0].name)
-    assert any("1 scatter = " in axes.get_title(loc="right") for axes in scatters.axes)
+    assert any("repeatability 0" in axes.get_title(loc="right") for axes in scatters.axes)
     below = [axes.get_xlabel() for axes in figure.axes if axes.get_xlabel()]
     assert below == ["Load (kN)", "Time in the run (s)", "Velocity (mm/s)"]
     lines = [line.get_label() for axes in figure.axes for line in axes.lines]
@@ -307,7 +307,7 @@ def test_strokes_have_a_figure_of_force_errors_by_load_in_place_of_gaps_and_regi
 
 
 def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
-    axes = gap_figures(named)["Balances"].axes[0]
+    axes = gap_figures(named)["Flows and forces"].axes[0]
     drawn = {line.get_label(): line.get_xdata() for line in axes.lines}
     table = named.gap_heldout
     for step in ("before", "after"):
@@ -405,7 +405,9 @@ def test_a_held_out_run_without_a_reduced_gap_is_shown_for_the_largest_gap(named
         return first.caption
 
     largest = tuple(replace(each, shrank=False) for each in named.overlays[:1])
-    assert "Of all held-out runs and signals, these gaps are largest." in caption(unknown)
+    assert "Of all runs outside the fit and all signals, these gaps are largest." in caption(
+        unknown
+    )
     worse = caption(replace(named, overlays=largest))
     assert "What is added to the model reduces the gap of no signal; these gaps are" in worse
 
@@ -513,7 +515,7 @@ def test_a_refused_refit_has_its_reason_and_no_marks_of_its_own(named):
 def test_a_single_gap_has_no_figure(named):
     balances = dict(list(named.gap_heldout.balances.items())[:1])
     alone = replace(named, gap_heldout=replace(named.gap_heldout, balances=balances))
-    assert "Balances" in gap_figures(named) and "Balances" not in gap_figures(alone)
+    assert "Flows and forces" in gap_figures(named) and "Flows and forces" not in gap_figures(alone)
 
 
 def test_a_signal_that_the_effects_make_worse_is_named_with_the_gaps(named):

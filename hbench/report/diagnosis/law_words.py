@@ -23,11 +23,11 @@ def law_title(law: UnnamedLaw) -> str:
 
 
 def law_line(law: UnnamedLaw) -> str:
-    """Return what a law adds, and what it does to held-out runs."""
+    """Return what a law adds, and what it does to runs outside the fit."""
     before, after = (number(gap, 2) for gap in (law.gap_before, law.gap_after))
     return (
-        f"{capital(law_title(law))}, fitted as a table. The gap of held-out runs there is "
-        f"{before} without and {after} with all unnamed laws ({p_equation(law.p_value)}, score "
+        f"{capital(law_title(law))}, fitted as a table. The gap of runs outside the fit there "
+        f"is {before} without and {after} with all unnamed laws ({p_equation(law.p_value)}, score "
         f"{number(law.score, 1)} nats)."
     )
 
@@ -45,7 +45,7 @@ def law_summary(laws: Sequence[UnnamedLaw]) -> str:
         before, after = (number(gap, 1) for gap in (law.gap_before, law.gap_after))
         parts.append(
             f"{term(law)} of {low} to {high} {law.unit} over {words(law)} "
-            f"({_balances(law)}; gap of held-out runs {before} before, {after} after)"
+            f"({_balances(law)}; gap of runs outside the fit {before} before, {after} after)"
         )
     kind = "an unnamed law" if len(laws) == 1 else "unnamed laws"
     return (

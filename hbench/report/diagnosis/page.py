@@ -54,7 +54,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         parts=(
             *_held_out_part(diagnosis),
             *_run_part(diagnosis),
-            *_numbers("Gaps of the runs that the model was fitted to", *_train_tables(diagnosis)),
+            *_numbers("Gaps of the runs of the fit in numbers", *_train_tables(diagnosis)),
         ),
     )
     where = Section(
@@ -67,7 +67,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         ),
         facts=definitions.of_deviations(diagnosis),
     )
-    overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
+    overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
         (_sentence(keys_in_words(diagnosis.why)),),
@@ -180,21 +180,21 @@ def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
     """Return the residuals of each balance: all where they are the answer, else the first."""
     if diagnosis.verdict == "unknown" or of_strokes(diagnosis):
         return Section("Shape of the residuals", drawings=drawings)
-    others = Section("Residuals of the other balances", drawings=drawings[1:], folded=True)
+    others = Section("Residuals of the other quantities", drawings=drawings[1:], folded=True)
     parts = (replace(others, printed=False),) if others.drawings else ()
     first = (definitions.LARGEST,) if diagnosis.verdict == "none" else ()
-    return Section("Residuals of one balance", first, drawings=drawings[:1], parts=parts)
+    return Section("Residuals of one quantity", first, drawings=drawings[:1], parts=parts)
 
 
 def _held_out_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
-    tables = gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+    tables = gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, "runs outside the fit")
     facts = definitions.of_numbers(diagnosis) if diagnosis.held_out_loads else ()
-    parts = _numbers("Gaps of held-out runs in numbers", *tables)
+    parts = _numbers("Gaps of runs outside the fit in numbers", *tables)
     return tuple(replace(part, facts=facts) for part in parts)
 
 
 def _train_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    return gap_tables.gap_tables(diagnosis, diagnosis.gap_train, "training runs")
+    return gap_tables.gap_tables(diagnosis, diagnosis.gap_train, "runs of the fit")
 
 
 def _effects_table(diagnosis: Diagnosis) -> WordTable:
@@ -214,8 +214,8 @@ def _refitted_words(diagnosis: Diagnosis) -> str:
     if not diagnosis.refit_refused:
         return f"{definitions.poorly_known(diagnosis)} {definitions.REFITTED}"
     return (
-        f"{definitions.poorly_known(diagnosis)} Fitted first, they made held-out runs worse; these "
-        f"are fitted together with the {added_words(diagnosis)}."
+        f"{definitions.poorly_known(diagnosis)} Fitted first, they made runs outside the fit "
+        f"worse; these are fitted together with the {added_words(diagnosis)}."
     )
 
 

@@ -17,15 +17,13 @@ from hbench.report.diagnosis.names import (
     EDGES,
     added_words,
     compared_model,
-    in_sentence,
-    in_unit,
     in_words,
     of_strokes,
     residual_name,
     shown,
 )
 from hbench.report.render.numbers import short, significant
-from hbench.report.render.symbols import capital, listed
+from hbench.report.render.symbols import listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, or places, in a sentence
@@ -152,17 +150,6 @@ def edge_gaps(diagnosis: Diagnosis, name: str) -> dict[str, float]:
     edges = zip(EDGES.get(name, ()), ("extend", "retract"), strict=False)
     known = [(edge, ways[way].gaps) for edge, way in edges if way in ways]
     return {edge: gaps[name] for edge, gaps in known if name in gaps}
-
-
-def worst_region(diagnosis: Diagnosis, name: str) -> str:
-    """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
-    places = worst_places(diagnosis, name)
-    if not places:
-        return ""
-    worst = places[0]
-    (gap,) = (each for each in diagnosis.where if each.name == name)
-    there = in_unit(gap, worst.gap * gap.scatter)
-    return f"{capital(in_sentence(name))} deviates most {worst.words} (about {there} RMS)."
 
 
 class Place(NamedTuple):

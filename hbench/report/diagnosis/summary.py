@@ -15,10 +15,9 @@ from hbench.records import (
 from hbench.report.diagnosis.action_words import (
     advice,
     confirmation,
-    first_edge,
+    further_inspections,
     inspection,
     next_step,
-    other_inspections,
     separation,
     zero_check,
     zero_readings,
@@ -276,11 +275,11 @@ def _only_in_size(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
-    yield _ACTION, first_edge(diagnosis, gaps[0].name)
+    for sentence in further_inspections(diagnosis):
+        yield _ACTION, sentence
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
-    yield _ACTION, other_inspections(diagnosis)
     yield _ACTION, doubtful_volume(diagnosis)
     yield _ACTION, _OWN_EFFECT
     if diagnosis.unnamed:
