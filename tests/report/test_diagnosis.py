@@ -172,7 +172,7 @@ def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
     assert "load 2" in text and gap_line(unknown) and gap_line(few) == ""
     assert draw_diagnosis(few) == ()
     page = diagnosis_page(few, ())
-    assert "load 2" in page and "<table" not in page and "<h2>The gap" not in page
+    assert "load 2" in page and "<table" not in page and "<h2>Gap" not in page
     assert json.loads(diagnosis_json(few))["gap"]["heldout"]["before"] is None
     assert "nan" not in revised_yaml(few)
 
@@ -211,7 +211,7 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     for table in diagnosis_tables(named):
         numbers = [cell for cell in table.rows[0] if re.fullmatch(r"[\d.]+", cell)]
         assert all(f">{cell}</td>" in page for cell in numbers)
-    assert page.index('<h2 id="the-gap') < page.index('<h2 id="residuals')
+    assert page.index('<h2 id="gap-between') < page.index('<h2 id="residuals')
 
 
 def test_a_closed_loop_is_told_only_where_signals_were_simulated(named):
@@ -225,7 +225,11 @@ def test_an_unknown_disagreement_is_shown_first_against_velocity_position_time_a
 ):
     drawings = draw_diagnosis(replace(unknown, overlays=(), ranking=(), refitted={}))
     page = diagnosis_page(unknown, drawings)
-    assert page.index('<h2 id="shape') < page.index('<h2 id="where') < page.index('<h2 id="the-gap')
+    assert (
+        page.index('<h2 id="shape')
+        < page.index('<h2 id="where')
+        < page.index('<h2 id="gap-between')
+    )
     assert [d.name for d in drawings if d.section == "shape"] == ["shape-flow-tr", "shape-flow-tp"]
     panels = shape_figure(unknown, "flow_tp").axes[:4]
     units = ["mm/s", "mm", "s", "kN"]
@@ -523,7 +527,7 @@ def test_a_signal_that_the_effects_make_worse_is_named_with_the_gaps(named):
     table = replace(named.gap_heldout, signals=named.gap_heldout.signals | {"v": worse})
     page = diagnosis_page(replace(named, gap_heldout=table), ())
     place = page.index("velocity in closed loop (5.40 to 6.70)")
-    assert page.index('<h2 id="the-gap') < place < page.index('<h2 id="the-effects')
+    assert page.index('<h2 id="gap-between') < place < page.index('<h2 id="the-effects')
     better = replace(worse, after=5.5)
     table = replace(table, signals=table.signals | {"v": better})
     assert "velocity in closed loop" not in diagnosis_page(replace(named, gap_heldout=table), ())

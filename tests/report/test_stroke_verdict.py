@@ -92,7 +92,7 @@ def test_models_of_strokes_have_their_force_error_at_each_held_out_load(named):
     )
     assert gap_line(strokes) == line and "trial scatters" not in line
     page = ordinary_spaces(diagnosis_page(strokes, ()))
-    assert line in page and '<h2 id="the-force-error-before-and-after">' in page
+    assert line in page and '<h2 id="force-error-before-and-after">' in page
     assert "At 149 N the mean force of both directions repeats within 0.0066 N, so that" in page
     better = tuple(replace(load, before=9.0) for load in loads)
     lead = ordinary_spaces(verdict_words(replace(strokes, held_out_loads=better)))

@@ -37,8 +37,8 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
         "l/min/bar; 95 % interval). At the working point (extending at 80 mm/s), 0.18 l/min less "
         "oil enters the piston side of the test cylinder (Tp) and the piston is 2.4 mm/s slower at "
         "the same commands; in 95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it, the "
-        "deviation in runs outside the fit falls from 16.7 to 1.60 times the repeatability. Next, "
-        "inspect the piston seal."
+        "deviation of the quantities that it changes falls from 16.7 to 1.60 times the "
+        "repeatability in runs outside the fit. Next, inspect the piston seal."
     )
     assert "oil leaks" not in text  # once on the page is enough
     assert text.startswith(
@@ -105,7 +105,7 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
     order = (
         "Internal leakage may be missing in the model: oil leaks (test cylinder 0.00300 ± 0.00020",
         "It would change the flow",
-        "The evidence is contradictory: in the runs of the fit, it predicts operating",
+        "The evidence is contradictory: in the runs of the fit, it predicts each operating",
         "by odds of more than 1000 to 1, but other runs do not confirm it (deviation 1.02",
         "times the repeatability without it, 1.04 with it). So model.yaml does not contain it.",
         "To confirm internal leakage, repeat the runs and reconcile again; replace or adjust",
@@ -166,7 +166,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     order = (
         "The model does not contain internal leakage: oil leaks (",
         "At the working point (extending at 80 mm/s), 0.18 l/min less oil enters",
-        "With it, the deviation in runs outside the fit falls from 16.7 to 1.60 times",
+        "With it, the deviation of the quantities that it changes falls from 16.7 to 1.60 times",
         "Next, inspect the piston seal.",
     )
     places = [text.index(part) for part in order]
@@ -431,7 +431,7 @@ def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
         for part in (
             "The model does not contain internal leakage",
             "At the median working point",
-            '<h2 id="the-gap-before-and-after">',
+            '<h2 id="gap-between-model-and-measurement-before-and-after">',
             '<h2 id="the-effects">',
             "What internal leakage changes",
             "What looks like internal leakage",
@@ -454,3 +454,18 @@ def test_tables_have_every_change_with_its_unit_and_every_look_alike(named):
         "flow to test piston side", "−0.180 ± 0.010 l/min", "0.21 l/min", "0.35 l/min",
     )  # fmt: skip
     assert alike.rows == (("external_leakage", "hold", LEAK.lookalikes[0].why),)
+
+
+def test_an_instruments_error_has_its_gravest_consequence_in_the_verdict(compared):
+    changes = (
+        Change("p_s", "bar", 3.3, None, 3.3, 3.3),
+        Change("flow_tp", "l/min", -0.02, None, 0.02, 0.02),  # a limit of 0.024 l/min
+        Change("force_test", "N", 447.0, None, 447.0, 447.0),  # of 12 N
+    )
+    zero = EffectInPractice("pressure_offset", changes, "the zeros", "Zero it.", ())
+    effects = (added("pressure_offset", 40.0, of_sensor=True),)
+    found = replace(compared, verdict="named", rest=(), effects=effects, practice=(zero,))
+    assert (
+        "the transducer of P_S shows 3.3 bar too much and the computed friction of the test "
+        "cylinder is 447 N too high."
+    ) in ordinary_spaces(verdict_words(found))

@@ -72,7 +72,7 @@ def test_each_balance_that_no_effect_explains_has_its_parts_to_inspect(compared)
     text = ordinary_spaces(verdict_words(both))
     assert text.count("Start with") == 1
     assert "Start with the seals and guides of the test cylinder" in text
-    then = "If nothing is found there, inspect the load cell and the transducers of P_Tp and P_Tr."
+    then = "test cylinder, inspect the load cell and the transducers of P_Tp and P_Tr."
     assert f"{then} For the flow to the test piston side, inspect the test valve" in summary(both)
     assert "For the" not in verdict_words(both) + summary(compared)
 
@@ -102,7 +102,7 @@ def test_a_flow_that_depends_on_the_position_has_the_bore_inspected_first(compar
     text = ordinary_spaces(verdict_words(bore))
     assert "Start with the bore and the piston seal of the load cylinder: the flow" in text
     assert "and a valve does not depend on the position." in text
-    assert "If nothing is found there, inspect load valve L1, the rod side" in summary(bore)
+    assert "of the load cylinder, inspect load valve L1, the rod side" in summary(bore)
 
 
 def test_a_limit_that_two_deviations_share_is_written_once(compared):

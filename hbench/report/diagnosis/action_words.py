@@ -271,7 +271,7 @@ def further_inspections(diagnosis: Diagnosis) -> Iterator[str]:
     start, _ = _start(diagnosis, first)
     parts = [part for part in parts_of(diagnosis, first.name) if not start.startswith(part)]
     if start and parts:
-        yield f"If nothing is found there, inspect {listed(parts)}."
+        yield f"If nothing is found at {start.partition(',')[0]}, inspect {listed(parts)}."
     for gap in others:
         if remaining := [part for part in parts_of(diagnosis, gap.name) if part not in parts]:
             yield f"For {in_sentence(gap.name)}, inspect {listed(remaining)}."

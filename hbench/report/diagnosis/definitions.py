@@ -5,7 +5,6 @@ from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, SIGNIFICANT_P,
 from hbench.report.diagnosis.change_words import wrong_readings
 from hbench.report.diagnosis.error_words import scatter_words
 from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
-from hbench.report.diagnosis.rest_words import rest_words
 from hbench.report.render.symbols import capital
 
 Fact = tuple[str, str]  # name and description
@@ -56,20 +55,23 @@ _GAP = (
 )
 _DRAWN = "Means over windows of 0.16 s are compared. Gaps below 0.3 are drawn at 0.3."
 _BALANCES = (
+    "Flows and forces",
     "The quantities that decide, computed from the measured signals and compared with the model: "
     "the oil flow into each of the four chambers (continuity), the force balance of either "
     "cylinder, the derivative of the position against the velocity, and the supply pressure. They "
-    "need no simulation."
+    "need no simulation.",
 )
 _STROKES = (
+    "Pairs of strokes",
     "Pairs of steady strokes, one in each direction at one load. Half the difference of their "
     "residual forces is friction; their mean is what does not turn with the direction, such as an "
-    "offset or a wrong gain of the load cell."
+    "offset or a wrong gain of the load cell.",
 )
 _MOTION = (
+    "Force balance",
     "Newton's law of the driven mass: the force of the drive less the applied force, friction and "
-    "inertia. It is evaluated along the measured logs, and it decides. Its scatter is the noise of "
-    "the measured signals and the change of friction from run to run."
+    "inertia. It is evaluated along the measured logs, and it decides. Its repeatability is the "
+    "noise of the measured signals and the change of friction from run to run.",
 )
 _SIGNALS = (
     "The same schedule, simulated in closed loop, and runs outside the fit in open loop. They "
@@ -128,8 +130,9 @@ _P_OF_MOTION = (
 )
 _DEVIATION = (
     "Deviation",
-    "Root mean square of measurement less model, without the noise of single "
-    "windows, but with the scatter from trial to trial. Below the next column it does not matter.",
+    "Root mean square of measurement less model, without the noise of single windows, but with "
+    "the scatter from trial to trial: over all windows, and over those in motion. Up to the limit "
+    "in the table it does not matter.",
 )
 _SCATTER_OF_STROKES = (
     "Repeatability",
@@ -173,7 +176,7 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     gap, expected = of_numbers(diagnosis)
     every = (
         gap,
-        ("Flows and forces", _MOTION if diagnosis.errors else _STROKES if strokes else _BALANCES),
+        _MOTION if diagnosis.errors else _STROKES if strokes else _BALANCES,
         *([("Signals", _SIGNALS)] if diagnosis.gap_heldout.signals else []),
         *([] if diagnosis.refit_refused else [("Refitted", _REFITTED_STAGE)]),
         expected,
@@ -199,9 +202,8 @@ def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     if of_strokes(diagnosis):
         return _P, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
     p_value = _P_OF_MOTION if diagnosis.errors else _P
-    at_rest = (("At rest", words),) if (words := rest_words(diagnosis)) else ()
     edges = (_EDGE,) if any(gap.name in EDGES for gap in diagnosis.where) else ()
-    return *at_rest, _ALL_RUNS, p_value, _DEVIATION, _ALLOWED, _UNEXPLAINED, *edges
+    return _ALL_RUNS, p_value, _DEVIATION, _ALLOWED, _UNEXPLAINED, *edges
 
 
 def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:

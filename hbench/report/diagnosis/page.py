@@ -14,6 +14,7 @@ from hbench.report.diagnosis.names import (
     of_the_mass,
     value_words,
 )
+from hbench.report.diagnosis.rest_words import rest_words
 from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
 from hbench.report.diagnosis.tables import effect_tables, gap_tables
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
@@ -57,15 +58,20 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *_numbers("Gaps of the runs of the fit in numbers", *_train_tables(diagnosis)),
         ),
     )
+    at_rest = rest_words(diagnosis)
     where = Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
+        (at_rest,) if diagnosis.verdict == "none" else (),
         drawings=drawn("where"),
         tables=_with_rows(
             gap_tables.where_table(diagnosis),
             gap_tables.rest_table(diagnosis),
             gap_tables.edges_table(diagnosis),
         ),
-        facts=definitions.of_deviations(diagnosis),
+        facts=(
+            *((("At rest", at_rest),) if at_rest and diagnosis.verdict != "none" else ()),
+            *definitions.of_deviations(diagnosis),
+        ),
     )
     overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
     which = Section(
@@ -126,8 +132,8 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
 
 
 def _title_of_gaps(diagnosis: Diagnosis) -> str:
-    what = "force error" if diagnosis.held_out_loads else "gap"
-    return f"The {what} before and after" if added_words(diagnosis) else f"The {what}"
+    what = "Force error" if diagnosis.held_out_loads else "Gap between model and measurement"
+    return f"{what}, before and after" if added_words(diagnosis) else what
 
 
 def _answer(diagnosis: Diagnosis) -> Section:
@@ -187,9 +193,10 @@ def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
 
 
 def _held_out_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
-    tables = gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, "runs outside the fit")
+    of = f"{'loads' if of_strokes(diagnosis) else 'runs'} outside the fit"
+    tables = gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, of)
     facts = definitions.of_numbers(diagnosis) if diagnosis.held_out_loads else ()
-    parts = _numbers("Gaps of runs outside the fit in numbers", *tables)
+    parts = _numbers(f"Gaps of {of} in numbers", *tables)
     return tuple(replace(part, facts=facts) for part in parts)
 
 

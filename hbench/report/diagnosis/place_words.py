@@ -16,6 +16,7 @@ from hbench.report.diagnosis.names import (
     AXES,
     EDGES,
     added_words,
+    balance,
     compared_model,
     in_words,
     of_strokes,
@@ -26,7 +27,7 @@ from hbench.report.render.numbers import short, significant
 from hbench.report.render.symbols import listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
-_FEW = 2  # balances, or places, in a sentence
+_FEW = 2  # balances, places or changes in a sentence
 _OF_PLACE = ("position_friction", "end_cushion")
 AT_POINT = "At the working point,"  # which is described elsewhere
 _OF_CHANGES = "only while speed or pressure changes."
@@ -75,7 +76,7 @@ def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
 
     The intervals are in the answers and the tables.
     """
-    point, changes = diagnosis.working_point, main_changes(effect)[:_FEW]
+    point, changes = diagnosis.working_point, _first_changes(diagnosis, effect)
     if point is None or not changes:
         nowhere = "" if point is None else ", but nothing in steady motion at the working point"
         return f"It changes {largest_words(effect)}{extent_words(diagnosis)}{nowhere}."
@@ -87,6 +88,22 @@ def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     if not (in_proportion or here.issuperset(most)):
         beyond = f"; in 95 % of the motion up to {listed(list(most))}"
     return f"At the working point ({_motion(point)}), {listed(clauses)}{beyond}."
+
+
+def _first_changes(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change]:
+    """Return the first changes by an effect; of an instrument's error, its gravest consequence."""
+    changes = main_changes(effect)
+    if not wrong_readings(effect) or len(changes) <= _FEW:
+        return changes[:_FEW]
+    reading, *computed = changes
+    limits = {
+        gap.name: shown(gap.material, balance(gap.name))
+        for gap in diagnosis.where
+        if gap.material > 0
+    }
+    known = [change for change in computed if change.quantity in limits]
+    gravest = max(known, key=lambda c: abs(c.at_point) / limits[c.quantity], default=computed[0])
+    return [reading, gravest]
 
 
 def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:

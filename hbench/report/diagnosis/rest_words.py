@@ -80,6 +80,15 @@ def rest_clause(part: AtRest) -> str:
     return f"arises at rest, where the motion does not determine friction; in motion it is {motion}"
 
 
+def rest_caption(diagnosis: Diagnosis, name: str) -> str:
+    """Return the end of the caption of a balance's residuals, on those at rest; empty for none."""
+    for part in (at_rest(diagnosis, gap) for gap in diagnosis.where if gap.name == name):
+        if part:
+            rest, motion = (in_unit(part.gap, value) for value in (part.rest, part.motion))
+            return f" The points at zero velocity ({rest} RMS) are at rest; in motion {motion}."
+    return ""
+
+
 def rest_words(diagnosis: Diagnosis) -> str:
     """Return the deviations that arise at rest, and why they are no evidence; empty for none."""
     parts = [part for gap in diagnosis.where if (part := at_rest(diagnosis, gap))]

@@ -69,7 +69,7 @@ def favoured(effect: AddedEffect) -> str:
     if rival is None or not isfinite(rival.margin):
         return "no other effect of the catalogue that is possible here explains these residuals"
     return (
-        "it predicts operating points from the others better than the next best explanation, "
+        "it predicts each operating point from the others better than the next best explanation, "
         f"{in_words(rival.name)}, by {_ratio(rival.margin)}"
     )
 

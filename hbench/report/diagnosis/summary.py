@@ -301,7 +301,9 @@ def _narrowing(diagnosis: Diagnosis, name: str) -> str:
     if diagnosis.missing and not set_by_run:
         return diagnosis.missing[0]
     where = "".join(f" where the deviation is largest, {place.words}," for place in set_by_run[:1])
-    return f"more steady runs{where} and vary speed, load and pressure one at a time"
+    varied = "speed and acceleration" if diagnosis.errors else "speed, load and pressure"
+    kind = "runs" if diagnosis.errors else "steady runs"
+    return f"more {kind}{where} and vary {varied} one at a time"
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:

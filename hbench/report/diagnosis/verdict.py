@@ -170,8 +170,8 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
-        f"With it, the deviation in runs outside the fit falls from {before} to "
-        f"{after} times the repeatability{laws}."
+        f"With it, the deviation of the quantities that it changes falls from {before} to {after} "
+        f"times the repeatability in runs outside the fit{laws}."
     )
 
 

@@ -129,8 +129,9 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
         )
         return WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows)
 
+    forces = "forces" if of_strokes(diagnosis) else "flows and forces"
     groups = (
-        ("quantity", "flows and forces", with_total(table), balance),
+        ("quantity", forces, with_total(table), balance),
         ("signal", "signals, closed loop", table.signals, signal),
         ("signal", "signals, open loop", table.open_loop, signal),
     )
