@@ -103,7 +103,7 @@ _RANKING = (
     "quantities that it changes. No gain: it predicts these points no better. Vertical line: the "
     "score that is needed; for a candidate that could be named it is determined from residuals "
     "drawn at random. Filled: fitted in full; hollow: evaluated by its linear signature alone. "
-    "Blue: named, or in the ambiguous set."
+    "Blue: named, or not distinguishable."
 )
 _REFITTED = (
     "Factors on poorly known values of the model{fitted}, with their 95 % intervals. Hollow: at a "

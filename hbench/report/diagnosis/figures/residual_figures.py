@@ -4,16 +4,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P
 from hbench.report.diagnosis.deviation_words import largest_deviation
-from hbench.report.diagnosis.figures.colour_scales import RESIDUALS
+from hbench.report.diagnosis.figures.colour_scales import PLACES, RESIDUALS, VELOCITIES
 from hbench.report.diagnosis.names import (
     AXES,
     added_words,
@@ -34,9 +33,8 @@ _LEAST = 3.0  # scatters that an axis shows at least, either way
 # Each panel's axis, and the quantity of its colours.
 _PANELS = (("v_m_s", "load_n"), ("x_m", "load_n"), ("t_s", "load_n"), ("load_n", "v_m_s"))
 _AT_ONE_LOAD = (("v_m_s", "x_m"), ("t_s", "x_m"), ("x_m", "v_m_s"))
-_COLOURS = {"load_n": "viridis", "x_m": "viridis", "v_m_s": "plasma"}
+_COLOURS = {"load_n": PLACES, "x_m": PLACES, "v_m_s": VELOCITIES}
 _EDGE = "#9ca3af"  # of a point that stands alone, seen on a light and on a dark page
-_DARK = 0.9  # of a colour scale, whose light end can't be seen on white
 _TITLES = ("before", "after")
 _REPEATABILITY = "× repeatability"
 
@@ -186,7 +184,7 @@ def _points(
     axes.axhline(0, color="#374151", linewidth=0.8, zorder=1)
     grey = known & ~coloured
     axes.scatter(
-        x[grey], inside[grey], s=5, color="#c4c9d1", rasterized=True, clip_on=False, linewidths=0
+        x[grey], inside[grey], s=5, color=_EDGE, rasterized=True, clip_on=False, linewidths=0
     )
     shade = shown(getattr(side, colour), AXES[colour])
     colours = _scale(side, colour).to_rgba(shade[coloured])
@@ -241,9 +239,8 @@ def _medians(x: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _scale(side: ResidualMap, colour: str) -> ScalarMappable:
     values = shown(getattr(side, colour), AXES[colour])
-    shades = colormaps[_COLOURS[colour]](np.linspace(0, _DARK, 256))
     span = Normalize(float(np.nanmin(values)), float(np.nanmax(values)))
-    return ScalarMappable(span, ListedColormap(shades))
+    return ScalarMappable(span, _COLOURS[colour])
 
 
 def _colour_bars(
