@@ -83,10 +83,28 @@ def test_each_deviation_that_is_not_explained_has_its_name_and_its_probability(c
         replace(first, name=name, deviation=20.0, p_value=p)
         for name, p in (("force_load", 0.09), ("kinematics", 0.0004), ("supply", 0.05))
     ]
-    text = ordinary_spaces(verdict_words(replace(compared, rest=(first, *others))))
-    for p in ("p = 0.010)", "p = 0.090)", "p < 0.001)"):
+    fifth = replace(first, name="flow_lr")
+    text = ordinary_spaces(verdict_words(replace(compared, rest=(first, *others, fifth))))
+    for p in ("p = 0.010)", "p = 0.090)", "p < 0.001)", "p = 0.050)"):
         assert text.count(p) == 1
-    assert text.index("; also the supply pressure. Here p is") > 0
+    assert "; also the flow to the load rod side. Here p is" in text
+
+
+def test_what_several_deviations_have_in_common_is_inspected_first(compared):
+    first = compared.where[0]
+
+    def start(*names):
+        rest = tuple(replace(first, name=name) for name in names)
+        return ordinary_spaces(verdict_words(replace(compared, where=rest, rest=rest)))
+
+    flows = ("flow_tr", "flow_tp", "flow_lp", "flow_lr")
+    assert "Start with the position transducer, on which all depend." in start(*flows)
+    assert "Start with the test valve" in start(*flows[:3])
+    assert (
+        "Start with the load cell, on which the force of the test cylinder and the force of"
+        in start("force_load", "force_test", "supply")
+    )
+    assert "Start with the bore and the piston seal of the load" in start("flow_lr", "flow_lp")
 
 
 def test_a_flow_that_depends_on_the_position_has_the_bore_inspected_first(compared):

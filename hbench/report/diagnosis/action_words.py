@@ -19,6 +19,7 @@ from hbench.report.diagnosis.names import (
     AXES,
     BORES,
     CHAMBERS,
+    COMMON_PARTS,
     PRESSURE_SYMBOLS,
     in_sentence,
     in_unit,
@@ -241,6 +242,11 @@ def starting_point(diagnosis: Diagnosis) -> str:
 
 def _start(diagnosis: Diagnosis, gap: Gap) -> tuple[str, str]:
     """Return the part of the bench to inspect first for a gap, and what points to it."""
+    deviating = {each.name for each in diagnosis.rest}
+    for names, common in COMMON_PARTS.items():
+        if gap.name in names and deviating.issuperset(names):
+            some = listed([in_sentence(name) for name in names])
+            return common, f", on which {some if deviating.difference(names) else 'all'} depend"
     part = next(iter(parts_of(diagnosis, gap.name)), "")
     places, quantity = worst_places(diagnosis, gap.name), in_sentence(gap.name)
     if beyond_balances(diagnosis) or not places:

@@ -23,7 +23,8 @@ from hbench.report.render.symbols import listed
 CLEARLY_WORSE = 1.1  # gap against another one
 _MUCH_LARGER = 2.0  # gap of a simulated signal against the largest one of a balance
 MOST_SIGNALS = 3  # gaps of a sentence
-_FEW = 3  # balances, or unexplained gaps, in a sentence
+_MOST_GAPS = 4  # with their sizes in a sentence
+_FEW = 2  # balances, or unexplained gaps, in a sentence
 
 
 def deviations(gaps: Sequence[Gap], *, probable: bool = False) -> str:
@@ -31,7 +32,7 @@ def deviations(gaps: Sequence[Gap], *, probable: bool = False) -> str:
 
     If ``probable``, each with the probability of such a deviation with a correct model.
     """
-    limits = [deviation_and_limit(gap)[1] for gap in gaps[:_FEW]]
+    limits = [deviation_and_limit(gap)[1] for gap in gaps[:_MOST_GAPS]]
     one_limit = len(set(limits)) == 1 < len(limits) and not probable
     parts: list[str] = []
     for gap, limit in zip(gaps, limits, strict=False):
@@ -47,7 +48,7 @@ def deviations(gaps: Sequence[Gap], *, probable: bool = False) -> str:
         elif isfinite(gap.scatter):
             size = f"{in_unit(gap, gap.gap * gap.scatter)}{_repeats(gap)}"
         parts.append(f"{in_sentence(gap.name)}{'' if parts else ' deviates'} by {size}")
-    others = [in_sentence(gap.name) for gap in gaps[_FEW:]]
+    others = [in_sentence(gap.name) for gap in gaps[_MOST_GAPS:]]
     return f"{listed(parts)}{f'; also {listed(others)}' if others else ''}"
 
 

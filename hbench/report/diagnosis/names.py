@@ -111,6 +111,12 @@ BORES = {
     "flow_lp": "the bore and the piston seal of the load cylinder",
     "flow_lr": "the bore and the piston seal of the load cylinder",
 }
+# Parts that several balances have in common: the one to inspect first where all of them deviate.
+COMMON_PARTS = {
+    ("flow_tp", "flow_tr", "flow_lp", "flow_lr"): "the position transducer",
+    ("flow_lp", "flow_lr"): BORES["flow_lp"],
+    ("force_test", "force_load"): "the load cell",
+}
 # Metering edge of each chamber while the piston extends, and while it retracts.
 EDGES = {
     "flow_tp": ("supply", "tank"),

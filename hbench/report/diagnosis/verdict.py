@@ -291,7 +291,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     yield f"No known effect explains how the measurement deviates from the model{part}."
     yield f"{capital(deviations(gaps, probable=True))}."
     yield "Here p is the probability of such a deviation with a correct model."
-    yield beyond_balances(diagnosis)
     yield change_of_errors(diagnosis)
     yield next_step(diagnosis)
     yield hint(diagnosis)
+    yield beyond_balances(diagnosis)
