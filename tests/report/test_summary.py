@@ -391,9 +391,9 @@ def test_two_effects_share_one_description_of_the_working_point(named):
     assert "0.00300" not in verdict  # brief: the coefficients are below
     assert verdict.startswith(
         "The model does not contain internal leakage (test cylinder); the instruments have an "
-        "error, load cell gain. At the working point, 0.18 l/min less oil enters the piston "
-        "side of the test cylinder (Tp) (elsewhere up to 0.35 l/min), and the load cell shows 50 N "
-        "too much. "
+        "error, load cell gain. At the working point (extending at 80 mm/s), 0.18 l/min less oil "
+        "enters the piston side of the test cylinder (Tp) (elsewhere up to 0.35 l/min), and the "
+        "load cell shows 50 N too much. "
     )
     assert (
         "With both, the deviation in runs outside the fit goes from 9.50 to 9.50 times" in verdict
@@ -401,7 +401,8 @@ def test_two_effects_share_one_description_of_the_working_point(named):
     assert verdict.endswith("Inspect first the piston seal, then known weights.")
     law = SimpleNamespace(balances=("force_test",))
     with_laws = verdict_words(replace(both, unnamed=(law,)))
-    assert "Each is favoured by odds of more than 1000 to 1." in with_laws
+    favoured = "Each is favoured over the next best explanation by odds of more than 1000 to 1."
+    assert favoured in with_laws
     assert "With both" not in with_laws  # the gaps are those with the laws
     rows = [question for question, _ in answers(both)]
     assert rows[:6] == [

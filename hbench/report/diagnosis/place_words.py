@@ -126,7 +126,7 @@ def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
         parts += [f"{clause}{due}{beyond}" for clause in clauses]
         still += [] if clauses else [in_words(effect.name)]
     parts += [f"{listed(still)} changes nothing"] if still else []
-    return f"{AT_POINT} {', and '.join(parts)}."
+    return f"At the working point ({_motion(point)}), {', and '.join(parts)}."
 
 
 def extent_words(diagnosis: Diagnosis) -> str:

@@ -80,7 +80,7 @@ def least_odds(effects: Sequence[AddedEffect]) -> str:
     known = [margin for margin in margins if isfinite(margin)]
     if not known:
         return ""
-    return f"Each is favoured by {_ratio(min(known))}."
+    return f"Each is favoured over the next best explanation by {_ratio(min(known))}."
 
 
 def ruled_out_words(diagnosis: Diagnosis) -> str:
