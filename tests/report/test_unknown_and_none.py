@@ -246,7 +246,10 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "agrees" not in text
     assert "by 1.70 times the repeatability, a correct one by 1.20 on average; no" in text
     largest = "The largest deviation, 19 N RMS in the force of the test cylinder (matters above"
-    small = "is significant, but below the limit for an unknown effect: a small one is possible."
+    small = (
+        "is significant, but, at 1.9 times the repeatability, below the limit for an unknown "
+        "effect (2 times): a small one is possible. It is largest while retracting."
+    )
     assert f"{largest} 12 N), {small}" in text and "trial scatters" not in text
     assert "and is more than 2 times the repeatability." in diagnosis_page(compared, ())
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)

@@ -7,7 +7,7 @@ in the tables.
 from collections.abc import Iterator, Sequence
 
 from hbench.records import AddedEffect, Diagnosis, Gap
-from hbench.records.diagnosis import SIGNIFICANT_P
+from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.action_words import first_step, next_step
 from hbench.report.diagnosis.change_words import (
     friction_words,
@@ -40,11 +40,18 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     p_equation,
 )
-from hbench.report.diagnosis.place_words import change_clauses, each_size, extent_words, size_words
+from hbench.report.diagnosis.place_words import (
+    change_clauses,
+    each_size,
+    extent_words,
+    size_words,
+    worst_places,
+)
 from hbench.report.diagnosis.rest_words import at_rest, rest_clause
 from hbench.report.diagnosis.sentences import favoured, hint, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
+from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
 
@@ -267,7 +274,13 @@ def _largest(diagnosis: Diagnosis) -> str:
     real = [gap for gap in large if gap.p_value < SIGNIFICANT_P]
     end = f"is not significant ({p_equation(large[0].p_value)})"
     if real:
-        end = "is significant, but below the limit for an unknown effect: a small one is possible"
+        size = f", at {number(real[0].gap, 1)} times the repeatability,"
+        end = (
+            f"is significant, but{size if real[0].gap < UNEXPLAINED_GAP else ''} below the limit "
+            f"for an unknown effect ({UNEXPLAINED_GAP:g} times): a small one is possible"
+        )
+        for place in worst_places(diagnosis, real[0].name)[:1]:
+            end += f". It is largest {place.words}"
     elif part := at_rest(diagnosis, large[0]):
         end = rest_clause(part)
     return f"The largest deviation, {_most(real or large)}, {end}."
