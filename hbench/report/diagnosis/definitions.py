@@ -116,13 +116,17 @@ _ALL_RUNS = (
     "The gaps and deviations of this section are of all runs, those of the section on the gap of "
     "the runs outside the fit alone.",
 )
+_PROBABILITY = (
+    "Probability of such a deviation with a correct model, corrected after Holm for the number of "
+    "quantities. It is computed from 999 random draws, so the smallest possible value is 0.001 "
+    "times this number."
+)
 _P = (
     "p (Holm)",
-    "Probability of such a deviation with a correct model, corrected after Holm for the number of "
-    "quantities. The means of the runs get random signs 999 times, so the smallest possible value "
-    "is 0.001 times this number, and a deviation in the runs of a single operating point alone is "
-    "never significant.",
+    f"{_PROBABILITY} A draw gives the means of the runs random signs, so a deviation in the few "
+    "trials of a single operating point cannot become significant.",
 )
+_P_OF_STROKES = ("p (Holm)", _PROBABILITY)
 _P_OF_MOTION = (
     "p (Holm)",
     "Probability that as many runs deviate by more than the noise if the model is correct: then "
@@ -200,7 +204,7 @@ def _not_fitted(diagnosis: Diagnosis) -> str:
 def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     """Return the definitions of the section on where the model disagrees."""
     if of_strokes(diagnosis):
-        return _P, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
+        return _P_OF_STROKES, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
     p_value = _P_OF_MOTION if diagnosis.errors else _P
     edges = (_EDGE,) if any(gap.name in EDGES for gap in diagnosis.where) else ()
     return _ALL_RUNS, p_value, _DEVIATION, _ALLOWED, _UNEXPLAINED, *edges
