@@ -189,6 +189,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield law_summary(diagnosis.unnamed)
             yield best_candidate(diagnosis)
             yield next_step(diagnosis)
+            yield from further_inspections(diagnosis)
         else:
             yield agreement(diagnosis)
             yield best_candidate(diagnosis)
