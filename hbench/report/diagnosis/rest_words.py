@@ -14,7 +14,7 @@ _FORCES = ("force_test", "force_load", MOTION_BALANCE)
 _STANDSTILL_M = 1e-5  # travel: far less than the sliding distance of a seal
 _NO_EVIDENCE = (
     "The friction that holds a piston at rest can have any value up to the static friction. The "
-    "model infers it from the measured velocity, so the noise of the velocity makes it drift. "
+    "model infers it from the measured velocity, whose noise alone can make it drift. "
     "Such a ramp is no evidence of a missing effect."
 )
 
