@@ -15,8 +15,8 @@ from hbench.records.diagnosis import UNEXPLAINED_GAP
 FEWEST_POINTS = 8  # operating points
 _OTHER_LOAD = 0.2  # of the largest mean force: a smaller difference may be that of friction
 NO_RESIDUALS = (
-    "No balance has residuals that are significant, large enough to matter and more than "
-    f"{UNEXPLAINED_GAP:g} trial scatters."
+    "No quantity has residuals that are significant, large enough to matter and more than "
+    f"{UNEXPLAINED_GAP:g} times the repeatability."
 )
 MISSING: Mapping[str, str] = {
     "speeds": "three or more speeds, to separate effects that grow with speed from the others",
@@ -46,7 +46,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             others = " or ".join(candidate.name for candidate in last.ambiguous)
             reason += f" {others} would explain the remaining residuals equally well."
         elif unexplained:
-            reason += f" Gaps that remain (in trial scatters): {where}."
+            reason += f" Gaps that remain (in multiples of the repeatability): {where}."
         return "named", reason + unnamed
     if last.ambiguous:
         margin = ambiguity_margin(last.ambiguous[0].score)
@@ -55,7 +55,10 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             f"it is {margin:.1f} nats (a tenth of the best one, at least 3) above the next."
         )
     if unexplained:
-        reason = f"No effect of the catalogue explains the gaps (in trial scatters): {where}."
+        reason = (
+            "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
+            f"{where}."
+        )
         if last.evaluated:
             best = last.evaluated[0].candidate
             reason += (
@@ -84,7 +87,7 @@ def unconfirmed_words(names: Sequence[str]) -> str:
     """Return the sentence about effects that held-out runs do not confirm."""
     it = "them" if len(names) > 1 else "it"
     return (
-        f"Held-out runs do not confirm {' and '.join(names)}, so the revised model does not "
+        f"Runs outside the fit do not confirm {' and '.join(names)}, so the revised model does not "
         f"contain {it}."
     )
 
@@ -136,7 +139,7 @@ def unmeasured_channels(runs: Sequence[Run]) -> dict[str, str]:
     if not missing:
         return {}
     channels = ", ".join(name for name, field in RUN_FIELDS.items() if field in missing)
-    return {"channels": f"{channels} (not measured), for the balances {', '.join(balances)}"}
+    return {"channels": f"{channels} (not measured), for the quantities {', '.join(balances)}"}
 
 
 def _compared(runs: Sequence[Run]) -> tuple[str, ...]:

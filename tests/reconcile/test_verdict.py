@@ -52,7 +52,10 @@ def test_an_effect_that_was_taken_is_named_and_the_rest_is_told():
     verdict, why = decide_verdict(found(("internal_leakage", ()), (None, ())), ())
     assert verdict == "named" and "internal_leakage" in why and "flow_tp" not in why
     verdict, why = decide_verdict(found(("internal_leakage", ()), (None, ())), (LACKS,))
-    assert verdict == "named" and "Gaps that remain (in trial scatters): flow_tp (9.0)" in why
+    assert (
+        verdict == "named"
+        and "Gaps that remain (in multiples of the repeatability): flow_tp (9.0)" in why
+    )
     assert "No effect" not in why  # it may be that of a correct model
     both = found(("internal_leakage", ()), ("supply_droop", ()), (None, ()))
     assert {"internal_leakage", "supply_droop"} <= set(decide_verdict(both, ())[1].split())

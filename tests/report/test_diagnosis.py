@@ -172,7 +172,7 @@ def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
     assert "load 2" in text and gap_line(unknown) and gap_line(few) == ""
     assert draw_diagnosis(few) == ()
     page = diagnosis_page(few, ())
-    assert "load 2" in page and "<table" not in page and "<h2>The gap" not in page
+    assert "load 2" in page and "<table" not in page and "<h2>Gap" not in page
     assert json.loads(diagnosis_json(few))["gap"]["heldout"]["before"] is None
     assert "nan" not in revised_yaml(few)
 
@@ -211,7 +211,7 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     for table in diagnosis_tables(named):
         numbers = [cell for cell in table.rows[0] if re.fullmatch(r"[\d.]+", cell)]
         assert all(f">{cell}</td>" in page for cell in numbers)
-    assert page.index('<h2 id="the-gap') < page.index('<h2 id="residuals')
+    assert page.index('<h2 id="gap-between') < page.index('<h2 id="residuals')
 
 
 def test_a_closed_loop_is_told_only_where_signals_were_simulated(named):
@@ -225,7 +225,11 @@ def test_an_unknown_disagreement_is_shown_first_against_velocity_position_time_a
 ):
     drawings = draw_diagnosis(replace(unknown, overlays=(), ranking=(), refitted={}))
     page = diagnosis_page(unknown, drawings)
-    assert page.index('<h2 id="shape') < page.index('<h2 id="where') < page.index('<h2 id="the-gap')
+    assert (
+        page.index('<h2 id="shape')
+        < page.index('<h2 id="where')
+        < page.index('<h2 id="gap-between')
+    )
     assert [d.name for d in drawings if d.section == "shape"] == ["shape-flow-tr", "shape-flow-tp"]
     panels = shape_figure(unknown, "flow_tp").axes[:4]
     units = ["mm/s", "mm", "s", "kN"]
@@ -271,7 +275,7 @@ def test_pairs_of_strokes_are_drawn_by_themselves_and_without_a_position(named):
     }  # fmt: skip
     assert not any("scatter" in axes.get_title(loc="right") for axes in figure.axes)
     scatters = shape_figure(named, named.where[0].name)
-    assert any("1 scatter = " in axes.get_title(loc="right") for axes in scatters.axes)
+    assert any("repeatability 0" in axes.get_title(loc="right") for axes in scatters.axes)
     below = [axes.get_xlabel() for axes in figure.axes if axes.get_xlabel()]
     assert below == ["Load (kN)", "Time in the run (s)", "Velocity (mm/s)"]
     lines = [line.get_label() for axes in figure.axes for line in axes.lines]
@@ -307,7 +311,7 @@ def test_strokes_have_a_figure_of_force_errors_by_load_in_place_of_gaps_and_regi
 
 
 def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
-    axes = gap_figures(named)["Balances"].axes[0]
+    axes = gap_figures(named)["Flows and forces"].axes[0]
     drawn = {line.get_label(): line.get_xdata() for line in axes.lines}
     table = named.gap_heldout
     for step in ("before", "after"):
@@ -405,7 +409,9 @@ def test_a_held_out_run_without_a_reduced_gap_is_shown_for_the_largest_gap(named
         return first.caption
 
     largest = tuple(replace(each, shrank=False) for each in named.overlays[:1])
-    assert "Of all held-out runs and signals, these gaps are largest." in caption(unknown)
+    assert "Of all runs outside the fit and all signals, these gaps are largest." in caption(
+        unknown
+    )
     worse = caption(replace(named, overlays=largest))
     assert "What is added to the model reduces the gap of no signal; these gaps are" in worse
 
@@ -513,7 +519,7 @@ def test_a_refused_refit_has_its_reason_and_no_marks_of_its_own(named):
 def test_a_single_gap_has_no_figure(named):
     balances = dict(list(named.gap_heldout.balances.items())[:1])
     alone = replace(named, gap_heldout=replace(named.gap_heldout, balances=balances))
-    assert "Balances" in gap_figures(named) and "Balances" not in gap_figures(alone)
+    assert "Flows and forces" in gap_figures(named) and "Flows and forces" not in gap_figures(alone)
 
 
 def test_a_signal_that_the_effects_make_worse_is_named_with_the_gaps(named):
@@ -521,7 +527,7 @@ def test_a_signal_that_the_effects_make_worse_is_named_with_the_gaps(named):
     table = replace(named.gap_heldout, signals=named.gap_heldout.signals | {"v": worse})
     page = diagnosis_page(replace(named, gap_heldout=table), ())
     place = page.index("velocity in closed loop (5.40 to 6.70)")
-    assert page.index('<h2 id="the-gap') < place < page.index('<h2 id="the-effects')
+    assert page.index('<h2 id="gap-between') < place < page.index('<h2 id="the-effects')
     better = replace(worse, after=5.5)
     table = replace(table, signals=table.signals | {"v": better})
     assert "velocity in closed loop" not in diagnosis_page(replace(named, gap_heldout=table), ())

@@ -205,7 +205,7 @@ def test_an_effect_whose_gap_does_not_fall_is_stated_as_not_confirmed():
     for content, confirmed in ((DIAGNOSIS, True), (worse, False)):
         text = " ".join(reconciled_section("model", content).paragraphs)
         assert ("falls from" in text) is confirmed
-        assert ("held-out runs do not confirm it: 1.02 to 1.04." in text) is not confirmed
+        assert ("runs outside the fit do not confirm it: 1.02 to 1.04." in text) is not confirmed
 
 
 def test_without_a_diagnosis_there_is_no_such_section(campaign):

@@ -36,9 +36,9 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
         "The model does not contain internal leakage: oil leaks (test cylinder 0.00300 ± 0.00020 "
         "l/min/bar; 95 % interval). At the working point (extending at 80 mm/s), 0.18 l/min less "
         "oil enters the piston side of the test cylinder (Tp) and the piston is 2.4 mm/s slower at "
-        "the same commands; in 95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it, their "
-        "error in runs outside the fit falls from 16.7 to 1.60 times the repeatability. Next, "
-        "inspect the piston seal."
+        "the same commands; in 95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it, the "
+        "deviation of the quantities that it changes falls from 16.7 to 1.60 times the "
+        "repeatability in runs outside the fit. Next, inspect the piston seal."
     )
     assert "oil leaks" not in text  # once on the page is enough
     assert text.startswith(
@@ -80,11 +80,13 @@ def test_a_candidate_that_other_data_rule_out_has_the_reason_with_the_evidence(n
 
 def test_an_effect_that_does_not_reduce_the_gap_of_held_out_runs_is_reported_as_such(named):
     (effect,) = named.effects
-    plain = "It does not reduce the gap of held-out runs in the balances that it touches: "
+    plain = "It does not reduce the gap of runs outside the fit in the quantities that it changes: "
     worse = replace(named, effects=(replace(effect, gap_before=1.02, gap_after=1.04),))
     assert f"{plain}1.02 without it and 1.04 with it" in short_summary(worse)
     page = ordinary_spaces(diagnosis_page(worse, ()))
-    words = "runs do not confirm it (error 1.02 times the repeatability without it, 1.04 with it)."
+    words = (
+        "runs do not confirm it (deviation 1.02 times the repeatability without it, 1.04 with it)."
+    )
     assert words in page[: page.index("<nav")]  # in the verdict
     assert "does not reduce" not in summary(named) + diagnosis_page(named, ())
 
@@ -103,14 +105,14 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
     order = (
         "Internal leakage may be missing in the model: oil leaks (test cylinder 0.00300 ± 0.00020",
         "It would change the flow",
-        "The evidence is contradictory: in the runs of the fit, the cross-validation favours it",
-        "by odds of more than 1000 to 1, but other runs do not confirm it (error 1.02 times",
-        "without it, 1.04 with it). So model.yaml does not contain it.",
+        "The evidence is contradictory: in the runs of the fit, it predicts each operating",
+        "by odds of more than 1000 to 1, but other runs do not confirm it (deviation 1.02",
+        "times the repeatability without it, 1.04 with it). So model.yaml does not contain it.",
         "To confirm internal leakage, repeat the runs and reconcile again; replace or adjust",
     )
     places = [verdict.index(part) for part in order]
     assert places == sorted(places) and "inspect" not in verdict
-    assert "held-out runs do not confirm it." in short_summary(worse)
+    assert "runs outside the fit do not confirm it." in short_summary(worse)
     for text in (summary(worse), short_summary(worse)):
         condition = "The sizes that follow apply only if internal leakage is present."
         assert text.index(condition) < text.index("0.180 ± 0.010 l/min less oil")
@@ -119,13 +121,11 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
         assert "before that. If they confirm it: inspect the piston seal. Replace it." in then
     small = replace(LEAK, changes=(Change("force_test", "N", 0.0, None, 4.0, 4.0),))
     brief = verdict_words(replace(worse, practice=(small,)))
-    assert (
-        "Runs outside the fit do not confirm it (error 1.02 times" in brief and "odds" not in brief
-    )
+    assert "Runs outside the fit do not confirm it (deviation 1.02" in brief and "odds" not in brief
     text = summary(replace(worse, practice=(small,)))
-    assert "by odds of more than 1000 to 1; held-out runs" in text
+    assert "by odds of more than 1000 to 1; runs outside the fit" in text
     assert "for an effect of this size; the new model.yaml contains it." in text
-    assert "not confirmed by held-out runs." in diagnosis_text(worse).splitlines()[0]
+    assert "not confirmed by runs outside the fit." in diagnosis_text(worse).splitlines()[0]
     proposed = replace(worse, next_schedule={"name": "next"})
     assert "To confirm internal leakage, measure next.yaml and" in verdict_words(proposed)
     cell = replace(unconfirmed, name="load_cell_gain", of_sensor=True)
@@ -166,7 +166,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     order = (
         "The model does not contain internal leakage: oil leaks (",
         "At the working point (extending at 80 mm/s), 0.18 l/min less oil enters",
-        "With it, their error in runs outside the fit falls from 16.7 to 1.60 times",
+        "With it, the deviation of the quantities that it changes falls from 16.7 to 1.60 times",
         "Next, inspect the piston seal.",
     )
     places = [text.index(part) for part in order]
@@ -175,9 +175,10 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     fitted = "Without the effects it is"
     smaller = (replace(rest, deviation=10.0), *compared.where[1:])
     text = verdict(replace(named, rest=(rest,), where=smaller))
-    assert "Not explained: 40 N RMS in the force of the test cylinder (matters above 12 N)." in text
-    two = verdict(replace(named, rest=(rest, rest)))
-    assert "(matters above 12 N), and 1 more." in two
+    left = "Not explained: the force of the test cylinder deviates by 40 N RMS"
+    assert f"{left} (matters above 12 N)." in text
+    two = verdict(replace(named, rest=(rest, replace(rest, name="force_load"))))
+    assert f"{left} and the force of the load cylinder by 40 N RMS (each matters" in two
     larger = summary(replace(named, rest=(rest,), where=smaller))
     assert f"{fitted} 10 N: the values that are fitted together" in ordinary_spaces(larger)
     assert fitted not in summary(replace(named, rest=(rest,)))  # 40 N without them too
@@ -186,7 +187,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     assert text.startswith("The instruments have an error, load cell gain: oil leaks (test ")
     assert (
         "At the working point (extending at 80 mm/s), the load cell shows 50 N too much and the "
-        "computed friction of the test cylinder is 50 N too low. With it, their error"
+        "computed friction of the test cylinder is 50 N too low. With it, the deviation"
     ) in text
     steady = tuple(replace(each, largest=abs(each.at_point)) for each in LEAK.changes[:1])
     assert "(Tp). With it" in verdict(replace(named, practice=(replace(LEAK, changes=steady),)))
@@ -312,7 +313,7 @@ def test_a_deviation_that_a_correct_model_has_too_is_no_reason_to_distrust_the_m
     words = "mostly due to the uncertainty of the model's values: the force of the test cylinder"
     assert f"The remaining deviation is {words} deviates by 40 N RMS" in ordinary_spaces(text)
     # 7.3 N times the root of 2.73² less 2.43²
-    beyond = "In held-out runs 9.1 N of it is beyond that uncertainty, which is too small"
+    beyond = "In runs outside the fit 9.1 N of it is beyond that uncertainty, which is too small"
     assert beyond in ordinary_spaces(text)
     assert "has a gap of 2.73, where a correct model whose values are as uncertain" in text
     assert "That is no evidence of a further cause: the values of" in text
@@ -323,7 +324,7 @@ def test_a_deviation_that_a_correct_model_has_too_is_no_reason_to_distrust_the_m
     ):
         text = summary(distrusted)
         assert "mostly" not in verdict_words(distrusted) + diagnosis_text(distrusted)
-        assert "Not explained: 40 N RMS in the force of the test" in ordinary_spaces(
+        assert "Not explained: the force of the test cylinder deviates by 40 N" in ordinary_spaces(
             verdict_words(distrusted)
         )
         assert "Do not rely on model.yaml for the force of the test cylinder until" in text
@@ -337,8 +338,8 @@ def test_a_gap_that_remains_with_the_effects_is_compared_with_that_of_a_correct_
         table = replace(named.gap_heldout, total=total)
         return summary(replace(named, gap_heldout=table, **changes))
 
-    words = "With the effects, a gap of 2.06 remains in held-out runs, where a correct model would"
-    assert words in text(2.06) and "have 1.17 on average. No single balance" in text(2.06)
+    words = "With the effects, a gap of 2.06 remains in runs outside the fit, where a correct"
+    assert words in text(2.06) and "have 1.17 on average. No single quantity" in text(2.06)
     errors = tuple(HeldOutError(name, "N", 4.0, 2.0, 1.0) for name in ("force", "position"))
     assert "A gap of up to 2 over all runs, or one that is not significant" in text(
         1.78, errors=errors, overlays=(OVERLAY,)
@@ -390,15 +391,18 @@ def test_two_effects_share_one_description_of_the_working_point(named):
     assert "0.00300" not in verdict  # brief: the coefficients are below
     assert verdict.startswith(
         "The model does not contain internal leakage (test cylinder); the instruments have an "
-        "error, load cell gain. At the working point, 0.18 l/min less oil enters the piston "
-        "side of the test cylinder (Tp) (elsewhere up to 0.35 l/min), and the load cell shows 50 N "
-        "too much. "
+        "error, load cell gain. At the working point (extending at 80 mm/s), 0.18 l/min less oil "
+        "enters the piston side of the test cylinder (Tp) (elsewhere up to 0.35 l/min), and the "
+        "load cell shows 50 N too much. "
     )
-    assert "With both, the error in runs outside the fit goes from 9.50 to 9.50 times" in verdict
+    assert (
+        "With both, the deviation in runs outside the fit goes from 9.50 to 9.50 times" in verdict
+    )
     assert verdict.endswith("Inspect first the piston seal, then known weights.")
     law = SimpleNamespace(balances=("force_test",))
     with_laws = verdict_words(replace(both, unnamed=(law,)))
-    assert "Each is favoured by odds of more than 1000 to 1." in with_laws
+    favoured = "Each is favoured over the next best explanation by odds of more than 1000 to 1."
+    assert favoured in with_laws
     assert "With both" not in with_laws  # the gaps are those with the laws
     rows = [question for question, _ in answers(both)]
     assert rows[:6] == [
@@ -428,7 +432,7 @@ def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
         for part in (
             "The model does not contain internal leakage",
             "At the median working point",
-            '<h2 id="the-gap-before-and-after">',
+            '<h2 id="gap-between-model-and-measurement-before-and-after">',
             '<h2 id="the-effects">',
             "What internal leakage changes",
             "What looks like internal leakage",
@@ -451,3 +455,18 @@ def test_tables_have_every_change_with_its_unit_and_every_look_alike(named):
         "flow to test piston side", "−0.180 ± 0.010 l/min", "0.21 l/min", "0.35 l/min",
     )  # fmt: skip
     assert alike.rows == (("external_leakage", "hold", LEAK.lookalikes[0].why),)
+
+
+def test_an_instruments_error_has_its_gravest_consequence_in_the_verdict(compared):
+    changes = (
+        Change("p_s", "bar", 3.3, None, 3.3, 3.3),
+        Change("flow_tp", "l/min", -0.02, None, 0.02, 0.02),  # a limit of 0.024 l/min
+        Change("force_test", "N", 447.0, None, 447.0, 447.0),  # of 12 N
+    )
+    zero = EffectInPractice("pressure_offset", changes, "the zeros", "Zero it.", ())
+    effects = (added("pressure_offset", 40.0, of_sensor=True),)
+    found = replace(compared, verdict="named", rest=(), effects=effects, practice=(zero,))
+    assert (
+        "the transducer of P_S shows 3.3 bar too much and the computed friction of the test "
+        "cylinder is 447 N too high."
+    ) in ordinary_spaces(verdict_words(found))

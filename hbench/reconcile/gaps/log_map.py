@@ -22,11 +22,10 @@ from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.records import Gap
-from hbench.records.diagnosis import UNEXPLAINED_GAP
+from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 
 _APART = 2  # windows
 _PERMUTATIONS = 999
-_SIGNIFICANCE = 0.1  # p
 
 
 @dataclass(frozen=True)
@@ -153,7 +152,7 @@ def unexplained_gaps(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
         gap
         for gap in ranked
         if gap.gap > UNEXPLAINED_GAP
-        and gap.p_value < _SIGNIFICANCE
+        and gap.p_value < SIGNIFICANT_P
         and not gap.deviation <= gap.material
     )
 

@@ -264,7 +264,7 @@ def _decide_verdict(
             )
     if unexplained:
         sentences.append(
-            "No effect of the catalogue explains the gaps (in trial scatters): "
+            "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
             f"{gap_list(unexplained)}."
         )
     if result.names:

@@ -12,14 +12,15 @@ from hbench.report.render.document import Section
 from hbench.report.render.numbers import number, significant
 
 _GAPS = (
-    "Gaps of held-out runs, in units of the trials' scatter: 1 is the repeatability of the bench. "
-    "Before: the model as given; after: refitted and with the effects added; expected: average of "
-    "correct models with parameters as uncertain, of balances only."
+    "Gaps of runs outside the fit: root mean square of measurement less model, in multiples of the "
+    "repeatability of the bench. Before: the model as given; after: refitted and with the effects "
+    "added; expected: average of correct models with parameters as uncertain, of flows and forces "
+    "only."
 )
 _HEAD = ("Of", "Name", "Before", "After", "Expected")
 _PARTS = {
     "signals": "signal, closed loop",
-    "balances": "balance",
+    "balances": "flow or force",
     "open_loop": "signal, open loop",
 }
 
@@ -30,7 +31,7 @@ def reconciled_section(folder: str, content: dict[str, Any] | str) -> Section:
     if isinstance(content, str):
         return Section(title, (f"The diagnosis cannot be read. {content}",))
     held = _mapping(_mapping(content.get("gap")).get("heldout"))
-    rows = [*_row("all", "balances together", held)]
+    rows = [*_row("all", "flows and forces together", held)]
     for part, part_title in _PARTS.items():
         for name, gaps in _mapping(held.get(part)).items():
             known = _mapping(gaps)
@@ -66,7 +67,9 @@ def _effects(content: dict[str, Any]) -> Iterator[str]:
         before, after = (_number(effect.get(key)) for key in ("gap_before", "gap_after"))
         name = _text(effect.get("name")).replace("_", " ")
         rises = before is not None and after is not None and after >= before
-        change = "is not reduced, held-out runs do not confirm it:" if rises else "falls from"
+        change = (
+            "is not reduced; runs outside the fit do not confirm it:" if rises else "falls from"
+        )
         ends = f"{number(before, 2)} to {number(after, 2)}"
         yield f"Effect {name}: {coefficients}; its gap {change} {ends}."
 

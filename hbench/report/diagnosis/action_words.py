@@ -9,20 +9,25 @@ from hbench.records import (
     Candidate,
     Diagnosis,
     EffectInPractice,
+    Gap,
     Lookalike,
 )
 from hbench.report.diagnosis.change_words import readings_words
 from hbench.report.diagnosis.coefficient_words import parts_present
 from hbench.report.diagnosis.deviation_words import beyond_balances, too_small_words
 from hbench.report.diagnosis.names import (
+    AXES,
+    BORES,
     CHAMBERS,
+    COMMON_PARTS,
     PRESSURE_SYMBOLS,
     in_sentence,
+    in_unit,
     in_words,
     parts_of,
 )
-from hbench.report.diagnosis.place_words import CLEARLY_LARGER, edge_gaps, worst_region
-from hbench.report.render.numbers import number, significant
+from hbench.report.diagnosis.place_words import CLEARLY_LARGER, edge_gaps, worst_places
+from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 
 # Words of the catalogue for the parts that an effect acts on, and these parts by coefficient.
@@ -180,7 +185,7 @@ def first_step(diagnosis: Diagnosis) -> str:
 
 
 def confirmation(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
-    """Return how to confirm effects that do not reduce the gap of held-out runs."""
+    """Return how to confirm effects that do not reduce the gap of runs outside the fit."""
     measure = "measure next.yaml" if diagnosis.next_schedule else "repeat the runs"
     return (
         f"To confirm {listed([in_words(effect.name) for effect in effects])}, {measure} and "
@@ -222,40 +227,66 @@ def next_step(diagnosis: Diagnosis) -> str:
     if diagnosis.effects:
         return first_step(diagnosis)
     if diagnosis.verdict == "unknown" and diagnosis.where:
-        return _where_to_look(diagnosis)
+        return starting_point(diagnosis)
     return ""
 
 
-def _where_to_look(diagnosis: Diagnosis) -> str:
-    """Return what to inspect, and under which conditions, where no effect explains the gaps."""
-    name = (diagnosis.rest or diagnosis.where)[0].name
-    inspect = parts_of(diagnosis, name)
-    if not inspect:
-        return ""
-    words = (
-        "" if beyond_balances(diagnosis) else worst_region(diagnosis, name),
-        f"Next, inspect {inspect}.",
-    )
-    return " ".join(filter(None, words))
+def starting_point(diagnosis: Diagnosis) -> str:
+    """Return the part to inspect first where no effect explains the gaps, and why that one.
+
+    Empty where the parts of the first balance are not known.
+    """
+    part, reason = _start(diagnosis, (diagnosis.rest or diagnosis.where)[0])
+    return f"Start with {part}{reason}." if part else ""
 
 
-def other_inspections(diagnosis: Diagnosis) -> str:
-    """Return what to inspect for a second balance that no effect explains; empty without any."""
-    first, *others = (gap.name for gap in diagnosis.rest or diagnosis.where[:1])
-    return " ".join(
-        f"For {in_sentence(other)}, inspect {parts}."
-        for other in others[: _MOST_BALANCES - 1]
-        if (parts := parts_of(diagnosis, other)) and parts != parts_of(diagnosis, first)
-    )
+def _start(diagnosis: Diagnosis, gap: Gap) -> tuple[str, str]:
+    """Return the part of the bench to inspect first for a gap, and what points to it."""
+    deviating = {each.name for each in diagnosis.rest}
+    for names, common in COMMON_PARTS.items():
+        if gap.name in names and deviating.issuperset(names):
+            some = listed([in_sentence(name) for name in names])
+            return common, f", on which {some if deviating.difference(names) else 'all'} depend"
+    part = next(iter(parts_of(diagnosis, gap.name)), "")
+    places, quantity = worst_places(diagnosis, gap.name), in_sentence(gap.name)
+    if beyond_balances(diagnosis) or not places:
+        return part, ""
+    largest = places[0]
+    most = f"{quantity} deviates most {largest.words} (about {_rms(diagnosis, gap, largest.gap)})"
+    if gap.name in BORES and largest.axis == AXES["position_m"].title:
+        return BORES[gap.name], f": {most}, and a valve does not depend on the position"
+    if edges := _suspect_edge(diagnosis, gap.name):
+        worst, other = edges
+        gaps = edge_gaps(diagnosis, gap.name)
+        return f"{part}, at its edge to {worst}", (
+            f": {quantity} deviates by about {_rms(diagnosis, gap, gaps[worst])} where that edge "
+            f"meters it, and by {_rms(diagnosis, gap, gaps[other])} where the edge to {other} does"
+        )
+    return part, f": {most}"
 
 
-def first_edge(diagnosis: Diagnosis, name: str) -> str:
-    """Return which metering edge of a chamber's valve is suspect; empty where neither is."""
+def _rms(diagnosis: Diagnosis, gap: Gap, of_region: float) -> str:
+    """Write the gap of a region, which is in scatters of the model without effects, in its unit."""
+    (without,) = (each for each in diagnosis.where if each.name == gap.name)
+    return f"{in_unit(without, of_region * without.scatter)} RMS"
+
+
+def further_inspections(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield what else to inspect for the first two balances that no effect explains."""
+    first, *others = (diagnosis.rest or diagnosis.where[:1])[:_MOST_BALANCES]
+    start, _ = _start(diagnosis, first)
+    parts = [part for part in parts_of(diagnosis, first.name) if not start.startswith(part)]
+    if start and parts:
+        yield f"If nothing is found at {start.partition(',')[0]}, inspect {listed(parts)}."
+    for gap in others:
+        if remaining := [part for part in parts_of(diagnosis, gap.name) if part not in parts]:
+            yield f"For {in_sentence(gap.name)}, inspect {listed(remaining)}."
+
+
+def _suspect_edge(diagnosis: Diagnosis, name: str) -> tuple[str, str] | None:
+    """Return the metering edge with a clearly larger gap, and the other one; None without one."""
     gaps = edge_gaps(diagnosis, name)
     if len(gaps) < 2 or not max(gaps.values()) > CLEARLY_LARGER * min(gaps.values()):
-        return ""
+        return None
     worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
-    return (
-        f"Begin with the valve's edge to {worst}: over all runs the gap is "
-        f"{number(gaps[worst], 1)} there and {number(gaps[other], 1)} at that to {other}."
-    )
+    return worst, other

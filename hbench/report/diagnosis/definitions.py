@@ -1,7 +1,7 @@
 """Definitions of the words and columns of a diagnosis's page."""
 
 from hbench.records import Diagnosis
-from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, UNEXPLAINED_GAP
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.change_words import wrong_readings
 from hbench.report.diagnosis.error_words import scatter_words
 from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
@@ -24,16 +24,16 @@ REFUSED = (
 FITTED_WITH = "; the values of model.yaml are those fitted together with the {added}"
 RUNS = (
     "The gap of a single run includes its own scatter and is 1 for a correct model. The last "
-    "columns show the worst balance and signals of the run, at the last step. gaps_by_run.csv "
-    "beside this page contains every run and signal."
+    "columns show the worst flow or force and signals of the run, at the last step. "
+    "gaps_by_run.csv beside this page contains every run and signal."
 )
 NUMBERS = (
     "diagnosis.json and gaps_by_run.csv contain all numbers, also those of folded tables, which "
     "are not printed. The folder figures has each figure as SVG and its data as CSV."
 )
 LARGEST = (
-    "The balance whose deviation is largest in relation to the limit above which it matters. The "
-    "table of the balances is in the order of their gaps."
+    "The quantity whose deviation is largest in relation to the limit above which it matters. The "
+    "table of deviations is in the order of the gaps."
 )
 NEXT_FILE = "next.yaml is the schedule that is proposed above."
 WHICH: tuple[Fact, ...] = (
@@ -41,8 +41,8 @@ WHICH: tuple[Fact, ...] = (
      "of the operating points of the fit is predicted from the others. It also counts changes from "
      "window to window, as at a step or after a reversal, which a gap hardly shows."),
     ("Explains", "Share of the gap beyond the repeatability that the effect removes there, in the "
-     "balances that it touches alone. A candidate can have a large share and a score near 0: the "
-     "score counts all balances and the uncertainty of the fit, and the refitted values of the "
+     "quantities that it changes alone. A candidate can have a large share and a score near 0: the "
+     "score counts all quantities and the uncertainty of the fit, and the refitted values of the "
      "model predict these points as well without the effect."),
     ("Size", "Its largest coefficient relative to a typical one."),
     ("Named", "An effect whose score exceeds the limit beside it in the table, that explains more "
@@ -50,29 +50,33 @@ WHICH: tuple[Fact, ...] = (
      "one."),
 )  # fmt: skip
 _GAP = (
-    "Root mean square of measurement less model, in units of the scatter of repeated trials. 1 is "
-    "the repeatability of the bench."
+    "Root mean square of measurement less model, in multiples of the repeatability: the standard "
+    "deviation over repeated trials. 1 is as close as the bench repeats."
 )
-_DRAWN = "Gaps below 0.3 are drawn at 0.3."
+_DRAWN = "Means over windows of 0.16 s are compared. Gaps below 0.3 are drawn at 0.3."
 _BALANCES = (
-    "Laws that the measured signals must obey: the oil that flows into each of the four chambers, "
-    "the forces of either cylinder, position against velocity, and the supply. They are evaluated "
-    "along the measured logs, and they decide."
+    "Flows and forces",
+    "The quantities that decide, computed from the measured signals and compared with the model: "
+    "the oil flow into each of the four chambers (continuity), the force balance of either "
+    "cylinder, the derivative of the position against the velocity, and the supply pressure. They "
+    "need no simulation.",
 )
 _STROKES = (
+    "Pairs of strokes",
     "Pairs of steady strokes, one in each direction at one load. Half the difference of their "
     "residual forces is friction; their mean is what does not turn with the direction, such as an "
-    "offset or a wrong gain of the load cell."
+    "offset or a wrong gain of the load cell.",
 )
 _MOTION = (
+    "Force balance",
     "Newton's law of the driven mass: the force of the drive less the applied force, friction and "
-    "inertia. It is evaluated along the measured logs, and it decides. Its scatter is the noise of "
-    "the measured signals and the change of friction from run to run."
+    "inertia. It is evaluated along the measured logs, and it decides. Its repeatability is the "
+    "noise of the measured signals and the change of friction from run to run.",
 )
 _SIGNALS = (
-    "The same schedule, simulated in closed loop, and the held-out runs in open loop. They check "
-    "the revised model; the verdict does not depend on them, and no expected gap is computed for "
-    "them."
+    "The same schedule, simulated in closed loop, and runs outside the fit in open loop. They "
+    "check the revised model; the verdict does not depend on them, and no expected gap is "
+    "computed for them."
 )
 _REFITTED_STAGE = "The model with its poorly known values fitted, and no effect added."
 _EXPECTED = (
@@ -110,15 +114,19 @@ _COMPUTED = (
 _ALL_RUNS = (
     "All runs",
     "The gaps and deviations of this section are of all runs, those of the section on the gap of "
-    "the held-out runs alone.",
+    "the runs outside the fit alone.",
 )
-_STRUCTURED = ("Structured", "Part of the gap beyond the repeatability of the trials: √(gap² − 1).")
+_PROBABILITY = (
+    "Probability of such a deviation with a correct model, corrected after Holm for the number of "
+    "quantities. It is computed from 999 random draws, so the smallest possible value is 0.001 "
+    "times this number."
+)
 _P = (
     "p (Holm)",
-    "Probability of such a deviation for a correct model, corrected after Holm for the number of "
-    "balances. It is computed from 999 random draws, so the smallest possible value is 0.001 times "
-    "this number.",
+    f"{_PROBABILITY} A draw gives the means of the runs random signs, so a deviation in the few "
+    "trials of a single operating point cannot become significant.",
 )
+_P_OF_STROKES = ("p (Holm)", _PROBABILITY)
 _P_OF_MOTION = (
     "p (Holm)",
     "Probability that as many runs deviate by more than the noise if the model is correct: then "
@@ -126,12 +134,13 @@ _P_OF_MOTION = (
 )
 _DEVIATION = (
     "Deviation",
-    "Root mean square of the residual in the unit of the balance, without the noise of single "
-    "windows, but with the scatter from trial to trial. Below the next column it does not matter.",
+    "Root mean square of measurement less model, without the noise of single windows, but with "
+    "the scatter from trial to trial: over all windows, and over those in motion. Up to the limit "
+    "in the table it does not matter.",
 )
 _SCATTER_OF_STROKES = (
-    "Trial scatter",
-    "Root mean square over the loads.",
+    "Repeatability",
+    "Standard deviation over repeated trials, root mean square over the loads.",
 )
 _DEVIATION_OF_STROKES = (
     "Deviation",
@@ -143,8 +152,9 @@ _ALLOWED = (
 )
 _UNEXPLAINED = (
     "Limit for an unknown effect",
-    "A balance is reported as unexplained where its deviation is significant and large enough to "
-    f"matter, and its gap is more than {UNEXPLAINED_GAP:g} trial scatters.",
+    "A quantity is reported as unexplained where its deviation is significant (p below "
+    f"{SIGNIFICANT_P:g}) and large enough to matter, and is more than {UNEXPLAINED_GAP:g} times "
+    "the repeatability.",
 )
 _EDGE = (
     "Metering edge",
@@ -170,11 +180,11 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     gap, expected = of_numbers(diagnosis)
     every = (
         gap,
-        ("Balances", _MOTION if diagnosis.errors else _STROKES if strokes else _BALANCES),
+        _MOTION if diagnosis.errors else _STROKES if strokes else _BALANCES,
         *([("Signals", _SIGNALS)] if diagnosis.gap_heldout.signals else []),
         *([] if diagnosis.refit_refused else [("Refitted", _REFITTED_STAGE)]),
         expected,
-        ("Held-out runs", held_out),
+        ("Loads outside the fit" if strokes else "Runs outside the fit", held_out),
     )
     elsewhere = (gap, expected) if diagnosis.held_out_loads else ()
     return tuple(fact for fact in every if fact not in elsewhere)
@@ -182,7 +192,7 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
 
 def of_numbers(diagnosis: Diagnosis) -> tuple[Fact, Fact]:
     """Return the definitions of the gaps in numbers, which only these need for strokes."""
-    drawn = "" if diagnosis.errors else _DRAWN  # a single gap has no figure
+    drawn = "" if diagnosis.errors or of_strokes(diagnosis) else _DRAWN
     gap = f"{_GAP} {scatter_words(diagnosis) or drawn}".strip()
     return ("Gap", gap), ("Expected", _EXPECTED)
 
@@ -194,10 +204,10 @@ def _not_fitted(diagnosis: Diagnosis) -> str:
 def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     """Return the definitions of the section on where the model disagrees."""
     if of_strokes(diagnosis):
-        return _P, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
+        return _P_OF_STROKES, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
     p_value = _P_OF_MOTION if diagnosis.errors else _P
     edges = (_EDGE,) if any(gap.name in EDGES for gap in diagnosis.where) else ()
-    return _ALL_RUNS, _STRUCTURED, p_value, _DEVIATION, _ALLOWED, _UNEXPLAINED, *edges
+    return _ALL_RUNS, p_value, _DEVIATION, _ALLOWED, _UNEXPLAINED, *edges
 
 
 def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from math import isfinite, sqrt
 
 from hbench.records import Diagnosis, EffectInPractice, Gap
-from hbench.records.diagnosis import UNEXPLAINED_GAP
-from hbench.records.summary import SIGNIFICANCE
+from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
     added_words,
     balance,
@@ -14,7 +13,6 @@ from hbench.report.diagnosis.names import (
     in_sentence,
     in_unit,
     p_equation,
-    p_words,
     shown,
     signal,
     steps_of,
@@ -25,28 +23,33 @@ from hbench.report.render.symbols import listed
 CLEARLY_WORSE = 1.1  # gap against another one
 _MUCH_LARGER = 2.0  # gap of a simulated signal against the largest one of a balance
 MOST_SIGNALS = 3  # gaps of a sentence
+_MOST_GAPS = 4  # with their sizes in a sentence
 _FEW = 2  # balances, or unexplained gaps, in a sentence
 
 
-def deviations(gaps: Sequence[Gap]) -> str:
-    """Return gaps in their units, with the limits below which they do not matter."""
-    limits = [deviation_and_limit(gap)[1] for gap in gaps[:_FEW]]
-    one_limit = len(set(limits)) < len(limits)
+def deviations(gaps: Sequence[Gap], *, probable: bool = False) -> str:
+    """Return gaps in their units, with the limits below which they do not matter.
+
+    If ``probable``, each with the probability of such a deviation with a correct model.
+    """
+    limits = [deviation_and_limit(gap)[1] for gap in gaps[:_MOST_GAPS]]
+    one_limit = len(set(limits)) == 1 < len(limits) and not probable
     parts: list[str] = []
     for gap, limit in zip(gaps, limits, strict=False):
-        size = f"{number(gap.gap, 1)} trial scatters"
+        size = f"{number(gap.gap, 1)} times the repeatability"
         if isfinite(gap.material) and one_limit:
-            each = f" (each matters above {limit})" if parts else ""
+            each = f" (each matters above {limit})" if len(parts) == len(limits) - 1 else ""
             size = f"{deviation_and_limit(gap)[0]} RMS{each}"
         elif isfinite(gap.material):
-            size = f"{deviation_and_limit(gap)[0]} RMS (matters above {limit})"
+            p = f", {p_equation(gap.p_value)}" if probable else ""
+            size = f"{deviation_and_limit(gap)[0]} RMS (matters above {limit}{p})"
         elif isfinite(gap.deviation):
             size = f"{in_unit(gap, gap.deviation)} RMS{_repeats(gap)}"
         elif isfinite(gap.scatter):
             size = f"{in_unit(gap, gap.gap * gap.scatter)}{_repeats(gap)}"
         parts.append(f"{in_sentence(gap.name)}{'' if parts else ' deviates'} by {size}")
-    more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
-    return f"{' and '.join(parts)}{more}"
+    others = [in_sentence(gap.name) for gap in gaps[_MOST_GAPS:]]
+    return f"{listed(parts)}{f'; also {listed(others)}' if others else ''}"
 
 
 def _repeats(gap: Gap) -> str:
@@ -99,8 +102,9 @@ def expected_words(diagnosis: Diagnosis) -> str:
     beyond = listed([in_unit(gap, _beyond_expected(diagnosis, gap)) for gap in gaps[:_FEW]])
     return (
         "The remaining deviation is mostly due to the uncertainty of the model's values: "
-        f"{deviations(gaps)}. In held-out runs {beyond} of it {'is' if len(gaps) == 1 else 'are'} "
-        "beyond that uncertainty, which is too small to matter."
+        f"{deviations(gaps)}. In runs outside the fit {beyond} of it "
+        f"{'is' if len(gaps) == 1 else 'are'} beyond that uncertainty, which is too small to "
+        "matter."
     )
 
 
@@ -115,7 +119,7 @@ def expected_gaps(diagnosis: Diagnosis) -> str:
         for gap, held_out in gaps
     ]
     return (
-        f"In held-out runs {'; '.join(parts)}. That is no evidence of a further cause: the "
+        f"In runs outside the fit {'; '.join(parts)}. That is no evidence of a further cause: the "
         "values of model.yaml are uncertain to this extent, and more runs of the same kinds reduce "
         "it."
     )
@@ -131,8 +135,8 @@ def remainder(diagnosis: Diagnosis) -> str:
     if listed_elsewhere or not total.after > CLEARLY_WORSE * total.floor:
         return ""
     none = (
-        "No single balance has a deviation that is significant, large enough to matter and more "
-        f"than {UNEXPLAINED_GAP:g} trial scatters over all runs."
+        "No single quantity has a deviation that is significant, large enough to matter and more "
+        f"than {UNEXPLAINED_GAP:g} times the repeatability over all runs."
     )
     if diagnosis.errors:  # of the only balance
         none = (
@@ -140,8 +144,8 @@ def remainder(diagnosis: Diagnosis) -> str:
             "not reported as a further effect."
         )
     return (
-        f"With the {added_words(diagnosis)}, a gap of {gap_number(total.after)} remains in "
-        f"held-out runs, where a correct model would have {gap_number(total.floor)} on average. "
+        f"With the {added_words(diagnosis)}, a gap of {gap_number(total.after)} remains in runs "
+        f"outside the fit, where a correct model would have {gap_number(total.floor)} on average. "
         f"{none}"
     )
 
@@ -205,19 +209,20 @@ def poorly_simulated(diagnosis: Diagnosis) -> str:
     parts = [f"{in_sentence(name)} by {gap_number(gaps[name])}" for name in poor[:MOST_SIGNALS]]
     more = f" (the worst {MOST_SIGNALS} of {len(poor)} signals above {UNEXPLAINED_GAP:g})"
     reading = (
-        "The verdict rests on the balances, which need no simulation; do not expect the simulation "
-        "to reproduce these signals, or an oscillation in them, within the repeatability of the "
-        "bench."
+        "The verdict rests on the flows and forces, which need no simulation; do not expect the "
+        "simulation to reproduce these signals, or an oscillation in them, within the "
+        "repeatability of the bench."
     )
     if beyond_balances(diagnosis):
         reading = (
-            "That is far more than the balances show, which are means over 0.16 s: either the "
-            "bench moves in a way that the model does not contain, such as chatter, or the control "
-            "loop of the simulation is damped differently."
+            "That is far more than the flows and forces show, which are means over 0.16 s: either "
+            "the bench moves in a way that the model does not contain, such as chatter, or the "
+            "control loop of the simulation is damped differently."
         )
     return (
-        "Simulated in closed loop with the model of model.yaml, held-out runs deviate in "
-        f"{listed(parts)} trial scatters{more if len(poor) > MOST_SIGNALS else ''}. {reading}"
+        "Simulated in closed loop with the model of model.yaml, runs outside the fit deviate in "
+        f"{listed(parts)} times the repeatability{more if len(poor) > MOST_SIGNALS else ''}. "
+        f"{reading}"
     )
 
 
@@ -229,7 +234,7 @@ def agrees(diagnosis: Diagnosis) -> bool:
     """
     total = diagnosis.gap_heldout.total
     small = not total.refitted > CLEARLY_WORSE * total.floor
-    return small and not any(gap.p_value < SIGNIFICANCE for gap in exceeding(diagnosis.where))
+    return small and not any(gap.p_value < SIGNIFICANT_P for gap in exceeding(diagnosis.where))
 
 
 def exceeding(gaps: Sequence[Gap]) -> list[Gap]:
@@ -250,18 +255,12 @@ def significant_gaps(gaps: Sequence[Gap]) -> str:
         f"{in_sentence(gap.name)} by {deviation} RMS ({p_equation(gap.p_value)}, matters above "
         f"{limit})"
         for gap in gaps
-        if gap.p_value < SIGNIFICANCE and gap.deviation <= gap.material
+        if gap.p_value < SIGNIFICANT_P and gap.deviation <= gap.material
         for deviation, limit in [deviation_and_limit(gap)]
     ]
     if len(parts) > _FEW:
         parts = [*parts[:_FEW], f"{len(parts) - _FEW} more, which the table shows"]
     return f"Significant, but too small to matter: {listed(parts)}." if parts else ""
-
-
-def probability(gaps: Sequence[Gap]) -> str:
-    """Return how probable such deviations are with a correct model."""
-    largest = p_words(max(gap.p_value for gap in gaps[:_FEW])).replace("<", "less than")
-    return f"A correct model would deviate as much with a probability of {largest}."
 
 
 def too_small_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
@@ -288,7 +287,7 @@ def undecided_words(diagnosis: Diagnosis) -> str:
     gap = gap_number(diagnosis.gap_heldout.balances[name].after)
     sizes = [in_unit(each, each.deviation) for each in diagnosis.where if each.name == name]
     known = [size for size in sizes if size != NONE]
-    size = f"in held-out runs by {gap} times the repeatability of the bench"
+    size = f"in runs outside the fit by {gap} times the repeatability of the bench"
     if known:
         size = f"by {known[0]} RMS over all runs with the refitted model"
     return (

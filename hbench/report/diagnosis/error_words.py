@@ -31,7 +31,7 @@ def errors_in_words(diagnosis: Diagnosis) -> str:
         + listed([f"{significant(getattr(error, s), 3)} {error.unit} {steps[s]}" for s in steps])
         for error in diagnosis.errors
     ]
-    return f"In held-out runs {'; '.join(parts)}." if parts else ""
+    return f"In runs outside the fit {'; '.join(parts)}." if parts else ""
 
 
 def change_of_errors(diagnosis: Diagnosis) -> str:

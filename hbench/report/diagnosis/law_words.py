@@ -19,15 +19,15 @@ _VALVES = {"tp": "u_T", "tr": "u_T", "lp": "u_L2", "lr": "u_L1"}  # of each cham
 
 def law_title(law: UnnamedLaw) -> str:
     """Return balances and quantities of a law in words."""
-    return f"{_balances(law)}: {term(law)} over {words(law)}"
+    return f"{balances_words(law)}: {term(law)} over {words(law)}"
 
 
 def law_line(law: UnnamedLaw) -> str:
-    """Return what a law adds, and what it does to held-out runs."""
+    """Return what a law adds, and what it does to runs outside the fit."""
     before, after = (number(gap, 2) for gap in (law.gap_before, law.gap_after))
     return (
-        f"{capital(law_title(law))}, fitted as a table. The gap of held-out runs there is "
-        f"{before} without and {after} with all unnamed laws ({p_equation(law.p_value)}, score "
+        f"{capital(law_title(law))}, fitted as a table. The gap of runs outside the fit there "
+        f"is {before} without and {after} with all unnamed laws ({p_equation(law.p_value)}, score "
         f"{number(law.score, 1)} nats)."
     )
 
@@ -45,7 +45,7 @@ def law_summary(laws: Sequence[UnnamedLaw]) -> str:
         before, after = (number(gap, 1) for gap in (law.gap_before, law.gap_after))
         parts.append(
             f"{term(law)} of {low} to {high} {law.unit} over {words(law)} "
-            f"({_balances(law)}; gap of held-out runs {before} before, {after} after)"
+            f"({balances_words(law)}; gap of runs outside the fit {before} before, {after} after)"
         )
     kind = "an unnamed law" if len(laws) == 1 else "unnamed laws"
     return (
@@ -54,7 +54,8 @@ def law_summary(laws: Sequence[UnnamedLaw]) -> str:
     )
 
 
-def _balances(law: UnnamedLaw) -> str:
+def balances_words(law: UnnamedLaw) -> str:
+    """Return the balances of a law in words."""
     return listed([balance(name).title for name in law.balances])
 
 

@@ -79,20 +79,44 @@ CHAMBERS = {
     "lp": "the piston side of the load cylinder (Lp)",
     "lr": "the rod side of the load cylinder (Lr)",
 }
-# Parts of the bench that a balance depends on.
+# Parts of the bench that a balance depends on, the one to inspect first at its beginning.
 PARTS = {
-    "flow_tp": "the test valve, the piston side of the test cylinder and the transducer of P_Tp",
-    "flow_tr": "the test valve, the rod side of the test cylinder and the transducer of P_Tr",
-    "flow_lp": "load valve L2, the piston side of the load cylinder and the transducer of P_Lp",
-    "flow_lr": "load valve L1, the rod side of the load cylinder and the transducer of P_Lr",
-    "force_test": "the seals and guides of the test cylinder, the load cell and the transducers of "
-    "P_Tp and P_Tr",
-    "force_load": "the seals and guides of the load cylinder, the load cell and the transducers of "
-    "P_Lp and P_Lr",
-    "kinematics": "the position transducer and the velocity filter",
-    "supply": "the pump, the accumulator and the transducer of P_S",
+    "flow_tp": ("the test valve", "the piston side of the test cylinder", "the transducer of P_Tp"),
+    "flow_tr": ("the test valve", "the rod side of the test cylinder", "the transducer of P_Tr"),
+    "flow_lp": ("load valve L2", "the piston side of the load cylinder", "the transducer of P_Lp"),
+    "flow_lr": ("load valve L1", "the rod side of the load cylinder", "the transducer of P_Lr"),
+    "force_test": (
+        "the seals and guides of the test cylinder",
+        "the load cell",
+        "the transducers of P_Tp and P_Tr",
+    ),
+    "force_load": (
+        "the seals and guides of the load cylinder",
+        "the load cell",
+        "the transducers of P_Lp and P_Lr",
+    ),
+    "kinematics": ("the position transducer", "the velocity filter"),
+    "supply": ("the pump", "the accumulator", "the transducer of P_S"),
 }
-_PARTS_OF_MASS = "the guide and its seals, the drive, the factor of its force, and the moving mass"
+_PARTS_OF_MASS = (
+    "the guide and its seals",
+    "the drive",
+    "the factor of its force",
+    "the moving mass",
+)
+# Part that a chamber's flow depends on by the position, which a valve does not.
+BORES = {
+    "flow_tp": "the bore and the piston seal of the test cylinder",
+    "flow_tr": "the bore and the piston seal of the test cylinder",
+    "flow_lp": "the bore and the piston seal of the load cylinder",
+    "flow_lr": "the bore and the piston seal of the load cylinder",
+}
+# Parts that several balances have in common: the one to inspect first where all of them deviate.
+COMMON_PARTS = {
+    ("flow_tp", "flow_tr", "flow_lp", "flow_lr"): "the position transducer",
+    ("flow_lp", "flow_lr"): BORES["flow_lp"],
+    ("force_test", "force_load"): "the load cell",
+}
 # Metering edge of each chamber while the piston extends, and while it retracts.
 EDGES = {
     "flow_tp": ("supply", "tank"),
@@ -119,9 +143,9 @@ def of_strokes(diagnosis: Diagnosis) -> bool:
     return any(gap.name in STROKE_NAMES for gap in diagnosis.where)
 
 
-def parts_of(diagnosis: Diagnosis, name: str) -> str:
+def parts_of(diagnosis: Diagnosis, name: str) -> tuple[str, ...]:
     """Return the parts of the bench that a balance depends on; empty where none are listed."""
-    return _PARTS_OF_MASS if diagnosis.errors else PARTS.get(name, "")
+    return _PARTS_OF_MASS if diagnosis.errors else PARTS.get(name, ())
 
 
 def residual_name(name: str) -> DisplayName:

@@ -14,6 +14,7 @@ from hbench.report.diagnosis.names import (
     of_the_mass,
     value_words,
 )
+from hbench.report.diagnosis.rest_words import rest_words
 from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
 from hbench.report.diagnosis.tables import effect_tables, gap_tables
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
@@ -54,20 +55,25 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         parts=(
             *_held_out_part(diagnosis),
             *_run_part(diagnosis),
-            *_numbers("Gaps of the runs that the model was fitted to", *_train_tables(diagnosis)),
+            *_numbers("Gaps of the runs of the fit in numbers", *_train_tables(diagnosis)),
         ),
     )
+    at_rest = rest_words(diagnosis)
     where = Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
+        (at_rest,) if diagnosis.verdict == "none" else (),
         drawings=drawn("where"),
         tables=_with_rows(
             gap_tables.where_table(diagnosis),
             gap_tables.rest_table(diagnosis),
             gap_tables.edges_table(diagnosis),
         ),
-        facts=definitions.of_deviations(diagnosis),
+        facts=(
+            *((("At rest", at_rest),) if at_rest and diagnosis.verdict != "none" else ()),
+            *definitions.of_deviations(diagnosis),
+        ),
     )
-    overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
+    overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
         (_sentence(keys_in_words(diagnosis.why)),),
@@ -126,8 +132,8 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
 
 
 def _title_of_gaps(diagnosis: Diagnosis) -> str:
-    what = "force error" if diagnosis.held_out_loads else "gap"
-    return f"The {what} before and after" if added_words(diagnosis) else f"The {what}"
+    what = "Force error" if diagnosis.held_out_loads else "Gap between model and measurement"
+    return f"{what}, before and after" if added_words(diagnosis) else what
 
 
 def _answer(diagnosis: Diagnosis) -> Section:
@@ -180,21 +186,22 @@ def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
     """Return the residuals of each balance: all where they are the answer, else the first."""
     if diagnosis.verdict == "unknown" or of_strokes(diagnosis):
         return Section("Shape of the residuals", drawings=drawings)
-    others = Section("Residuals of the other balances", drawings=drawings[1:], folded=True)
+    others = Section("Residuals of the other quantities", drawings=drawings[1:], folded=True)
     parts = (replace(others, printed=False),) if others.drawings else ()
     first = (definitions.LARGEST,) if diagnosis.verdict == "none" else ()
-    return Section("Residuals of one balance", first, drawings=drawings[:1], parts=parts)
+    return Section("Residuals of one quantity", first, drawings=drawings[:1], parts=parts)
 
 
 def _held_out_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
-    tables = gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+    of = f"{'loads' if of_strokes(diagnosis) else 'runs'} outside the fit"
+    tables = gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, of)
     facts = definitions.of_numbers(diagnosis) if diagnosis.held_out_loads else ()
-    parts = _numbers("Gaps of held-out runs in numbers", *tables)
+    parts = _numbers(f"Gaps of {of} in numbers", *tables)
     return tuple(replace(part, facts=facts) for part in parts)
 
 
 def _train_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    return gap_tables.gap_tables(diagnosis, diagnosis.gap_train, "training runs")
+    return gap_tables.gap_tables(diagnosis, diagnosis.gap_train, "runs of the fit")
 
 
 def _effects_table(diagnosis: Diagnosis) -> WordTable:
@@ -214,8 +221,8 @@ def _refitted_words(diagnosis: Diagnosis) -> str:
     if not diagnosis.refit_refused:
         return f"{definitions.poorly_known(diagnosis)} {definitions.REFITTED}"
     return (
-        f"{definitions.poorly_known(diagnosis)} Fitted first, they made held-out runs worse; these "
-        f"are fitted together with the {added_words(diagnosis)}."
+        f"{definitions.poorly_known(diagnosis)} Fitted first, they made runs outside the fit "
+        f"worse; these are fitted together with the {added_words(diagnosis)}."
     )
 
 

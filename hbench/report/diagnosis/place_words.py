@@ -16,19 +16,18 @@ from hbench.report.diagnosis.names import (
     AXES,
     EDGES,
     added_words,
+    balance,
     compared_model,
-    in_sentence,
-    in_unit,
     in_words,
     of_strokes,
     residual_name,
     shown,
 )
 from hbench.report.render.numbers import short, significant
-from hbench.report.render.symbols import capital, listed
+from hbench.report.render.symbols import listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
-_FEW = 2  # balances, or places, in a sentence
+_FEW = 2  # balances, places or changes in a sentence
 _OF_PLACE = ("position_friction", "end_cushion")
 AT_POINT = "At the working point,"  # which is described elsewhere
 _OF_CHANGES = "only while speed or pressure changes."
@@ -77,7 +76,7 @@ def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
 
     The intervals are in the answers and the tables.
     """
-    point, changes = diagnosis.working_point, main_changes(effect)[:_FEW]
+    point, changes = diagnosis.working_point, _first_changes(diagnosis, effect)
     if point is None or not changes:
         nowhere = "" if point is None else ", but nothing in steady motion at the working point"
         return f"It changes {largest_words(effect)}{extent_words(diagnosis)}{nowhere}."
@@ -89,6 +88,22 @@ def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     if not (in_proportion or here.issuperset(most)):
         beyond = f"; in 95 % of the motion up to {listed(list(most))}"
     return f"At the working point ({_motion(point)}), {listed(clauses)}{beyond}."
+
+
+def _first_changes(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change]:
+    """Return the first changes by an effect; of an instrument's error, its gravest consequence."""
+    changes = main_changes(effect)
+    if not wrong_readings(effect) or len(changes) <= _FEW:
+        return changes[:_FEW]
+    reading, *computed = changes
+    limits = {
+        gap.name: shown(gap.material, balance(gap.name))
+        for gap in diagnosis.where
+        if gap.material > 0
+    }
+    known = [change for change in computed if change.quantity in limits]
+    gravest = max(known, key=lambda c: abs(c.at_point) / limits[c.quantity], default=computed[0])
+    return [reading, gravest]
 
 
 def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
@@ -111,7 +126,7 @@ def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
         parts += [f"{clause}{due}{beyond}" for clause in clauses]
         still += [] if clauses else [in_words(effect.name)]
     parts += [f"{listed(still)} changes nothing"] if still else []
-    return f"{AT_POINT} {', and '.join(parts)}."
+    return f"At the working point ({_motion(point)}), {', and '.join(parts)}."
 
 
 def extent_words(diagnosis: Diagnosis) -> str:
@@ -152,17 +167,6 @@ def edge_gaps(diagnosis: Diagnosis, name: str) -> dict[str, float]:
     edges = zip(EDGES.get(name, ()), ("extend", "retract"), strict=False)
     known = [(edge, ways[way].gaps) for edge, way in edges if way in ways]
     return {edge: gaps[name] for edge, gaps in known if name in gaps}
-
-
-def worst_region(diagnosis: Diagnosis, name: str) -> str:
-    """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
-    places = worst_places(diagnosis, name)
-    if not places:
-        return ""
-    worst = places[0]
-    (gap,) = (each for each in diagnosis.where if each.name == name)
-    there = in_unit(gap, worst.gap * gap.scatter)
-    return f"{capital(in_sentence(name))} deviates most {worst.words} (about {there} RMS)."
 
 
 class Place(NamedTuple):

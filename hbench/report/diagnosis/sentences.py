@@ -39,15 +39,16 @@ _MOST_FACTORS = 3  # refitted values in a sentence
 def gap_change(effect: AddedEffect) -> str:
     """Return how an effect changes the gap of held-out runs, also where it does not reduce it."""
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
-    where = "in the balances that it touches"
+    where = "in the quantities that it changes"
     if effect.confirmed:
         return (
-            f"It reduces the gap of held-out runs {where} from {before} to {after}, where 1 is the "
-            "repeatability of the bench."
+            f"It reduces the gap of runs outside the fit {where} from {before} to {after}, where 1 "
+            "is the repeatability of the bench."
         )
     return (
-        f"It does not reduce the gap of held-out runs {where}: {before} without it and {after} "
-        "with it, where 1 is the repeatability of the bench. So model.yaml does not contain it."
+        f"It does not reduce the gap of runs outside the fit {where}: {before} without it and "
+        f"{after} with it, where 1 is the repeatability of the bench. So model.yaml does not "
+        "contain it."
     )
 
 
@@ -59,7 +60,7 @@ def odds_words(effect: AddedEffect) -> str:
     words = favoured(effect)
     if effect.confirmed:
         return f"{capital(words)}."
-    return f"In the runs of the fit, {words}; held-out runs do not confirm it."
+    return f"In the runs of the fit, {words}; runs outside the fit do not confirm it."
 
 
 def favoured(effect: AddedEffect) -> str:
@@ -68,7 +69,7 @@ def favoured(effect: AddedEffect) -> str:
     if rival is None or not isfinite(rival.margin):
         return "no other effect of the catalogue that is possible here explains these residuals"
     return (
-        "the cross-validation favours it over the next best explanation, "
+        "it predicts each operating point from the others better than the next best explanation, "
         f"{in_words(rival.name)}, by {_ratio(rival.margin)}"
     )
 
@@ -79,7 +80,7 @@ def least_odds(effects: Sequence[AddedEffect]) -> str:
     known = [margin for margin in margins if isfinite(margin)]
     if not known:
         return ""
-    return f"Each is favoured by {_ratio(min(known))}."
+    return f"Each is favoured over the next best explanation by {_ratio(min(known))}."
 
 
 def ruled_out_words(diagnosis: Diagnosis) -> str:
@@ -137,7 +138,26 @@ def best_candidate(diagnosis: Diagnosis) -> str:
     )
     return (
         f"{name} is the closest of the {len(diagnosis.ranking)} effects that were tried and would "
-        f"explain {share(best.explained)} of the gap in the balances that it touches.{why}{hint}"
+        f"explain {share(best.explained)} of the gap in the quantities that it changes.{why}{hint}"
+    )
+
+
+def hint(diagnosis: Diagnosis) -> str:
+    """Return the known effect that explains a part, with its size; empty for none."""
+    if not diagnosis.ranking:
+        return ""
+    best = diagnosis.ranking[0]
+    if best.score <= best.threshold or best.explained < LEAST_EXPLAINED:
+        return ""
+    size = ""
+    if best.size < LEAST_SIZE:
+        size = (
+            f", but is too small to be named ({number(best.size, 2)} of a typical size, "
+            f"{number(LEAST_SIZE, 2)} needed)"
+        )
+    return (
+        f"A hint: {in_words(best.name)} would explain {share(best.explained)} of the deviation in "
+        f"the quantities that it changes{size}."
     )
 
 
@@ -146,9 +166,9 @@ def agreement(diagnosis: Diagnosis) -> str:
     total = diagnosis.gap_heldout.total
     if not isfinite(total.refitted):
         return ""
-    together = ", all balances together," if len(diagnosis.gap_heldout.balances) > 1 else ""
+    together = ", all flows and forces together," if len(diagnosis.gap_heldout.balances) > 1 else ""
     return (
-        f"The gap of {len(diagnosis.heldout_runs)} held-out runs{together} is "
+        f"The gap of {len(diagnosis.heldout_runs)} runs outside the fit{together} is "
         f"{gap_number(total.refitted)} with the {compared_model(diagnosis)}, where 1 is the "
         "repeatability of the bench. A correct model whose values are as uncertain would have "
         f"{gap_number(total.floor)} on average."
@@ -180,7 +200,9 @@ def refit_worse_words(diagnosis: Diagnosis) -> str:
     words = _worse(diagnosis, "refitted", "before") if of_strokes(diagnosis) else ""
     if words and diagnosis.held_out_loads:
         given, refitted, *_ = load_errors(diagnosis).values()
-        words = f"At held-out loads the force error is {given} as given and {refitted} refitted."
+        words = (
+            f"At loads outside the fit the force error is {given} as given, {refitted} refitted."
+        )
     reason = (
         "The refit is kept, since the level of friction in the model file may have been taken from "
         "these same strokes."

@@ -15,10 +15,9 @@ from hbench.records import (
 from hbench.report.diagnosis.action_words import (
     advice,
     confirmation,
-    first_edge,
+    further_inspections,
     inspection,
     next_step,
-    other_inspections,
     separation,
     zero_check,
     zero_readings,
@@ -190,6 +189,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield law_summary(diagnosis.unnamed)
             yield best_candidate(diagnosis)
             yield next_step(diagnosis)
+            yield from further_inspections(diagnosis)
         else:
             yield agreement(diagnosis)
             yield best_candidate(diagnosis)
@@ -276,11 +276,11 @@ def _only_in_size(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
-    yield _ACTION, first_edge(diagnosis, gaps[0].name)
+    for sentence in further_inspections(diagnosis):
+        yield _ACTION, sentence
     yield _ACTION, diagnosis.next_experiment or ""
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
-    yield _ACTION, other_inspections(diagnosis)
     yield _ACTION, doubtful_volume(diagnosis)
     yield _ACTION, _OWN_EFFECT
     if diagnosis.unnamed:
@@ -302,7 +302,9 @@ def _narrowing(diagnosis: Diagnosis, name: str) -> str:
     if diagnosis.missing and not set_by_run:
         return diagnosis.missing[0]
     where = "".join(f" where the deviation is largest, {place.words}," for place in set_by_run[:1])
-    return f"more steady runs{where} and vary speed, load and pressure one at a time"
+    varied = "speed and acceleration" if diagnosis.errors else "speed, load and pressure"
+    kind = "runs" if diagnosis.errors else "steady runs"
+    return f"more {kind}{where} and vary {varied} one at a time"
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:

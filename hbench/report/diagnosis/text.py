@@ -92,12 +92,12 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             f"{gap_number(total.floor)} on average; no known effect explains the difference"
         )
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
-        return f"none: in the balances that these channels determine, {finding}."
+        return f"none: in the quantities that these channels determine, {finding}."
     return f"none: {finding}."
 
 
 def _finding(effect: AddedEffect) -> str:
-    unconfirmed = "" if effect.confirmed else ", not confirmed by held-out runs"
+    unconfirmed = "" if effect.confirmed else ", not confirmed by runs outside the fit"
     return f"{effect_words(effect)}{unconfirmed}"
 
 
@@ -111,7 +111,7 @@ def gap_line(diagnosis: Diagnosis) -> str:
         return ""
     if errors := load_errors(diagnosis):
         sizes = ", ".join(f"{error} {title}" for title, error in errors.items())
-        line = f"Force error at held-out loads, root mean square: {sizes}."
+        line = f"Force error at loads outside the fit, root mean square: {sizes}."
         return " ".join(filter(None, (line, _most_in(diagnosis))))
     steps = ", ".join(
         f"{gap_number(getattr(total, step))} {title}"
@@ -120,10 +120,11 @@ def gap_line(diagnosis: Diagnosis) -> str:
     )
     worse = not diagnosis.refit_refused and total.refitted > total.before
     remark = " The refit increases it." if worse else ""
-    every = ", all balances" if len(diagnosis.gap_heldout.balances) > 1 else ""
+    every = ", all flows and forces" if len(diagnosis.gap_heldout.balances) > 1 else ""
     words = (
-        f"Gap of held-out runs in multiples of the repeatability{every}: {steps}.{remark} A "
-        "correct model whose values are as uncertain would have "
+        f"Gap of runs outside the fit (RMS of measurement less model, in multiples of the "
+        f"repeatability{every}): {steps}.{remark} A correct model whose values are as uncertain "
+        "would have "
         f"{gap_number(total.floor)} on average.",
         _most_in(diagnosis),
     )
@@ -151,7 +152,7 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
         alternatives_table(diagnosis),
         where_table(diagnosis),
         rest_table(diagnosis),
-        *gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs"),
+        *gap_tables(diagnosis, diagnosis.gap_heldout, "runs outside the fit"),
         run_table(diagnosis, _FEW),
         ranking_table(diagnosis, _FEW),
         refitted_table(diagnosis),

@@ -7,7 +7,7 @@ in the tables.
 from collections.abc import Iterator, Sequence
 
 from hbench.records import AddedEffect, Diagnosis, Gap
-from hbench.records.summary import SIGNIFICANCE
+from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.action_words import first_step, next_step
 from hbench.report.diagnosis.change_words import (
     friction_words,
@@ -28,7 +28,6 @@ from hbench.report.diagnosis.deviation_words import (
     exceeding,
     largest_deviation,
     not_expected,
-    probability,
     too_small_words,
 )
 from hbench.report.diagnosis.error_words import change_of_errors, load_errors, use_words
@@ -39,11 +38,20 @@ from hbench.report.diagnosis.names import (
     in_words,
     keys_in_words,
     of_strokes,
+    p_equation,
 )
-from hbench.report.diagnosis.place_words import change_clauses, each_size, extent_words, size_words
-from hbench.report.diagnosis.sentences import favoured, least_odds
+from hbench.report.diagnosis.place_words import (
+    change_clauses,
+    each_size,
+    extent_words,
+    size_words,
+    worst_places,
+)
+from hbench.report.diagnosis.rest_words import at_rest, rest_clause
+from hbench.report.diagnosis.sentences import favoured, hint, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
+from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
 
@@ -69,8 +77,7 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.alternatives:
         yield second_deviation(diagnosis)
     if gaps := not_expected(diagnosis):
-        more = f", and {len(gaps) - 1} more" if len(gaps) > 1 else ""
-        yield f"Not explained: {_most(gaps)}{more}."
+        yield f"Not explained: {deviations(gaps)}."
     yield next_step(diagnosis)
 
 
@@ -170,8 +177,8 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
-        f"With it, their error in runs outside the fit falls from {before} to "
-        f"{after} times the repeatability{laws}."
+        f"With it, the deviation of the quantities that it changes falls from {before} to {after} "
+        f"times the repeatability in runs outside the fit{laws}."
     )
 
 
@@ -186,7 +193,7 @@ def _together(diagnosis: Diagnosis) -> str:
     effects = "both" if len(diagnosis.confirmed) == 2 else "these effects"
     falls = "falls" if total.after < total.refitted else "goes"
     return (
-        f"With {effects}, the error in runs outside the fit {falls} from "
+        f"With {effects}, the deviation in runs outside the fit {falls} from "
         f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability."
     )
 
@@ -198,7 +205,7 @@ def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     gaps = (
-        f"confirm it (error {before} times the repeatability without it, {after} with it). So "
+        f"confirm it (deviation {before} times the repeatability without it, {after} with it). So "
         "model.yaml does not contain"
     )
     practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
@@ -243,19 +250,19 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
         yield change_of_errors(diagnosis)
     else:
         yield f"No missing effect is found: {keys_in_words(finding)}"
-    yield _largest(diagnosis.where)
+    yield _largest(diagnosis)
     yield beyond_balances(diagnosis)
     yield "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
 
 
-def _largest(gaps: Sequence[Gap]) -> str:
+def _largest(diagnosis: Diagnosis) -> str:
     """State the largest deviation that may matter, and why it is no missing effect.
 
     A significant one comes first; the table has the others.
     """
-    large, nearest = exceeding(gaps), largest_deviation(gaps)
+    large, nearest = exceeding(diagnosis.where), largest_deviation(diagnosis.where)
     if nearest is None:
         return ""
     if not large:
@@ -264,13 +271,19 @@ def _largest(gaps: Sequence[Gap]) -> str:
             "No deviation is large enough to matter; nearest to its limit is "
             f"{in_sentence(nearest.name)} with {deviation} RMS (matters above {limit})."
         )
-    real = [gap for gap in large if gap.p_value < SIGNIFICANCE]
-    end = (
-        "is significant, but below the limit for an unknown effect: a small one is possible."
-        if real
-        else "is not distinguishable from the scatter of the trials."
-    )
-    return f"The largest deviation, {_most(real or large)}, {end}"
+    real = [gap for gap in large if gap.p_value < SIGNIFICANT_P]
+    end = f"is not significant ({p_equation(large[0].p_value)})"
+    if real:
+        size = f", at {number(real[0].gap, 1)} times the repeatability,"
+        end = (
+            f"is significant, but{size if real[0].gap < UNEXPLAINED_GAP else ''} below the limit "
+            f"for an unknown effect ({UNEXPLAINED_GAP:g} times): a small one is possible"
+        )
+        for place in worst_places(diagnosis, real[0].name)[:1]:
+            end += f". It is largest {place.words}"
+    elif part := at_rest(diagnosis, large[0]):
+        end = rest_clause(part)
+    return f"The largest deviation, {_most(real or large)}, {end}."
 
 
 def _most(gaps: Sequence[Gap]) -> str:
@@ -285,10 +298,13 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return
     gaps = diagnosis.rest or diagnosis.where[:1]
-    yield (
-        f"No known effect explains how the measurement deviates from the model: {deviations(gaps)}."
-    )
-    yield probability(gaps)
-    yield beyond_balances(diagnosis)
+    every, part = len(diagnosis.where), ""
+    if len(gaps) < every:
+        part = f" in {len(gaps)} of the {every} quantities compared"
+    yield f"No known effect explains how the measurement deviates from the model{part}."
+    yield f"{capital(deviations(gaps, probable=True))}."
+    yield "Here p is the probability of such a deviation with a correct model."
     yield change_of_errors(diagnosis)
     yield next_step(diagnosis)
+    yield hint(diagnosis)
+    yield beyond_balances(diagnosis)

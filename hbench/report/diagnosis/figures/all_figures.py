@@ -23,7 +23,7 @@ from hbench.report.diagnosis.figures.residual_figures import (
     has_loads,
     maps_figure,
     shape_figure,
-    worst,
+    shown_balances,
 )
 from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.names import (
@@ -33,24 +33,24 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     steps_of,
 )
+from hbench.report.diagnosis.rest_words import rest_caption
 from hbench.report.diagnosis.tables.run_gaps import plan_words
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 
-_MOST_SHAPES = 4
-
 _GAPS = {
     BALANCES: (
-        "Root mean square of measurement less model in each balance, along the logs of the "
-        "held-out runs. Line at 1: scatter of repeated trials."
+        "Root mean square of measurement less model, along the logs of the runs outside the fit. "
+        "Line at 1: repeatability of the bench."
     ),
     CLOSED_LOOP: (
-        "Root mean square of measured less simulated signals of the held-out runs. The schedule is "
-        "simulated with the firmware in closed loop, where errors of all values add up."
+        "Root mean square of measured less simulated signals of the runs outside the fit. The "
+        "schedule is simulated with the firmware in closed loop, where errors of all values add "
+        "up."
     ),
     OPEN_LOOP: (
-        "Root mean square of measured less simulated signals of the held-out runs. The simulation "
-        "follows the measured commands without feedback."
+        "Root mean square of measured less simulated signals of the runs outside the fit. The "
+        "simulation follows the measured commands without feedback."
     ),
 }
 _LOADS = (
@@ -58,49 +58,52 @@ _LOADS = (
     "with values that were fitted to the other loads."
 )
 _REGIONS = (
-    "Gap of each balance by region of operation, all runs: root mean square of measurement less "
-    "model in scatters of repeated trials. Gaps below 1 have the colour of 1. All tables share the "
-    "colour scale."
+    "Gap of each quantity by region of operation, all runs: root mean square of measurement less "
+    "model, in multiples of the repeatability. Gaps below 1 have the colour of 1. All tables share "
+    "the colour scale."
 )
 _MAPS = (
-    "Residuals of the worst balances over {over}, all runs, in units of the trials' "
-    "scatter. A dot is the mean of neighbouring windows; its size grows with their number. All "
-    "panels share the colour scale."
+    "Residuals (measurement less model) of the quantities that deviate most over {over}, all "
+    "runs, in multiples of the repeatability. A dot is the mean of neighbouring windows; its size "
+    "grows with their number. All panels share the colour scale."
 )
 _SHAPE = (
-    "Residuals of this balance, all runs, in units of the trials' scatter (grey band: ±1). A point "
-    "is a window of 0.16 s. Triangles: medians of equal numbers of points, extending (▶) and "
-    "retracting (◀). Points beyond the axis are drawn at its edge."
+    "Measurement less model, all runs, in multiples of the repeatability (grey band: ±1). A point "
+    "is the mean over a window of 0.16 s. Triangles: medians of equal numbers of points, "
+    "extending (▶) and retracting (◀). Points beyond the axis are drawn at its edge."
 )
 _SHAPE_OF_STROKES = (
-    "Residuals of this balance: measured less modelled force. A point is the mean of the pairs of "
-    "strokes at one load."
+    "Measured less modelled force. A point is the mean of the pairs of strokes at one load."
 )
 _LAW = (
     "A table that was fitted to what no effect of the catalogue explains, with 95 % intervals of "
-    "its values. It is linear between its points and constant beyond them. It predicts held-out "
-    "runs better; it does not state a cause."
+    "its values. It is linear between its points and constant beyond them. It predicts runs "
+    "outside the fit better; it does not state a cause."
 )
 _STAGES = " Before: the {model}; after: with the {added}."
-_HELD_OUT = " Coloured: held-out runs; grey: runs that the model was fitted to."
+_HELD_OUT = " Coloured: runs outside the fit; grey: runs of the fit."
 _OVERLAY = (
-    "A held-out run as measured, and as simulated with the same firmware in closed loop. Right: "
-    "simulated less measured."
-)
-_OPEN_LOOP = (
-    "The held-out run with the largest position error of the final model: as measured, and as "
-    "simulated under the measured drive force from its first sample. Nothing corrects this motion. "
+    "A run outside the fit as measured, and as simulated with the same firmware in closed loop. "
     "Right: simulated less measured."
 )
-_SHRUNK = " Of all held-out runs and signals, these gaps shrink most by what is added to the model."
-_LARGEST = " Of all held-out runs and signals, these gaps are largest."
+_OPEN_LOOP = (
+    "The run outside the fit with the largest position error of the final model: as measured, and "
+    "as simulated under the measured drive force from its first sample. Nothing corrects this "
+    "motion. Right: simulated less measured."
+)
+_SHRUNK = (
+    " Of all runs outside the fit and all signals, these gaps shrink most by what is added to the "
+    "model."
+)
+_LARGEST = " Of all runs outside the fit and all signals, these gaps are largest."
 _NONE_SHRANK = " What is added to the model reduces the gap of no signal; these gaps are largest."
 _RANKING = (
-    "Score of each candidate by cross-validation, and the share of the excess gap that it "
-    "explains in the balances that it touches. No gain: it predicts these points no better. "
-    "Vertical line: the score that is needed; for a candidate that could be named it is determined "
-    "from residuals drawn at random. Filled: fitted in full; hollow: evaluated by its linear "
-    "signature alone. Blue: named, or in the ambiguous set."
+    "Score of each candidate by cross-validation (each fifth of the operating points predicted "
+    "from the others), and the share of the gap beyond the repeatability that it explains in the "
+    "quantities that it changes. No gain: it predicts these points no better. Vertical line: the "
+    "score that is needed; for a candidate that could be named it is determined from residuals "
+    "drawn at random. Filled: fitted in full; hollow: evaluated by its linear signature alone. "
+    "Blue: named, or not distinguishable."
 )
 _REFITTED = (
     "Factors on poorly known values of the model{fitted}, with their 95 % intervals. Hollow: at a "
@@ -134,13 +137,15 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
             maps = _MAPS.format(over=over) + stages
             yield "where", "maps", title, maps, maps_figure(diagnosis)
             shape = _SHAPE + stages + (_HELD_OUT if diagnosis.confirmed else "")
-        for name in _shapes(diagnosis):
+        for name in shown_balances(diagnosis):
             title = f"Residual: {balance(name).title}"
-            yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
+            caption = f"{shape}{rest_caption(diagnosis, name)}"
+            yield "shape", f"shape {name}", title, caption, shape_figure(diagnosis, name)
     if diagnosis.where and diagnosis.regions and not strokes:  # those of strokes are its loads
         yield "where", "regions", "Gap by region, all runs", _REGIONS, region_figure(diagnosis)
     if diagnosis.held_out_loads:
-        yield "gap", "loads", "Force error at each held-out load", _LOADS, loads_figure(diagnosis)
+        title = "Force error at each load outside the fit"
+        yield "gap", "loads", title, _LOADS, loads_figure(diagnosis)
     for title, figure in ({} if strokes else gap_figures(diagnosis)).items():
         yield "gap", f"gap {title}", f"Gaps: {title.lower()}", _GAPS[title], figure
     plans = {run_gap.plan.run: run_gap.plan for run_gap in diagnosis.gap_runs}
@@ -153,12 +158,6 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         fitted = ", fitted together with the effects" if diagnosis.confirmed else ""
         caption = _REFITTED.format(fitted=fitted)
         yield "refitted", "refitted", "Refitted values", caption, refitted_figure(diagnosis)
-
-
-def _shapes(diagnosis: Diagnosis) -> list[str]:
-    """Return the worst balances, and those that the effects do not explain."""
-    rest = [gap.name for gap in diagnosis.rest if gap.name in diagnosis.residuals_before.names]
-    return list(dict.fromkeys((*worst(diagnosis)[:_MOST_SHAPES], *rest)))
 
 
 def _stages(diagnosis: Diagnosis) -> str:

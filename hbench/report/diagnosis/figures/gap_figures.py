@@ -34,7 +34,7 @@ from hbench.report.render.series import behind
 from hbench.report.render.symbols import capital
 
 BEFORE, AFTER, MEASURED = style.COLOURS[1], style.COLOURS[0], "#9ca3af"
-BALANCES, CLOSED_LOOP, OPEN_LOOP = "Balances", "Signals, closed loop", "Signals, open loop"
+BALANCES, CLOSED_LOOP, OPEN_LOOP = "Flows and forces", "Signals, closed loop", "Signals, open loop"
 _LEAST_IN = 3.0  # height of a figure with a colour bar, whose label is as long
 _ROW_IN, _HEAD_IN = 0.27, 1.6  # of a figure with a row for each thing
 _LOOKS: dict[str, dict[str, Any]] = {
@@ -108,7 +108,7 @@ def loads_figure(diagnosis: Diagnosis) -> Figure:
         )
     axes.set_xlim(left=0)
     axes.set_xlabel("Force error (N)")
-    _rows(axes, [f"held-out load {number(load.load_n, 0)} N" for load in loads])
+    _rows(axes, [f"{number(load.load_n, 0)} N" for load in loads])
     style.head(axes, "Force error at each load", diagnosis)
     style.legend_above(figure, axes, columns=1)
     return figure
@@ -119,7 +119,7 @@ def _log_gaps(axes: Axes) -> None:
     low, high = axes.get_xlim()
     axes.set_xlim(max(min(low, 0.7), 0.9 * _LEAST), max(high, 3))
     style.plain_log(axes.xaxis)
-    axes.set_xlabel("Gap of held-out runs (trial scatters)")
+    axes.set_xlabel("Gap, runs outside the fit (× repeatability)")
 
 
 def _rows(axes: Axes, names: list[str]) -> None:
@@ -158,7 +158,7 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
     _rows(panels[0, 0], [balance(name).title for name in names])
     panels[0, 0].set_ylim(len(names) - 0.5, -0.5)
     figure.colorbar(
-        image, ax=panels, label="Gap of all runs (trial scatters)", pad=0.01
+        image, ax=panels, label="Gap, all runs (× repeatability)", pad=0.01
     ).ax.yaxis.set_major_formatter(lambda value, _: short(value))
     return figure
 
@@ -170,7 +170,7 @@ def _region_cells(
     gaps = np.array([[region.gaps.get(name, np.nan) for region in group] for name in names])
     look = {"norm": norm, "cmap": GAPS, "label": "_gaps"}
     image = axes.imshow(np.maximum(gaps, 1.0), aspect="auto", **look)
-    behind(image, {"Gap (trial scatters)": gaps.ravel()})
+    behind(image, {"Gap (× repeatability)": gaps.ravel()})
     for (row, column), value in np.ndenumerate(gaps):
         axes.text(
             column,

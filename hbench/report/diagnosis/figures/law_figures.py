@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, UnnamedLaw
-from hbench.report.diagnosis.law_words import law_quantities, term
+from hbench.report.diagnosis.law_words import balances_words, law_quantities, term
 from hbench.report.diagnosis.names import mathtext
 from hbench.report.render import style
 from hbench.report.render.numbers import short
@@ -38,7 +38,7 @@ def law_figure(diagnosis: Diagnosis, law: UnnamedLaw) -> Figure:
     axes.axhline(0.0, color=style.QUIET, linewidth=0.8)
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
-    style.head(axes, "Unnamed law", diagnosis, axes)
+    style.head(axes, balances_words(law), diagnosis, axes)
     if len(law.knots) == 2:
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     return figure

@@ -4,17 +4,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, ResidualMap
-from hbench.records.diagnosis import REST_M_S
-from hbench.records.summary import SIGNIFICANCE
+from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P
 from hbench.report.diagnosis.deviation_words import largest_deviation
-from hbench.report.diagnosis.figures.colour_scales import RESIDUALS
+from hbench.report.diagnosis.figures.colour_scales import PLACES, RESIDUALS, VELOCITIES
 from hbench.report.diagnosis.names import (
     AXES,
     added_words,
@@ -35,11 +33,10 @@ _LEAST = 3.0  # scatters that an axis shows at least, either way
 # Each panel's axis, and the quantity of its colours.
 _PANELS = (("v_m_s", "load_n"), ("x_m", "load_n"), ("t_s", "load_n"), ("load_n", "v_m_s"))
 _AT_ONE_LOAD = (("v_m_s", "x_m"), ("t_s", "x_m"), ("x_m", "v_m_s"))
-_COLOURS = {"load_n": "viridis", "x_m": "viridis", "v_m_s": "plasma"}
+_COLOURS = {"load_n": PLACES, "x_m": PLACES, "v_m_s": VELOCITIES}
 _EDGE = "#9ca3af"  # of a point that stands alone, seen on a light and on a dark page
-_DARK = 0.9  # of a colour scale, whose light end can't be seen on white
 _TITLES = ("before", "after")
-_SCATTERS = "trial scatters"
+_REPEATABILITY = "× repeatability"
 
 
 def maps_figure(diagnosis: Diagnosis) -> Figure:
@@ -47,7 +44,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
 
     At one load they are drawn over velocity and position.
     """
-    names = worst(diagnosis)[:_WORST]
+    names = shown_balances(diagnosis)[:_WORST]
     sides = _sides(diagnosis)
     figure = style.new_figure(height_in=0.9 + 2.3 * len(sides), wide=True)
     panels = figure.subplots(len(sides), len(names), sharex=True, sharey=True, squeeze=False)
@@ -63,7 +60,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
                 1e3 * v, shown(up, axis), c=value, s=size, norm=norm, cmap=RESIDUALS,
                 edgecolors="#6b7280", linewidths=0.4, label=f"_{balance(name).title}, {title}",
             )  # fmt: skip
-            behind(dots, {f"Residual ({_SCATTERS})": value, "windows": count})
+            behind(dots, {f"Residual ({_REPEATABILITY})": value, "windows": count})
         label = f"{axis.title.capitalize()} ({axis.unit})"
         panel_row[0].set_ylabel(f"{title.capitalize()}\n{label}" if len(sides) > 1 else label)
     for axes, name in zip(panels[0], names, strict=True):
@@ -71,7 +68,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("Velocity (mm/s)")
     bar = figure.colorbar(
-        ScalarMappable(norm, RESIDUALS), ax=panels, label=f"Residual ({_SCATTERS})", pad=0.01
+        ScalarMappable(norm, RESIDUALS), ax=panels, label=f"Residual ({_REPEATABILITY})", pad=0.01
     )
     style.simulated(bar.ax, diagnosis)
     return figure
@@ -92,7 +89,7 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
         for axes, (across, colour) in zip(row, columns, strict=True):
             _points(axes, side, value, across, colour, limits, only_held_out, strokes)
         _windows(row[0], side, value, title, columns)
-        row[0].set_ylabel(f"Residual {title if len(sides) > 1 else ''}\n({unit or _SCATTERS})")
+        row[0].set_ylabel(f"Residual {title if len(sides) > 1 else ''}\n({unit or _REPEATABILITY})")
         row[0].set_ylim(*limits)
     for axes, (across, _) in zip(panels[-1], columns, strict=True):
         axis = AXES[across]
@@ -102,7 +99,7 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
     if not unit:
         (scatter,) = (in_unit(gap, gap.scatter) for gap in diagnosis.where if gap.name == name)
         look: dict[str, Any] = {"color": style.QUIET, "fontsize": 10, "fontweight": "normal"}
-        panels[0, len(columns) - 2].set_title(f"1 scatter = {scatter}", loc="right", **look)
+        panels[0, len(columns) - 2].set_title(f"repeatability {scatter}", loc="right", **look)
     return figure
 
 
@@ -128,10 +125,17 @@ def worst(diagnosis: Diagnosis) -> list[str]:
     one with the largest gap.
     """
     known = [gap for gap in diagnosis.where if gap.name in diagnosis.residuals_before.names]
-    real = [gap for gap in known if gap.p_value < SIGNIFICANCE]
-    significant = [gap.name for gap in real if not gap.deviation <= gap.material]
+    real = [gap for gap in known if gap.p_value < SIGNIFICANT_P]
+    large = [gap.name for gap in real if not gap.deviation <= gap.material]
     others = (largest_deviation(known), *known[:1])
-    return significant or list(dict.fromkeys(gap.name for gap in others if gap is not None))
+    return large or list(dict.fromkeys(gap.name for gap in others if gap is not None))
+
+
+def shown_balances(diagnosis: Diagnosis) -> list[str]:
+    """Return the worst balances, and those that the effects do not explain."""
+    known = diagnosis.residuals_before.names
+    rest = [gap.name for gap in diagnosis.rest if gap.name in known]
+    return list(dict.fromkeys((*worst(diagnosis)[:_WORST], *rest)))
 
 
 def _sides(diagnosis: Diagnosis) -> list[ResidualMap]:
@@ -180,7 +184,7 @@ def _points(
     axes.axhline(0, color="#374151", linewidth=0.8, zorder=1)
     grey = known & ~coloured
     axes.scatter(
-        x[grey], inside[grey], s=5, color="#c4c9d1", rasterized=True, clip_on=False, linewidths=0
+        x[grey], inside[grey], s=5, color=_EDGE, rasterized=True, clip_on=False, linewidths=0
     )
     shade = shown(getattr(side, colour), AXES[colour])
     colours = _scale(side, colour).to_rgba(shade[coloured])
@@ -235,9 +239,8 @@ def _medians(x: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _scale(side: ResidualMap, colour: str) -> ScalarMappable:
     values = shown(getattr(side, colour), AXES[colour])
-    shades = colormaps[_COLOURS[colour]](np.linspace(0, _DARK, 256))
     span = Normalize(float(np.nanmin(values)), float(np.nanmax(values)))
-    return ScalarMappable(span, ListedColormap(shades))
+    return ScalarMappable(span, _COLOURS[colour])
 
 
 def _colour_bars(

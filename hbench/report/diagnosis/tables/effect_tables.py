@@ -14,9 +14,9 @@ Rows = tuple[tuple[str, ...], ...]
 
 
 def effects_table(diagnosis: Diagnosis) -> WordTable:
-    """Return a row for each coefficient, with what its effect does to held-out runs.
+    """Return a row for each coefficient, with what its effect does to runs outside the fit.
 
-    That of strokes is in the table of the force errors at held-out loads.
+    That of strokes is in the table of the force errors at loads outside the fit.
     """
     rows, in_scatters = [], not diagnosis.held_out_loads
     for added in diagnosis.effects:
@@ -34,7 +34,11 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
         for i, name in enumerate(added.parameters):
             effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
             rows.append((effect, coefficient_words(name), coefficient_text(added, name), *cells))
-    of_gaps = ", and gaps of held-out runs in the balances that they touch" if in_scatters else ""
+    of_gaps = (
+        ", and gaps of runs outside the fit in the quantities that they change"
+        if in_scatters
+        else ""
+    )
     head = (
         *("effect", "coefficient", "value with 95 % interval"),
         *(("gap without it", "with it") if in_scatters else ()),

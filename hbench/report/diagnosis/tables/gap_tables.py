@@ -1,6 +1,7 @@
 """Tables of gaps: by balance, by metering edge, and of runs."""
 
 from collections.abc import Callable, Mapping, Sequence
+from math import nan
 
 from hbench.records import BeforeAfter, Diagnosis, Gap, GapTable, WordTable
 from hbench.report.diagnosis.names import (
@@ -17,6 +18,7 @@ from hbench.report.diagnosis.names import (
     steps_of,
 )
 from hbench.report.diagnosis.place_words import edge_gaps
+from hbench.report.diagnosis.rest_words import deviation_in_motion
 from hbench.report.render.numbers import NONE, number, significant
 
 _ERRORS = {"force": "force along the motion", "position": "open-loop position"}
@@ -32,7 +34,7 @@ def errors_table(diagnosis: Diagnosis) -> WordTable:
         )
         for error in diagnosis.errors
     )
-    title = "Root mean square errors of held-out runs"
+    title = "Root mean square errors of runs outside the fit"
     return WordTable(title, ("error", *steps.values()), rows)
 
 
@@ -50,41 +52,49 @@ def loads_table(diagnosis: Diagnosis) -> WordTable:
         )
         for load in loads
     )
-    return WordTable("Root mean square force error at each held-out load", head, rows)
+    return WordTable("Root mean square force error at each load outside the fit", head, rows)
 
 
 def where_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances of the model before any effect, the worst first."""
-    return _gaps_table(
-        diagnosis, f"Balances of the {compared_model(diagnosis)}, all runs", diagnosis.where
-    )
+    title = f"Deviations of the {compared_model(diagnosis)}, all runs"
+    in_motion = [deviation_in_motion(diagnosis, gap) for gap in diagnosis.where]
+    return _gaps_table(diagnosis, title, diagnosis.where, in_motion)
 
 
 def rest_table(diagnosis: Diagnosis) -> WordTable:
     """Return the deviations that remain with the effects; no rows without effects."""
     gaps = diagnosis.rest if diagnosis.confirmed else ()
-    return _gaps_table(diagnosis, "Deviations that remain with the effects, all runs", gaps)
+    title, unknown = "Deviations that remain with the effects, all runs", [nan] * len(gaps)
+    return _gaps_table(diagnosis, title, gaps, unknown)
 
 
-def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTable:
-    """Return a row for each gap; of strokes, whose scatter is tiny at some loads, in newtons."""
+def _gaps_table(
+    diagnosis: Diagnosis, title: str, gaps: Sequence[Gap], in_motion: Sequence[float]
+) -> WordTable:
+    """Return a row for each gap; of strokes, whose scatter is tiny at some loads, in newtons.
+
+    ``in_motion`` are the deviations in motion, nan where they are not known.
+    """
     in_scatters = not of_strokes(diagnosis)
     rows = tuple(
         (
             balance(gap.name).title,
-            number(gap.gap, 2) if in_scatters else NONE,
-            number(gap.structured, 2) if in_scatters else NONE,
+            deviation,
+            in_unit(gap, moving),
+            limit,
             p_words(gap.p_value),
             in_unit(gap, gap.scatter),
-            *deviation_and_limit(gap),
+            number(gap.gap, 2) if in_scatters else NONE,
             in_unit(gap, gap.allowed),
             str(gap.windows),
         )
-        for gap in gaps
+        for gap, moving in zip(gaps, in_motion, strict=True)
+        for deviation, limit in [deviation_and_limit(gap)]
     )
-    units = ("trial scatter", "deviation", "matters above", "tolerances allow")
     windows = "loads" if of_strokes(diagnosis) else "windows"
-    head = ("balance", "gap", "structured", "p (Holm)", *units, windows)
+    of_deviation = ("deviation", "in motion", "matters above", "p (Holm)")
+    head = ("quantity", *of_deviation, "repeatability", "gap", "tolerances allow", windows)
     kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
     known = tuple(tuple(row[i] for i in kept) for row in rows)
     return WordTable(title, tuple(head[i] for i in kept), known)
@@ -112,15 +122,16 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
         gaps: Mapping[str, BeforeAfter],
         display_name: Callable[[str], DisplayName],
     ) -> WordTable:
-        steps = steps_of(diagnosis, of_balances=kind == "balance")
+        steps = steps_of(diagnosis, of_balances=kind == "quantity")
         rows = tuple(
             (display_name(name).title, *(number(getattr(gap, step), 2) for step in steps))
             for name, gap in gaps.items()
         )
         return WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows)
 
+    forces = "forces" if of_strokes(diagnosis) else "flows and forces"
     groups = (
-        ("balance", "balances", with_total(table), balance),
+        ("quantity", forces, with_total(table), balance),
         ("signal", "signals, closed loop", table.signals, signal),
         ("signal", "signals, open loop", table.open_loop, signal),
     )

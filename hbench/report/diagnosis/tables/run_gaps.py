@@ -44,17 +44,17 @@ def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
         (
             run_gap.plan.run,
             plan_words(run_gap.plan),
-            "yes" if run_gap.held_out else "no",
+            "no" if run_gap.held_out else "yes",
             *(number(getattr(run_gap.gap.total, step), 2) for step in steps),
             *_worst(run_gap.gap),
         )
         for run_gap in chosen
     ]
-    head = ("run", "what", "held out", *steps.values())
-    head += ("balance", "signal, closed loop", "open loop")
+    head = ("run", "what", "in the fit", *steps.values())
+    head += ("flow or force", "signal, closed loop", "open loop")
     several = {name for each in compared for name in each.gap.balances}
     kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
-    kept = [i for i in kept if head[i] != "balance" or len(several) > 1]
+    kept = [i for i in kept if head[i] != "flow or force" or len(several) > 1]
     known = tuple(tuple(row[i] for i in kept) for row in rows)
     return WordTable(title, tuple(head[i] for i in kept), known)
 
