@@ -147,8 +147,8 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     for drawing in drawings:
         figures[drawing.section] = (*figures[drawing.section], drawing)
     parameters = [p.value for curve in differences.curves for p in curve.parameters]
-    points = [p.friction_n for p in single_points(differences)]
-    drift_too = bool(hidden_curves(differences)) and any(point.real for point in points)
+    points = [p.friction_n for p in single_points(differences.curves)]
+    hidden = sum(p.friction_n.real for p in single_points(hidden_curves(differences)))
     sections = [
         Section(facts=_data(differences)),
         Section(
@@ -171,7 +171,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Speed by speed",
             (
-                _counted("at single speeds", points) + _DRIFT_TOO * drift_too,
+                _counted("at single speeds", points, hidden),
                 *_why(differences, points, _MEANS_OF),
             ),
             parts=_folded("Each speed", points_table(differences)),
@@ -225,11 +225,13 @@ def _settings_section(differences: CampaignDifferences) -> Section:
     return Section("Settings that differ", (_NONE_DIFFERS, *plants), anchor=_SETTINGS)
 
 
-def _counted(what: str, differences: Sequence[Difference]) -> str:
-    real = sum(difference.real for difference in differences)
+def _counted(what: str, differences: Sequence[Difference], hidden: int = 0) -> str:
+    """Count the significant differences, without the ``hidden`` ones: they may come from drift."""
+    real = sum(difference.real for difference in differences) - hidden
     verb = "is" if real == 1 else "are"
+    drift = f"; {hidden} more may come from a drift" if hidden else ""
     return (
-        f"{real} of {len(differences)} differences {what} {verb} significant. "
+        f"{real} of {len(differences)} differences {what} {verb} significant{drift}. "
         "comparison.json contains each."
     )
 
@@ -282,10 +284,11 @@ _READ = (
      "more digits than it allows, as the difference needs them."),
 )  # fmt: skip
 _DRIFT = (
-    ("Drift up to", "Part of a difference that a drift may account for. U does not contain it. It "
-     "cancels in the mean over all curves if it is a straight line over time."),
+    ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
+     "trials do not exclude. Where it exceeds the difference less U, the verdict on friction and "
+     "on efficiency is \"may come from a drift\". It cancels in the mean over all curves if it is "
+     "a straight line over time."),
 )  # fmt: skip
-_DRIFT_TOO = " A drift may account for such a difference too."
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "
     "seal again would change."
