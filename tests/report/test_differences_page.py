@@ -205,8 +205,8 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     over = text(13.0, MeanOfCurves(40.0, 8.0, 400.0, 2, DriftEffect(0.0, 1e-9)))
     sure = (
         "Friction of <after> is 40.0 +- 8.0 N (10 %) higher than that of before, in the mean over "
-        "all 2 curves. A linear drift cancels in this mean, but may account for up to 33 N of the "
-        "difference of a single curve (40.0 N)."
+        "all 2 curves. A linear drift cancels in this mean. In a single curve, a drift of up to "
+        "33 N may account for the difference (40.0 N)."
     )
     assert over.startswith(sure)  # and no difference of a curve is called significant
     assert "Mean friction differs" not in over

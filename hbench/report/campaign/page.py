@@ -35,6 +35,7 @@ from hbench.report.render.word_tables import Table
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _SHEET = 50  # a longer table of points is not printed
 
+_REMARKS = "fit-remarks"
 _PREDICTS = (
     "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
     "In parentheses: RMS error of these predictions. The difference is that of their mean squares, "
@@ -114,6 +115,7 @@ def report_document(
         *more,
         _rejected(results, figures.get("rejected", ())),
         *_points(results),
+        *_fit_remarks(results),
         settings_section(results, LONG_LIST),
         method_section(results),
     )
@@ -169,21 +171,34 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     return Section("Friction", () if drawings else (few,), drawings=drawings, tables=tables)
 
 
+def _of_points(results: Results) -> Results:
+    """Return the results with the steady curves alone."""
+    steady = (curve for curve in results.curves if KINDS[curve.kind].has_constant_speed)
+    return replace(results, curves=tuple(steady))
+
+
+def _fit_remarks(results: Results) -> tuple[Section, ...]:
+    """Return the remarks on the fits of steady runs, a table for each law."""
+    of_points = _of_points(results)
+    parts = []
+    for law in fit_tables(of_points):
+        table = remark_table(of_points, law)
+        if table.rows:
+            title = f"{law_words(law)} ({len(table.rows)})"
+            parts.append(Section(title, tables=(table,), folded=True))
+    return (Section("Remarks on the fits", parts=tuple(parts), anchor=_REMARKS),) if parts else ()
+
+
 def _fits(results: Results) -> tuple[Section, ...]:
     sections = []
     subsections: list[Section] = []
-    steady = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
     moving = [curve for curve in results.curves if not KINDS[curve.kind].has_constant_speed]
-    of_points = replace(results, curves=tuple(steady))
+    of_points = _of_points(results)
     of_motions = replace(results, curves=tuple(moving), joint_fits=())
     of_steady, of_moving = fit_tables(of_points), fit_tables(of_motions)
     for law in dict.fromkeys((*of_steady, *of_moving)):
         if law in of_steady:
             subsections.append(Section(tables=(of_steady[law],)))
-            remarks = remark_table(of_points, law)
-            if remarks.rows:
-                text = f"{law_words(law)}: remarks on the fits ({len(remarks.rows)})"
-                subsections.append(Section(text, tables=(remarks,), folded=True))
         if law in of_moving:
             table = of_moving[law]
             text = f"{law_words(law)}: fits of moving runs ({len(table.rows)})"
@@ -201,10 +216,12 @@ def _fits(results: Results) -> tuple[Section, ...]:
             "Each value has its 95 % interval. Do not use a parameter that is not determined: very "
             "different values fit the measured points as well."
         )
-        if any(determines_none(fit) for curve in steady for fit in curve.fits):
+        if any(determines_none(fit) for curve in of_points.curves for fit in curve.fits):
             text += (
                 " A row of dashes: the fit determines no parameter, for the reason in its remark."
             )
+        if _fit_remarks(results):
+            text += f" Remarks on the fits are at the end, from [[{_REMARKS}]] on."
         sections.append(
             Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
         )

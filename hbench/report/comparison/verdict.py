@@ -101,8 +101,8 @@ def _drift(differences: CampaignDifferences, bands: bool) -> str:
     if not sizes:
         return f"A linear drift {_in_mean(mean)}. {_REMEDY}"
     return (
-        f"A linear drift {_in_mean(mean)}, but may account for up to {largest} of the difference "
-        f"of a single curve ({alike(sizes)} N). {_REMEDY}"
+        f"A linear drift {_in_mean(mean)}. In a single curve, a drift of up to {largest} may "
+        f"account for the difference ({alike(sizes)} N). {_REMEDY}"
     )
 
 
