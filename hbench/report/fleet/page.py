@@ -275,7 +275,7 @@ def _worst(fleet: Fleet) -> Table:
             (Cell(name, flag, suspect.report), *numbers, Cell("; ".join(filter(None, remarks))))
         )
     last = "Started; remarks"
-    text_columns = frozenset({"Campaign", "Number", last})
+    text_columns = frozenset({"Campaign", "Quantity", last})
     return Table(("Campaign", *WORST_HEAD[:-1], last), tuple(rows), text_columns)
 
 
