@@ -105,13 +105,15 @@ def document(
     sections: tuple[Section, ...],
     verdict: str = "",
     source: str = "",
+    identity: tuple[tuple[str, str], ...] = (),
 ) -> str:
     """Return a page of sections; ``source`` is that of the numbers, where a bench has any.
 
     Those of this bench need no banner.
     """
     banner = BANNERS[source] if source in ("simulated", "imported") else ""
-    return page(Document(title, subtitle, sections, verdict, banner, source if banner else ""))
+    colour = source if banner else ""
+    return page(Document(title, subtitle, sections, verdict, banner, colour, identity=identity))
 
 
 def numbered(document: Document, on_paper: bool = False) -> Document:
