@@ -16,6 +16,7 @@ from hbench.records import (
     FrictionDifference,
     MeanOfCurves,
     OilTemperature,
+    PointTrials,
 )
 from hbench.report.comparison.figures import draw_differences, draw_pair
 from hbench.report.comparison.settings import settings_that_differ
@@ -84,6 +85,10 @@ def test_an_incomplete_campaign_and_poor_data_are_reported_before_the_difference
     assert "40 of 96 planned runs" in page and "40 of 96 planned runs" in differences_text(broken)
     assert json.loads(differences_json(broken))["quality"]["b"]["grade"] == "poor"
     assert "incomplete" not in differences_page(found, ())
+    point = PointTrials("steady", "", "extend", 500.0, None, None, 0.1, 0, 3)
+    short = replace(good.completeness, short_points=(point,))  # the other points are compared
+    short = replace(found, qualities=(good, replace(good, completeness=short)))
+    assert "Do not rely" not in differences_page(short, ())
 
 
 def test_the_terminal_gets_the_same_numbers_in_ascii(found):

@@ -232,7 +232,7 @@ def cause_table(results: Results) -> Table:
         (code.replace("_", " ").capitalize(), str(count), str(first[code]), CAUSES.get(code, ""))
         for code, count in reason_counts(results).most_common()
     ]
-    head = ("Reason", "Runs", "As the main reason", "Look for")
+    head = ("Reason", "Runs", "Of these, main reason", "Look for")
     return table(head, rows, words=("Look for",))
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 from hbench.records import CampaignDifferences, Difference, Drift, MeanOfCurves
-from hbench.report.campaign.quality import missing_words
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
 from hbench.report.comparison.tables import is_beyond_drift, unseparated, who
@@ -21,11 +20,11 @@ _REMEDY = "To compare single curves, measure both again with order: random in th
 
 
 def alarm(differences: CampaignDifferences) -> str:
-    """Return a sentence on each campaign that is incomplete or whose data is poor."""
+    """Return a sentence on each campaign that was not completed or whose data is poor."""
     sentences = []
     for name, quality in zip("AB", differences.qualities, strict=True):
         faults = (
-            "is incomplete" if missing_words(quality.completeness) else "",
+            "is incomplete" if quality.completeness.not_completed else "",
             "has poor data" if quality.grade == "poor" else "",
         )
         if any(faults):
