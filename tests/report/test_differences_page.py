@@ -170,6 +170,10 @@ def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
     found_drift = "from a drift: friction drifted, and the order of the runs mixes this with speed."
     assert found_drift in text(replace(drift, p=0.001))
     assert "order: random" not in text(replace(drift, separated=True))
+    dateless = replace(found, drifts=(None, replace(drift, basis="order")))
+    page = differences_page(dateless, ())
+    assert "0 of 6 differences at single speeds are significant; 5 more may come from" in page
+    assert ">significant<" not in page and "May come from a drift</dt>" in page
     undated = "The times of the runs are not known, so its size is uncertain."
     assert undated in text(replace(drift, basis="order")) and undated not in text(drift)
     (one,) = found.curves

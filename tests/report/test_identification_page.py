@@ -86,7 +86,7 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
         "(at its lower bound), so the law is verified for motions like the verification runs only: "
         "verify it again before you use it for other motions."
     )
-    more = "Leuven (9.9 N) is as good, but has more undetermined parameters (2, not 1)."
+    more = "Leuven (9.9 N) is as good, but has more undetermined parameters (2 instead of 1)."
     assert more in verdict(found)
     trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
     runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]

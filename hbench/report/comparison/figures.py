@@ -17,7 +17,7 @@ from hbench.records import (
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.series_words import TITLES, kind_words, load_words
 from hbench.report.comparison.cells import label_of, with_names
-from hbench.report.comparison.tables import has_drift_column, hidden_curves
+from hbench.report.comparison.tables import hidden_curves
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
@@ -51,7 +51,7 @@ def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
         with rc_context(style.RC):
             figure = draw_pair(curve, differences)
         title = figure.axes[0].get_title("left")
-        drift = _NOT_DRIFT if has_drift_column(differences) else ""
+        drift = _NOT_DRIFT if hidden_curves(differences) else ""
         caption = _CAPTION.format(drift=drift)
         sketches.append(Sketch(f"pair-{number + 1}", "comparison", title, caption, figure))
     return draw_sketches(sketches)

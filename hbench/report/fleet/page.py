@@ -151,7 +151,7 @@ def _deviations(fleet: Fleet) -> Section:
     table = _worst(fleet)
     if not fleet.outliers:
         none = ("No campaign deviates significantly.",)
-        each = Section("Those nearest to it", (_CORRECTED,), tables=(table,), folded=True)
+        each = Section(f"The {_LEAST} largest", (_CORRECTED,), tables=(table,), folded=True)
         return Section("Largest deviations", none, parts=(each,), anchor="worst")
     if fleet.outliers >= _LEAST:
         return Section("Outliers", tables=(table,), anchor="worst")

@@ -72,7 +72,8 @@ def _as_good(identification: Identification, best: str) -> str:
     more = listed([str(count) for count in counts[1:]])
     has = "has" if len(others) == 1 else "have"
     return (
-        f"{names} {verb} as good, but {has} more undetermined parameters ({more}, not {counts[0]})."
+        f"{names} {verb} as good, but {has} more undetermined parameters ({more} instead of "
+        f"{counts[0]})."
     )
 
 
