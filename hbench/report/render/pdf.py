@@ -252,7 +252,8 @@ def _few_colours(png: bytes) -> np.ndarray:
 def _caption(drawing: Drawing, drawings: tuple[Drawing, ...]) -> str:
     """Return a figure's number, title and caption; a caption is written out once in a section."""
     first = next(each for each in drawings if each.caption == drawing.caption)
-    caption = drawing.caption if first is drawing else f"As for {first.title.partition('.')[0]}."
+    same = f"As for {first.title.partition('.')[0]}." if drawing.caption else ""
+    caption = drawing.caption if first is drawing else same
     return f"{drawing.title}. {caption}".strip()
 
 
