@@ -24,7 +24,7 @@ from hbench.records import (
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.page import report_document
-from hbench.report.campaign.page_tables import budget_table, cause_table
+from hbench.report.campaign.page_tables import budget_table, cause_table, rejected_table
 from hbench.report.campaign.quality import (
     next_step,
     quality_table,
@@ -619,6 +619,17 @@ def test_rejected_runs_of_poor_data_are_before_the_results_and_remarks_on_fits_a
     fits = tuple(replace(fit, message="few points") for fit in curve.fits)
     remarked = titles(replace(small, curves=(replace(curve, fits=fits),)))
     assert remarked.index("Remarks on the fits") == remarked.index("All points") + 1
+
+
+def test_a_rejected_run_has_its_main_reason_apart_from_further_ones(small):
+    one, two, *others = small.runs
+    runs = (replace(one, reasons=("stalled: a", "gapped: b")), replace(two, reasons=("gapped: c",)))
+    table = rejected_table(replace(small, runs=(*runs, *others)))
+    assert table.head[-2:] == ("Main reason", "Further reasons")
+    first, second = ([cell.text for cell in row[-2:]] for row in table.rows[:2])
+    assert (first, second) == (["Stalled: a.", "Gapped: b."], ["Gapped: c.", ""])
+    table = rejected_table(replace(small, runs=(runs[1], *others)))
+    assert table.head[-1] == "Reason" and table.rows[0][-1].text == "Gapped: c."
 
 
 def test_each_reason_for_rejection_has_a_cause_to_look_for(small):
