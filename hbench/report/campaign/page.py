@@ -6,7 +6,6 @@ from dataclasses import replace
 from hbench.records import KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
-from hbench.report.campaign.fit_tables import fit_remarks, fit_sections
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import decision_reserve, quality_verdict
@@ -18,6 +17,7 @@ from hbench.report.campaign.summary import (
     summary_section,
 )
 from hbench.report.drift import drift_reserve
+from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
