@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 from hbench.records.curves import Band, BandTrend, Curve
+from hbench.records.numbers import Count
 from hbench.records.runs import Direction, Provenance
-from hbench.records.summary import OilTemperature, Quality
+from hbench.records.summary import Drift, OilTemperature, Quality
 
 
 @dataclass(frozen=True)
@@ -72,17 +73,20 @@ class MeanOfCurves:
 
     value_n: float
     half_n: float  # largest half-width: the mean of those of the curves
-    drift_n: DriftEffect
+    a_n: float  # the same mean of A's friction
+    curves: Count  # in the mean
+    drift_n: DriftEffect | None = None  # None where a campaign's drift is not known
 
     @property
     def drift_cancels(self) -> bool:
-        """Whether the drift is a small part of the half-width."""
-        return self.drift_n.largest_n < 0.01 * self.half_n
+        """Whether the drift is known, and a small part of the half-width."""
+        return self.drift_n is not None and self.drift_n.largest_n < 0.01 * self.half_n
 
     @property
     def real(self) -> bool:
-        """Significant beyond its half-width and its drift together."""
-        return abs(self.value_n) > self.half_n + self.drift_n.largest_n
+        """Significant beyond its half-width and its drift, where it is known, together."""
+        drift_n = 0.0 if self.drift_n is None else self.drift_n.largest_n
+        return abs(self.value_n) > self.half_n + drift_n
 
 
 @dataclass(frozen=True)
@@ -138,4 +142,5 @@ class CampaignDifferences:
     bands: tuple[BandDifference, ...] = ()
     band_trends: tuple[BandTrendDifference, ...] = ()
     oil_temperatures: tuple[OilTemperature | None, OilTemperature | None] = (None, None)  # A, B
-    mean_of_curves: MeanOfCurves | None = None  # None with one steady curve, or an unknown drift
+    mean_of_curves: MeanOfCurves | None = None  # None with one steady curve
+    drifts: tuple[Drift | None, Drift | None] = (None, None)  # within A, and within B

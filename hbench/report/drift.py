@@ -12,7 +12,8 @@ def drift_fact(drift: Drift | None) -> str:
     """State a drift that is significant or not separated from speed; empty otherwise."""
     if drift is None or drift.separated and not drift.significant:
         return ""
-    return " ".join(filter(None, (f"{drift_finding(drift)}.", drift_advice(drift))))
+    finding = drift_finding(drift) if drift.significant else _not_excluded(drift)
+    return " ".join(filter(None, (f"{finding}.", drift_advice(drift))))
 
 
 def drift_words(drift: Drift) -> str:
@@ -37,8 +38,7 @@ def drift_words(drift: Drift) -> str:
 def drift_finding(drift: Drift) -> str:
     """Return what the data shows of a drift, in one sentence without its full stop."""
     if not drift.significant:
-        most = number(drift.possible_percent, 0)
-        text = f"A drift of up to {most} % over the campaign cannot be excluded"
+        text = _not_excluded(drift)
         return text if drift.separated else f"{text}, and would appear as an effect of speed"
     if drift.of_unknown_size:
         return (
@@ -48,6 +48,11 @@ def drift_finding(drift: Drift) -> str:
     change = with_interval(drift.change_percent, drift.change_percent_ci95)
     text = f"Friction changed by {change} % over the campaign"
     return text if drift.separated else f"{text}, which the order of the runs mixes with speed"
+
+
+def _not_excluded(drift: Drift) -> str:
+    most = number(drift.possible_percent, 0)
+    return f"A drift of up to {most} % over the campaign cannot be excluded"
 
 
 def drift_reserve(drift: Drift | None) -> str:

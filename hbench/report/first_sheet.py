@@ -45,7 +45,7 @@ def about_rows(results: Results, names: Iterable[str]) -> list[tuple[str, ...]]:
     Results are written as on the page, with their expanded uncertainty U.
     """
     summary = summary_section(results)
-    tables = summary.parts[0].tables if results.headline.series else ()
+    tables = summary.tables or (summary.parts[0].tables if results.headline.series else ())
     verdict = (aborted_words(results), headline_words(results), quality_verdict(results.quality))
     about = (
         ("Campaign", results.provenance.name),

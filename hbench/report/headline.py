@@ -58,7 +58,16 @@ def headline_words(results: Results) -> str:
 
 
 def headline_tiles(results: Results) -> Iterable[Tile]:
-    """Yield a tile for each quantity that was measured, the accepted runs and the data's grade."""
+    """Yield a tile for each quantity that was measured, the accepted runs and the data's grade.
+
+    Of poor data, the quantities come last.
+    """
+    tiles = _quantity_tiles(results), _data_tiles(results)
+    for part in tiles[::-1] if results.quality.grade == "poor" else tiles:
+        yield from part
+
+
+def _quantity_tiles(results: Results) -> Iterable[Tile]:
     series = results.headline.series
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
     at = f"friction at {speed_words(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
@@ -77,6 +86,9 @@ def headline_tiles(results: Results) -> Iterable[Tile]:
         where = _of_series(numbers, series) if len(series) > 1 else ""
         yield from _tile(numbers, scale, unit, caption, anchor, where)
     yield from _band_tiles(results)
+
+
+def _data_tiles(results: Results) -> Iterable[Tile]:
     accepted = sum(run.accepted for run in results.runs)
     planned = results.quality.completeness.planned
     if planned is None:

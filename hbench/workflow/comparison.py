@@ -74,6 +74,7 @@ def compare(
         trend_differences(*both, bands, instruments, same_instruments),
         (results_a.oil_temperature, results_b.oil_temperature),
         mean_of_curves,
+        (results_a.drift, results_b.drift),
     )
 
 

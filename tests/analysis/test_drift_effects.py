@@ -86,7 +86,10 @@ def test_a_relative_drift_counts_as_a_share_of_friction(make_curve):
     assert found[0].ci95_n == pytest.approx(-0.02 * first * 600.0)
 
 
-def test_without_the_drift_of_a_campaign_its_effect_is_not_known(make_curve):
-    a = campaign(make_curve, 400.0, ROWS)
-    found, mean, _ = effects(a, a, drift(1.0), None)
-    assert found == [None, None, None] and mean is None
+@pytest.mark.parametrize("unknown", [None, replace(drift(1.0), basis="order")])
+def test_without_the_drift_of_a_campaign_its_effect_is_not_known(make_curve, unknown):
+    """As where the order of undated runs alone is known, and mixes the drift with speed."""
+    a, b = (campaign(make_curve, level, ROWS) for level in (400.0, 430.0))
+    found, mean, _ = effects(a, b, drift(1.0), unknown)
+    assert found == [None, None, None] and mean.drift_n is None
+    assert mean.value_n == pytest.approx(30.0) and mean.real

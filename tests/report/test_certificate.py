@@ -94,7 +94,7 @@ def test_a_value_is_stated_with_its_uncertainty_and_factor(certificate):
     for made in (certificate(), certificate(language="de")):
         parts = content(replace(made, values=values)).parts
         point = ["412 ± 28", "2.78", "3.28 ± 0.22"]
-        leak = "1.50 ± 0.30"  # 2.5e-16 m^3/(s Pa) is 2.5e-16 * 1e9 * 60 * 1e5 µl/(min bar)
+        leak = "0.150 ± 0.030"  # 2.5e-16 m^3/(s Pa) is 2.5e-16 * 1e6 * 60 * 1e7 ml/(min 100 bar)
         if made.file.language == "de":
             point = [text.replace(".", ",") for text in point]
             leak = leak.replace(".", ",")
@@ -241,6 +241,9 @@ def test_the_decision_and_its_table_are_on_the_first_sheet(certificate):
         assert lead[:40] in text and text.index(lead[:40]) < text.index(made.word("instruments"))
         assert all(flat(row[-1]) in text and flat(row[2]) in text for row in table.rows)
         assert " ".join(table.head) in text
+        decision = made.word(made.acceptance.decision)
+        sizes = [each.get_fontsize() for each in first.texts if each.get_text() == decision]
+        assert max(sizes) > 1.5 * 8.8  # of headings
 
 
 def test_a_text_without_a_table_is_on_one_sheet(certificate):

@@ -16,7 +16,7 @@ from hbench.records import (
     FrictionDifference,
     MeanOfCurves,
     OilTemperature,
-    QualityCheck,
+    PointTrials,
 )
 from hbench.report.comparison.figures import draw_differences, draw_pair
 from hbench.report.comparison.settings import settings_that_differ
@@ -85,6 +85,10 @@ def test_an_incomplete_campaign_and_poor_data_are_reported_before_the_difference
     assert "40 of 96 planned runs" in page and "40 of 96 planned runs" in differences_text(broken)
     assert json.loads(differences_json(broken))["quality"]["b"]["grade"] == "poor"
     assert "incomplete" not in differences_page(found, ())
+    point = PointTrials("steady", "", "extend", 500.0, None, None, 0.1, 0, 3)
+    short = replace(good.completeness, short_points=(point,))  # the other points are compared
+    short = replace(found, qualities=(good, replace(good, completeness=short)))
+    assert "Do not rely" not in differences_page(short, ())
 
 
 def test_the_terminal_gets_the_same_numbers_in_ascii(found):
@@ -150,14 +154,12 @@ def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_set
 
 
 def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
-    check = QualityCheck("drift", "with care", 0.1, "%", 5.0, 15.0)
     drift = Drift(
         "time", "relative", 0.001, 0.5, -2.0, 50.0, None, None, None, 0.9, 6, 18, 72.0, 1.0, False
     )
 
     def text(drift):
-        quality = replace(found.qualities[0], checks=(replace(check, drift=drift),))
-        return differences_text(replace(found, qualities=(found.qualities[0], quality)))
+        return differences_text(replace(found, drifts=(None, drift)))
 
     hidden = (
         "These runs do not show whether this comes from the cylinders or from a drift: a drift of "
@@ -168,6 +170,12 @@ def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
     found_drift = "from a drift: friction drifted, and the order of the runs mixes this with speed."
     assert found_drift in text(replace(drift, p=0.001))
     assert "order: random" not in text(replace(drift, separated=True))
+    dateless = replace(found, drifts=(None, replace(drift, basis="order")))
+    page = differences_page(dateless, ())
+    assert "0 of 6 differences at single speeds are significant; 5 more may come from" in page
+    assert ">significant<" not in page and "May come from a drift</dt>" in page
+    undated = "The times of the runs are not known, so its size is uncertain."
+    assert undated in text(replace(drift, basis="order")) and undated not in text(drift)
     (one,) = found.curves
     none = replace(one, mean_n=replace(one.mean_n, p_holm=0.3))
     found = replace(found, curves=(none,))
@@ -179,8 +187,6 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     drift = Drift(
         "time", "relative", 0.001, 0.5, -2.0, 50.0, None, None, None, 0.9, 6, 18, 72.0, 1.0, False
     )
-    check = QualityCheck("drift", "with care", 2.0, "%", 5.0, 15.0, drift=drift)
-    quality = replace(found.qualities[0], checks=(check,))
 
     def text(half_n, mean=None, p_holm=1e-6):
         (one,) = found.curves
@@ -190,7 +196,7 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
             mean_n=replace(one.mean_n, p_holm=p_holm),
         )
         return differences_text(
-            replace(found, qualities=(quality, quality), curves=(one, one), mean_of_curves=mean)
+            replace(found, drifts=(drift, drift), curves=(one, one), mean_of_curves=mean)
         )
 
     small = text(11.0)
@@ -205,11 +211,11 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     assert "part of U: the order of the runs does not separate the two." in large
     assert "To compare single curves, measure both again with order: random" in large
     assert "A drift may hide a difference: it may account for up to 33 N" in text(13.0, p_holm=0.4)
-    over = text(13.0, MeanOfCurves(40.0, 8.0, DriftEffect(0.0, 1e-9)))
+    over = text(13.0, MeanOfCurves(40.0, 8.0, 400.0, 2, DriftEffect(0.0, 1e-9)))
     sure = (
-        "Friction of <after> is 40 N higher than that of before (U at most 8.0 N), in the mean "
-        "over all 2 curves, in which a linear drift cancels. The difference of a single curve "
-        "(40.0 N) may come from a drift of up to 33 N."
+        "Friction of <after> is 40.0 +- 8.0 N (10 %) higher than that of before, in the mean over "
+        "all 2 curves. A linear drift cancels in this mean. In a single curve, a drift of up to "
+        "33 N may account for the difference (40.0 N)."
     )
     assert over.startswith(sure)  # and no difference of a curve is called significant
     assert "Mean friction differs" not in over
@@ -220,16 +226,22 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
 
     *curves, mean = verdicts(over)
     assert [row[1] for row in curves[:2]] == ["33", "33"]
-    assert [row[4] for row in curves[:2]] == ["not separated from a drift"] * 2
+    assert [row[4] for row in curves[:2]] == ["may come from a drift"] * 2
     assert [row[4] for row in verdicts(small)[:2]] == ["significant"] * 2
     one = replace(found.curves[0], drift_n=DriftEffect(-20.0, 13.0))
-    hidden = replace(found, qualities=(quality, quality), curves=(one,))
-    too = "A drift may account for such a difference too"
-    assert too in differences_page(hidden, ()) and too not in differences_page(found, ())
+    hidden = replace(found, drifts=(drift, drift), curves=(one,))
+    page = differences_page(hidden, draw_differences(hidden))
+    assert "0 of 6 differences at single speeds are significant; 5 more may come from" in page
+    assert ">significant<" not in page and "not explained by a drift" in page
+    page = differences_page(found, draw_differences(found))
+    assert "5 of 6 differences at single speeds are significant." in page
+    assert "from a drift" not in page and "not explained by a drift" not in page
     assert mean[:5] == ["mean over all 2 curves", "cancels", "40.0", "8.0", "significant"]
-    hidden = text(13.0, MeanOfCurves(-10.0, 8.0, DriftEffect(1.0, 2.0)))
-    assert "Friction of <after> is 10 N lower" in hidden
-    assert "a linear drift is at most 3.0 N; this is not significant. To compare" in hidden
+    hidden = text(13.0, MeanOfCurves(-10.0, 8.0, 400.0, 2, DriftEffect(1.0, 2.0)))
+    assert (
+        "The mean difference over all 2 curves, -10.0 +- 8.0 N, is not significant; a linear drift "
+        "accounts for at most 3.0 N of this mean. To compare"
+    ) in hidden
     assert hidden.startswith("Mean friction differs")
 
 

@@ -338,14 +338,21 @@ def test_the_verdict_names_campaigns_beyond_a_limit_and_what_to_do_about_a_step(
     passed = replace(shifted, decisions=(("PASS", shifted.campaigns),))
     assert "Next step: none" not in fleet_verdict(passed)
     verdict = fleet_verdict(shifted)
-    assert "): check whether the cylinders, the bench or its instruments changed there." in verdict
+    assert re.search(
+        r"Friction changed from c18 on\. The change of friction is \+[\d.]+ ± [\d.]+ N extending: "
+        "check whether the cylinders, the bench or its instruments changed there.",
+        ordinary_spaces(verdict),
+    )
+    assert " have the decision PASS, but friction changed from c18 on." in fleet_verdict(passed)
     names = ("C-4", "C-7", "C-9", "C-11")
     charts = (replace(shifted.charts[0], outside=names), *shifted.charts[1:])
     verdict = fleet_verdict(replace(shifted, charts=charts))
     assert (
-        f"4 of {shifted.compared} campaigns are beyond a control limit (C-4, C-7, C-9 and 1 more)."
-        in verdict
-    )
+        f"4 of {shifted.compared} campaigns are beyond a control limit (C-4, C-7, C-9 and 1 more), "
+        "which the change may explain: the limits assume a constant mean."
+    ) in verdict
+    steady = tuple(replace(chart, step=None) for chart in charts)
+    assert "(C-4, C-7, C-9 and 1 more)." in fleet_verdict(replace(shifted, charts=steady))
 
 
 def test_the_top_of_the_page_has_few_tiles_and_counts_each_change_once(shifted, undrawn):

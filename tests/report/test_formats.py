@@ -77,6 +77,25 @@ def test_each_sheet_of_a_pdf_has_the_documents_name_and_its_number():
         texts = [text.get_text() for text in sheet.texts]
         assert "stribeck (simulated)" in texts and f"Page {number} of {len(filled)}" in texts
         assert "value (N)" in texts  # the head of the table is repeated
+        assert ("Table 1. s (continued)" in texts) == (number > 1)
+
+
+def test_a_table_of_up_to_half_a_sheet_is_not_divided_nor_apart_from_its_heading():
+    def of_rows(name, count):
+        rows = tuple((f"{name}{i}", str(i)) for i in range(count))
+        return Section(f"Section {name}", tables=(WordTable("", ("row", "value (N)"), rows),))
+
+    one, two = sheets(Document("t", "", (of_rows("a", 40), of_rows("b", 25))))
+    second = {text.get_text() for text in two.texts}
+    assert {"Section b", *(f"b{i}" for i in range(25))} <= second
+    assert "a39" in {text.get_text() for text in one.texts}
+
+
+def test_only_the_first_sentence_of_a_long_verdict_is_bold_in_a_pdf():
+    made = Document("t", "", (), "Friction is 500 N. " + "Use it with care. " * 20)
+    (sheet,) = sheets(made)
+    weights = {text.get_text().partition(".")[0]: text.get_weight() for text in sheet.texts}
+    assert weights["Friction is 500 N"] == "bold" and weights["Use it with care"] == "normal"
 
 
 def test_markdown_has_every_section_table_and_figure(made, drawings):
@@ -121,6 +140,9 @@ def test_each_figure_of_a_pdf_has_its_own_caption_in_its_column_and_unprinted_pa
     )
     assert one[1] == two[1] > three[1] and one[0] < 0.3 < 0.5 < two[0] == three[0]
     assert "Kept" in places and "Gone" not in places
+    bare = tuple(Drawing(n, "s", n, "", svg, png) for n in ("One", "Two"))
+    (sheet,) = sheets(Document("t", "", (Section("S", drawings=bare),)))
+    assert "Figure 2. Two." in {text.get_text() for text in sheet.texts}
 
 
 def test_a_pdf_has_its_pages_and_is_the_same_twice(made):

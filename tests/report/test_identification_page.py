@@ -45,15 +45,17 @@ def verdict(found):
 
 
 @pytest.mark.parametrize(
-    ("other_n", "names"),
-    [(10.4, "LuGre (10.0 N) and Leuven (10.4 N) predict"), (10.6, "LuGre (10.0 N) predicts")],
+    ("other_n", "others"),
+    [
+        (10.4, "Leuven (10.4 N) is as good. The error of Tustin is 150.0 N."),
+        (10.6, "The errors of the other laws are 10.6–150.0 N."),
+    ],
 )
-def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, names):
+def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, others):
     found = identified(law("tustin", 150.0), law("lugre", 10.0), law("leuven", other_n))
-    assert verdict(found).startswith(f"{names} friction in motion best, by RMS error.")
-    assert "Next step: simulate with hbench run --plant lugre.yaml." in verdict(found)
-    same = "Its error and its number of undetermined parameters are those of leuven.yaml too."
-    assert verdict(found).endswith(same) is ("Leuven" in names)
+    best = "Use LuGre: it predicts friction in motion with an RMS error of 10.0 N."
+    assert verdict(found).startswith(f"{best} {others}")
+    assert verdict(found).endswith("Next step: simulate with hbench run --plant lugre.yaml.")
 
 
 def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_beside_it():
@@ -63,7 +65,9 @@ def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_besid
     moving = law("tustin", 20.0)
     moving.errors["rest"] = replace(moving.errors["rest"], friction_n=450.0)
     found = identified(holding, moving)
-    assert verdict(found).startswith("Tustin (20.0 N) predicts friction in motion best")
+    assert verdict(found).startswith(
+        "Use Tustin: it predicts friction in motion with an RMS error of 20.0 N."
+    )
     (table,) = (each for each in identification_tables(found) if each.title == SUMMARY)
     assert table.head[1:3] == ("RMS error in motion (N)", "At rest (N)")
     assert [row[:3] for row in table.rows] == [
@@ -78,11 +82,12 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     leuven = law("leuven", 9.9, {"theta_1_n": unknown, "theta_2_n": unknown})
     found = identified(leuven, lugre)
     assert verdict(found).endswith(
-        "hbench run --plant lugre.yaml. It has fewer undetermined parameters (1) than leuven.yaml "
-        "(2). These runs do not determine its bristle damping σ1 (at its lower bound), so the law "
-        "is verified for motions like the verification runs only: verify it again before you use "
-        "it for other motions."
+        "hbench run --plant lugre.yaml. These runs do not determine its bristle damping σ1 "
+        "(at its lower bound), so the law is verified for motions like the verification runs only: "
+        "verify it again before you use it for other motions."
     )
+    more = "Leuven (9.9 N) is as good, but has more undetermined parameters (2 instead of 1)."
+    assert more in verdict(found)
     trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
     runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]
     words = verdict(replace(found, followed=tuple(runs)))
@@ -95,7 +100,7 @@ def test_the_error_of_the_best_law_is_beside_the_measured_friction(small):
     along = LawsAlongCurve(curve, np.array([0.01, 0.2]), {})
     found = replace(identified(law("lugre", 10.0)), steady=(along,))
     low, high = f"{min(friction):.0f}", f"{max(friction):.0f}"
-    assert f"by RMS error; the measured steady friction is {low} to {high} N." in verdict(found)
+    assert f"10.0 N at a measured steady friction of {low}–{high} N." in verdict(found)
 
 
 def test_the_errors_of_dynamic_and_static_laws_are_explained_beside_the_table():

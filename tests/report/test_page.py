@@ -24,7 +24,7 @@ from hbench.records import (
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.page import report_document
-from hbench.report.campaign.page_tables import budget_table, cause_table
+from hbench.report.campaign.page_tables import budget_table, cause_table, rejected_table
 from hbench.report.campaign.quality import (
     next_step,
     quality_table,
@@ -203,14 +203,16 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
     friction = [1.0 * each.friction_n.value for each in small.headline.series]
     first = re.match(r"Friction at \S+ mm/s is (\d+)–(\d+) N \(", verdict)
     assert list(map(int, first.groups())) == [round(min(friction)), round(max(friction))]
-    table = report_document(small, ()).sections[0].parts[0].tables[0]
+    table = report_document(small, ()).sections[0].tables[0]
     column = table.head.index("Friction ± U (N)")
     cells = [row[column].text.split(" ± ") for row in table.rows]
     shares = [100 * float(half) / float(value) for value, half in cells]  # as a reader computes
     assert f", {min(shares):.1f}–{max(shares):.1f} % of the value)" in verdict
     assert ", over all loads and directions. " in verdict
     poor = replace(small, quality=replace(small.quality, grade="poor"))
-    assert "mm/s is" not in report_document(poor, ()).verdict
+    document = report_document(poor, ())
+    assert "mm/s is" not in document.verdict
+    assert document.sections[0].tiles[1].value == "Poor"  # before the quantities
 
 
 def test_the_ends_of_a_range_are_rounded_as_in_the_table_of_all_values(small):
@@ -219,7 +221,7 @@ def test_the_ends_of_a_range_are_rounded_as_in_the_table_of_all_values(small):
 
     series = tuple(replace(s, friction_n=wide(s.friction_n)) for s in small.headline.series)
     document = report_document(replace(small, headline=replace(small.headline, series=series)), ())
-    rows = document.sections[0].parts[0].tables[0]
+    rows = document.sections[0].tables[0]
     column = rows.head.index("Friction ± U (N)")
     values = [row[column].text.partition(" ± ")[0] for row in rows.rows]
     ends = f"{min(values, key=int)}–{max(values, key=int)} N"
@@ -227,7 +229,7 @@ def test_the_ends_of_a_range_are_rounded_as_in_the_table_of_all_values(small):
 
 
 def test_the_table_of_results_has_the_forces_that_the_efficiency_is_made_of(small):
-    table = report_document(small, ()).sections[0].parts[0].tables[0]
+    table = report_document(small, ()).sections[0].tables[0]
     rows = [dict(zip(table.head, (cell.text for cell in row), strict=True)) for row in table.rows]
     for row in rows:
         numbers = (row[name].split(" ± ")[0].replace("−", "-") for name in (
@@ -601,6 +603,33 @@ def test_held_out_errors_and_laws_of_all_loads_have_their_tables(small):
     assert "difference significant with 13 speeds" in text
     assert "1.50 (1.30 to 1.80)" in text  # N/bar
     assert 'id="laws"' in html and 'id="laws"' not in page_html(small, ())
+
+
+def test_rejected_runs_of_poor_data_are_before_the_results_and_remarks_on_fits_after_them(
+    stribeck, small
+):
+    def titles(results):
+        return [section.title for section in report_document(results, ()).sections]
+
+    good = titles(stribeck)
+    assert good.index("Rejected runs") > good.index("Friction")
+    poor = titles(replace(stribeck, quality=replace(stribeck.quality, grade="poor")))
+    assert poor.index("Rejected runs") == poor.index("Friction") - 1
+    curve = small.curves[0]
+    fits = tuple(replace(fit, message="few points") for fit in curve.fits)
+    remarked = titles(replace(small, curves=(replace(curve, fits=fits),)))
+    assert remarked.index("Remarks on the fits") == remarked.index("All points") + 1
+
+
+def test_a_rejected_run_has_its_main_reason_apart_from_further_ones(small):
+    one, two, *others = small.runs
+    runs = (replace(one, reasons=("stalled: a", "gapped: b")), replace(two, reasons=("gapped: c",)))
+    table = rejected_table(replace(small, runs=(*runs, *others)))
+    assert table.head[-2:] == ("Main reason", "Further reasons")
+    first, second = ([cell.text for cell in row[-2:]] for row in table.rows[:2])
+    assert (first, second) == (["Stalled: a.", "Gapped: b."], ["Gapped: c.", ""])
+    table = rejected_table(replace(small, runs=(runs[1], *others)))
+    assert table.head[-1] == "Reason" and table.rows[0][-1].text == "Gapped: c."
 
 
 def test_each_reason_for_rejection_has_a_cause_to_look_for(small):

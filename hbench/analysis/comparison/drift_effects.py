@@ -41,12 +41,15 @@ def with_drift_effects(
     """Return the steady curves' differences with their ``drift_n``, and the mean of these curves.
 
     ``results`` and ``clocks`` are those of A and B, ``tolerance`` as in ``campaign_differences``.
-    Unchanged where the drift of a campaign is not known.
+    The drift is left out where that of a campaign is not known, or is extrapolated from neighbours
+    in an order of the runs that may be that of their files.
     """
     steady = [curve for curve in curves if _is_steady(curve.a) and curve.mean_n is not None]
     drift_a, drift_b = (each.drift for each in results)
-    if drift_a is None or drift_b is None or not steady:
+    if not steady:
         return tuple(curves), None
+    if drift_a is None or drift_b is None or drift_a.of_unknown_size or drift_b.of_unknown_size:
+        return tuple(curves), _mean_of_curves(steady, None)
     places = [
         campaign_place(filter(_is_steady, each.curves), clock)
         for each, clock in zip(results, clocks, strict=True)
@@ -70,15 +73,20 @@ def with_drift_effects(
     changed = tuple(
         replace(curve, drift_n=effect([curve])) if curve in steady else curve for curve in curves
     )
-    if len(steady) < 2:
-        return changed, None
-    means = [curve.mean_n for curve in steady if curve.mean_n is not None]
+    return changed, _mean_of_curves(steady, effect(steady))
+
+
+def _mean_of_curves(
+    curves: Sequence[CurveDifference], drift_n: DriftEffect | None
+) -> MeanOfCurves | None:
+    """Return the mean difference; None for one curve, or where one has no interval."""
+    means = [curve.mean_n for curve in curves if curve.mean_n is not None]
     halves = [mean.ci95 if mean.u95 is None else mean.u95 for mean in means]
     known = [half for half in halves if half is not None]
-    if len(known) < len(means):
-        return changed, None
-    value = fmean(mean.value for mean in means)
-    return changed, MeanOfCurves(value, fmean(known), effect(steady))
+    if len(means) < 2 or len(known) < len(means):
+        return None
+    value, a_n = fmean(mean.value for mean in means), fmean(mean.a for mean in means)
+    return MeanOfCurves(value, fmean(known), a_n, len(means), drift_n)
 
 
 def _is_steady(curve: Curve) -> bool:

@@ -6,14 +6,6 @@ from dataclasses import replace
 from hbench.records import KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
-from hbench.report.campaign.fit_tables import (
-    correlation_table,
-    determines_none,
-    fit_tables,
-    law_words,
-    remark_table,
-    selection_table,
-)
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import decision_reserve, quality_verdict
@@ -25,23 +17,17 @@ from hbench.report.campaign.summary import (
     summary_section,
 )
 from hbench.report.drift import drift_reserve
+from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span
-from hbench.report.render.word_tables import Table
+from hbench.report.render.word_tables import titled
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _SHEET = 50  # a longer table of points is not printed
 
-_PREDICTS = (
-    "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
-    "In parentheses: RMS error of these predictions. The difference is that of their mean squares, "
-    "with its standard error (s.e.). Where one speed alone has a large error, it is not "
-    "significant, although one RMS error is several times the other."
-)
-_FEW_RUNS = "These fits are those of an unfinished campaign. They change with the missing runs."
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _BREAKAWAY = (
     "The largest friction while a rising force pushes the piston, which has rested under load. "
@@ -87,10 +73,10 @@ def report_document(
 ) -> Document:
     """Return the report, with the sections ``more`` before the rejected runs.
 
-    ``folder`` is the name of the campaign's folder, which distinguishes campaigns of one schedule.
-    ``decision`` is the section of an acceptance and comes first; its paragraphs begin the verdict
-    and are not repeated. ``step`` is the next step after it; the summary then has the verdict on
-    the data.
+    The rejected runs of poor data come before the results. ``folder`` is the name of the campaign's
+    folder, which distinguishes campaigns of one schedule. ``decision`` is the section of an
+    acceptance and comes first; its paragraphs begin the verdict and are not repeated. ``step`` is
+    the next step after it; the summary then has the verdict on the data.
     """
     label, results = common_label(results), without_common_label(results)
     figures: dict[str, tuple[Drawing, ...]] = {}
@@ -102,18 +88,22 @@ def report_document(
     imported = "imported " if provenance.source == "imported" else ""
     day = imported + provenance.started[:10]
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
+    rejected = (_rejected(results, figures.get("rejected", ())),)
+    first = results.quality.grade == "poor" and has_rejected(results)
     sections = (
         *((replace(decision, paragraphs=()),) if decision else ()),
         summary_section(results, decision is not None),
+        *(rejected if first else ()),
         _friction(results, figures.get("friction", ())),
-        *_fits(results),
+        *fit_sections(results),
         *temperature_section(results, figures.get("temperature", ())),
         *_moving(results, figures),
         *_budget(results),
         *_efficiency(results, figures.get("efficiency", ())),
         *more,
-        _rejected(results, figures.get("rejected", ())),
+        *(() if first else rejected),
         *_points(results),
+        *fit_remarks(results),
         settings_section(results, LONG_LIST),
         method_section(results),
     )
@@ -157,71 +147,16 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
         return Section("Friction", (none,))
     few = "Too few speeds for a curve. [[points]] contains the points."
     tables = (
-        *_titled(
+        *titled(
             page_tables.band_table(results),
             "Friction against pressure, with the intervals of the trials",
         ),
-        *_titled(page_tables.trend_table(results), "Lines over pressure"),
-        *_titled(
+        *titled(page_tables.trend_table(results), "Lines over pressure"),
+        *titled(
             page_tables.balance_table(results), "Coulomb and viscous friction from both directions"
         ),
     )
     return Section("Friction", () if drawings else (few,), drawings=drawings, tables=tables)
-
-
-def _fits(results: Results) -> tuple[Section, ...]:
-    sections = []
-    subsections: list[Section] = []
-    steady = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
-    moving = [curve for curve in results.curves if not KINDS[curve.kind].has_constant_speed]
-    of_points = replace(results, curves=tuple(steady))
-    of_motions = replace(results, curves=tuple(moving), joint_fits=())
-    of_steady, of_moving = fit_tables(of_points), fit_tables(of_motions)
-    for law in dict.fromkeys((*of_steady, *of_moving)):
-        if law in of_steady:
-            subsections.append(Section(tables=(of_steady[law],)))
-            remarks = remark_table(of_points, law)
-            if remarks.rows:
-                text = f"{law_words(law)}: remarks on the fits ({len(remarks.rows)})"
-                subsections.append(Section(text, tables=(remarks,), folded=True))
-        if law in of_moving:
-            table = of_moving[law]
-            text = f"{law_words(law)}: fits of moving runs ({len(table.rows)})"
-            remarks = remark_table(of_motions, law)
-            tables = (table, *([remarks] if remarks.rows else []))
-            subsections.append(Section(text, tables=tables, folded=True, printed=False))
-        correlations = correlation_table(results, law)
-        if correlations.rows:
-            text = f"{law_words(law)}: correlation of the parameters"
-            untitled = replace(correlations, title="")
-            part = Section(text, tables=(untitled,), folded=True, printed=False)
-            subsections.append(part)
-    if subsections:
-        text = (
-            "Each value has its 95 % interval. Do not use a parameter that is not determined: very "
-            "different values fit the measured points as well."
-        )
-        if any(determines_none(fit) for curve in steady for fit in curve.fits):
-            text += (
-                " A row of dashes: the fit determines no parameter, for the reason in its remark."
-            )
-        sections.append(
-            Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
-        )
-    selection = selection_table(results)
-    if selection.rows:
-        sections.append(
-            Section(
-                "Which law predicts best",
-                (_PREDICTS,),
-                tables=_titled(selection, "Errors of the two best laws at held-out speeds"),
-                anchor="laws",
-            )
-        )
-    if not sections or not aborted_words(results):
-        return tuple(sections)
-    parts = tuple(replace(section, folded=True) for section in sections)
-    return (Section("Fitted laws", (_FEW_RUNS,), parts=parts, anchor="fitted-laws"),)
 
 
 def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:
@@ -235,7 +170,7 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
                 Section(
                     f"{_RAMPS} {said}",
                     (_TESTED,),
-                    tables=_titled(table, "Differences between ramps, and from steady runs"),
+                    tables=titled(table, "Differences between ramps, and from steady runs"),
                     folded=True,
                 ),
             )
@@ -249,11 +184,11 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             (_BREAKAWAY,),
             drawings=drawings,
             tables=(
-                *_titled(page_motions.breakaway_table(results), "Measured breakaway force"),
-                *_titled(page_motions.dwell_table(results), "Laws over the time at rest"),
+                *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
+                *titled(page_motions.dwell_table(results), "Laws over the time at rest"),
             ),
         )
-    holds = _titled(page_motions.hold_table(results), "Each hold")
+    holds = titled(page_motions.hold_table(results), "Each hold")
     for name, table, more, words in (
         ("hysteresis", page_motions.loop_table(results), (), "Width and energy of the loops"),
         ("steps", page_motions.level_table(results), (), "Friction after each step"),
@@ -271,7 +206,7 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
                 yield Section(title, drawings=drawings, tables=tables, parts=parts)
     if drawings := figures.get("over-distance"):
         table = page_motions.distance_table(results)
-        tables = _titled(table, "Changes over the distance")
+        tables = titled(table, "Changes over the distance")
         yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=tables)
 
 
@@ -310,8 +245,8 @@ def _budget(results: Results) -> tuple[Section, ...]:
         _ZEROS if zeros.rows else _NO_ZEROS,
     )
     tables = (
-        *_titled(table, "Friction at the working speed and the parts of its uncertainty"),
-        *_titled(zeros, "Zero errors, corrected"),
+        *titled(table, "Friction at the working speed and the parts of its uncertainty"),
+        *titled(zeros, "Zero errors, corrected"),
     )
     return (Section("Uncertainty of friction", text, tables=tables, anchor="uncertainty"),)
 
@@ -321,7 +256,7 @@ def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Sectio
         return ()
     budget = page_tables.budget_table(results)
     title = "Mean over the speeds, and the parts of its standard uncertainty u"
-    return (Section("Efficiency", drawings=drawings, tables=_titled(budget, title)),)
+    return (Section("Efficiency", drawings=drawings, tables=titled(budget, title)),)
 
 
 def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
@@ -329,7 +264,7 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     if has_rejected(results):
         table = page_tables.rejected_table(results)
         title = f"Rejected runs and why ({len(table.rows)})"
-        causes = _titled(page_tables.cause_table(results), "Reasons, and what to look for")
+        causes = titled(page_tables.cause_table(results), "Reasons, and what to look for")
         subsections.append(Section(tables=causes))
         subsections.append(Section(title, tables=(table,), folded=len(table.rows) > LONG_LIST))
         traces = (_TRACES,) if drawings[1:] else ()
@@ -346,7 +281,7 @@ def _points(results: Results) -> tuple[Section, ...]:
     subsections = [
         Section(
             f"Points of the {name} curves ({len(table.rows)})",
-            tables=_titled(table, f"{name.capitalize()} at each speed, direction and load"),
+            tables=titled(table, f"{name.capitalize()} at each speed, direction and load"),
             folded=True,
             printed=len(table.rows) <= _SHEET,
         )
@@ -360,7 +295,3 @@ def _points(results: Results) -> tuple[Section, ...]:
         return ()
     note = () if all(part.printed for part in subsections) else (_NOT_PRINTED,)
     return (Section("All points", note, parts=tuple(subsections), anchor="points"),)
-
-
-def _titled(table: Table, title: str) -> tuple[Table, ...]:
-    return (replace(table, title=title),) if table.rows else ()

@@ -216,13 +216,16 @@ def balance_table(results: Results) -> Table:
 
 
 def rejected_table(results: Results) -> Table:
-    """Return the rejected runs, each with every reason."""
-    rows = [
-        (*_run(plan), " ".join(f"{capital(_reason_words(reason))}." for reason in run.reasons))
-        for run, plan in _planned(results)
-        if not run.accepted
-    ]
-    return table((*_RUN, "Reason"), rows)
+    """Return the rejected runs, each with its main reason and any further ones."""
+    rows = []
+    for run, plan in _planned(results):
+        if not run.accepted:
+            first, *others = (f"{capital(_reason_words(reason))}." for reason in run.reasons)
+            rows.append((*_run(plan), first, " ".join(others)))
+    if not any(others for *_, others in rows):
+        return table((*_RUN, "Reason"), [row[:-1] for row in rows])
+    further = "Further reasons"
+    return table((*_RUN, "Main reason", further), rows, words=("Main reason", further))
 
 
 def cause_table(results: Results) -> Table:
@@ -232,7 +235,7 @@ def cause_table(results: Results) -> Table:
         (code.replace("_", " ").capitalize(), str(count), str(first[code]), CAUSES.get(code, ""))
         for code, count in reason_counts(results).most_common()
     ]
-    head = ("Reason", "Runs", "As the main reason", "Look for")
+    head = ("Reason", "Runs", "Of these, main reason", "Look for")
     return table(head, rows, words=("Look for",))
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
-from hbench.records import Results, ScreenedRun, Specimen
+from hbench.records import Provenance, Results, ScreenedRun, Specimen
 from hbench.report.campaign.reasons import code_of
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
@@ -24,12 +24,17 @@ def identity_facts(results: Results, label: str = "") -> tuple[tuple[str, str], 
     ``label`` is that of all runs. An imported campaign has the name that its map states for the
     bench.
     """
-    provenance = results.provenance
-    specimen, test = (provenance.settings.get(name, {}) for name in ("specimen", "test"))
-    sizes = ", ".join(f"{name} {specimen[name]}" for name in _SIZES if specimen.get(name))
     specimens = {run.run.plan.specimen for run in results.runs if run.accepted}
-    if not sizes and len(specimens) == 1:
-        sizes = _dimensions(next(iter(specimens)))
+    sizes = _dimensions(next(iter(specimens))) if len(specimens) == 1 else ""
+    return provenance_facts(results.provenance, sizes, label)
+
+
+def provenance_facts(
+    provenance: Provenance, sizes: str = "", label: str = ""
+) -> tuple[tuple[str, str], ...]:
+    """Return ``identity_facts`` of a campaign; ``sizes`` are those if it states none itself."""
+    specimen, test = (provenance.settings.get(name, {}) for name in ("specimen", "test"))
+    stated = ", ".join(f"{name} {specimen[name]}" for name in _SIZES if specimen.get(name))
     where = "hbench run --specimen"
     bench, when = provenance.bench, {"Measured": _period(provenance.started, provenance.stopped)}
     if provenance.source == "imported":
@@ -39,7 +44,7 @@ def identity_facts(results: Results, label: str = "") -> tuple[tuple[str, str], 
         when = {"Measured": measured, "Imported": _time(provenance.started)}
     facts = {
         "Cylinder": specimen.get("serial", "") or f"no serial number recorded ({where})",
-        "Dimensions": sizes,
+        "Dimensions": stated or sizes,
         **{_name(name): specimen.get(name, "") for name in ("maker", "order", "seals", "wear")},
         "Label of the runs": label,
         "Test number": test.get("number", ""),

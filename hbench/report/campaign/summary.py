@@ -68,8 +68,8 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     table_of_series = _table(series, load_cell_n)
     tables = (replace(table_of_series, title=title),) if series else ()
     budget = friction_budget_table(results)
-    folded = True if len(series) > _LONG else None
-    heading = f"Each direction and load ({len(series)})" if folded else ""
+    heading = f"Each direction and load ({len(series)})"
+    folded = (Section(heading, tables=tables, folded=True),) if len(series) > _LONG else ()
     parts = "[[uncertainty]]" if budget.rows else ""
     load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
     facts = (
@@ -84,10 +84,11 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     )
     return Section(
         "Summary",
+        tables=() if folded else tables,
         facts=tuple((name, words) for name, words in facts if words),
         tiles=tuple(headline_tiles(results)),
         parts=(
-            *([Section(heading, tables=tables, folded=folded)] if tables else []),
+            *folded,
             Section(
                 f"Quality of the data: {quality_count(results.quality)}",
                 (RULE,),

@@ -55,7 +55,7 @@ def band_table(differences: CampaignDifferences) -> WordTable:
             if difference is not None:
                 speeds = [number(1e3 * each.v_m_s) for each in (band.a, band.b)]
                 rows.append((words, _where(band), *speeds, *cells(difference, 1.0)))
-    return difference_table("Friction bands", ("Number", "At", "A (mm/s)", "B (mm/s)"), rows)
+    return difference_table("Friction bands", ("Quantity", "At", "A (mm/s)", "B (mm/s)"), rows)
 
 
 def slope_table(differences: CampaignDifferences) -> WordTable:

@@ -16,7 +16,7 @@ from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.render.numbers import NONE, half_width, significant, with_interval
 
 SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
-_MIXED = "not separated from a drift"
+MAY_BE_DRIFT = "may come from a drift"
 _INSTRUMENTS = "U of B\N{NO-BREAK SPACE}−\N{NO-BREAK SPACE}A"
 HEAD = ("B − A ± trials", _INSTRUMENTS, "Verdict", "p (Holm)", "A", "B")
 
@@ -42,7 +42,7 @@ def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[st
 
     ``mixed`` is a difference that a drift may account for.
     """
-    real = _MIXED if mixed else SIGNIFICANT
+    real = MAY_BE_DRIFT if mixed else SIGNIFICANT
     half = None if difference.ci95 is None else scale * difference.ci95
     u95 = None if difference.u95 is None else scale * difference.u95
     return (

@@ -17,6 +17,7 @@ from hbench.records import (
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.series_words import TITLES, kind_words, load_words
 from hbench.report.comparison.cells import label_of, with_names
+from hbench.report.comparison.tables import hidden_curves
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
@@ -24,10 +25,9 @@ from hbench.units import from_si
 
 _CAPTION = (
     "Above: friction of A and B, means of the trials. Below: B minus A. Filled: significant at "
-    "this speed alone, with p corrected for the number of points. Hollow: not significant."
+    "this speed alone, with p corrected for the number of points{drift}. Hollow: not significant."
 )
-
-
+_NOT_DRIFT = ", and not explained by a drift"
 _BANDS_CAPTION = (
     "Above: half bands of A and B, (F extending − F retracting) / 2. Lines: least squares over "
     "pressure. Below: B minus A. Filled: the difference is significant. Hollow: not significant."
@@ -51,7 +51,9 @@ def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
         with rc_context(style.RC):
             figure = draw_pair(curve, differences)
         title = figure.axes[0].get_title("left")
-        sketches.append(Sketch(f"pair-{number + 1}", "comparison", title, _CAPTION, figure))
+        drift = _NOT_DRIFT if hidden_curves(differences) else ""
+        caption = _CAPTION.format(drift=drift)
+        sketches.append(Sketch(f"pair-{number + 1}", "comparison", title, caption, figure))
     return draw_sketches(sketches)
 
 
@@ -85,6 +87,7 @@ def draw_bands(bands: Sequence[BandDifference], differences: CampaignDifferences
         below,
         np.array([_bar(band.a.p_tp_pa) for band in bands]),
         [band.half_n for band in bands],
+        [band.half_n.real for band in bands],
     )
     above.set_ylabel("Half band (N)")
     below.set(xlabel="Chamber pressure (bar)", ylabel="B − A (N)")
@@ -119,7 +122,9 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
         bars = above.errorbar(*_columns(curve), label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
     v = 1e3 * np.abs([point.v_m_s for point in difference.points])
-    _draw_differences(below, v, [point.friction_n for point in difference.points])
+    hidden = any(curve.a is difference.a for curve in hidden_curves(differences))
+    points = [point.friction_n for point in difference.points]
+    _draw_differences(below, v, points, [point.real and not hidden for point in points])
     above.set_ylabel("Friction |F| (N)")
     below.set(xlabel="Speed |v| (mm/s)", ylabel="B − A (N)")
     style.start_at_zero(above)
@@ -133,7 +138,9 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
     return figure
 
 
-def _draw_differences(axes: Axes, x: np.ndarray, differences: Sequence[Difference]) -> None:
+def _draw_differences(
+    axes: Axes, x: np.ndarray, differences: Sequence[Difference], significant: Sequence[bool]
+) -> None:
     """Draw B less A over x, the significant differences filled."""
     u95, ci95 = (
         np.array([_or_nan(getattr(each, name)) for each in differences]) for name in ("u95", "ci95")
@@ -142,7 +149,7 @@ def _draw_differences(axes: Axes, x: np.ndarray, differences: Sequence[Differenc
     axes.axhline(0, color="#374151", linewidth=0.9)
     axes.errorbar(x, values, u95, linestyle="none", color="#000000", elinewidth=5, alpha=0.18)
     axes.errorbar(x, values, ci95, linestyle="none", color="#000000", elinewidth=1.1, capsize=2.5)
-    real = np.array([each.real for each in differences])
+    real = np.array(significant)
     for chosen, face in ((real, "#000000"), (~real, "white")):
         label = "_B − A" if face == "white" else "_B − A, real"
         look = {"color": "#000000", "markerfacecolor": face, "zorder": 4, "label": label}

@@ -1,5 +1,7 @@
 """Tables of a comparison: means, fitted parameters and single speeds."""
 
+from collections.abc import Iterable
+
 from hbench.records import (
     CampaignDifferences,
     CurveDifference,
@@ -11,30 +13,32 @@ from hbench.records import (
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.series_words import TITLES, kind_words, load_words
 from hbench.report.comparison.cells import (
+    MAY_BE_DRIFT,
     NOT_SIGNIFICANT,
     SIGNIFICANT,
     cells,
     difference_table,
     label_of,
 )
-from hbench.report.render.numbers import NONE, half_width, number, with_interval
+from hbench.report.render.numbers import NONE, half_width, number, significant, with_interval
 from hbench.units import from_si
 
 
 def means_tables(differences: CampaignDifferences) -> tuple[WordTable, WordTable]:
     """Return the means over the speeds of friction and of efficiency.
 
-    Where the order of the runs does not separate a drift, friction has its largest part in each
-    difference and the mean over the curves, in which it cancels. A difference of a curve that the
-    drift may account for is not called significant.
+    Friction has the mean over the curves, too, and where the order of the runs does not separate a
+    drift, the drift's largest part in each difference. A difference of a curve that the drift may
+    account for is not called significant.
     """
     friction = [(curve, curve.mean_n) for curve in differences.curves]
     efficiency = [(curve, curve.efficiency) for curve in differences.curves]
     hidden = {id(curve) for curve in hidden_curves(differences)}
+    drift_column = has_drift_column(differences)
     friction_table, efficiency_table = (
         difference_table(
             f"{title}: means over the speeds, and their differences",
-            ("Curve", *(["Drift up to"] if drift else [])),
+            ("Curve", *(["Drift up to (N)"] if drift else [])),
             [
                 (
                     who(curve),
@@ -44,23 +48,22 @@ def means_tables(differences: CampaignDifferences) -> tuple[WordTable, WordTable
                 for curve, each in known
                 if each is not None
             ]
-            + (_over_curves(differences) if drift else []),
+            + rows,
         )
-        for title, scale, known, drift in (
-            ("Friction (N)", 1.0, friction, has_drift_column(differences)),
-            ("Efficiency (%)", 100.0, efficiency, False),
+        for title, scale, known, drift, rows in (
+            ("Friction (N)", 1.0, friction, drift_column, _over_curves(differences, drift_column)),
+            ("Efficiency (%)", 100.0, efficiency, False, []),
         )
     )
     return friction_table, efficiency_table
 
 
 def unseparated(differences: CampaignDifferences) -> list[Drift]:
-    """Return the drifts that are not good and that the order of the runs does not separate."""
+    """Return the drifts that matter and that the order of the runs does not separate."""
     return [
-        check.drift
-        for quality in differences.qualities
-        for check in quality.checks
-        if check.drift is not None and check.grade != "good" and not check.drift.separated
+        drift
+        for drift in differences.drifts
+        if drift is not None and not drift.separated and (drift.significant or drift.hidden)
     ]
 
 
@@ -89,17 +92,25 @@ def _largest_drift(drift: DriftEffect | None) -> str:
     return NONE if drift is None else half_width(drift.largest_n)
 
 
-def _over_curves(differences: CampaignDifferences) -> list[tuple[str, ...]]:
+def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tuple[str, ...]]:
     """Return the row of the mean over the curves; none where it is not known."""
     mean = differences.mean_of_curves
     if mean is None:
         return []
-    count = sum(each.drift_n is not None for each in differences.curves)
     drift = "cancels" if mean.drift_cancels else _largest_drift(mean.drift_n)
     value = with_interval(mean.value_n, mean.half_n).partition(" ± ")[0]
-    verdict = SIGNIFICANT if mean.real else NOT_SIGNIFICANT
-    name = f"mean over all {count} curves"
-    return [(name, drift, value, half_width(mean.half_n), verdict, NONE, NONE, NONE)]
+    verdict = mean_verdict(differences)
+    a, b = (significant(each, 4) for each in (mean.a_n, mean.a_n + mean.value_n))
+    name = (f"mean over all {mean.curves} curves", *([drift] if drift_too else []))
+    return [(*name, value, half_width(mean.half_n), verdict, NONE, a, b)]
+
+
+def mean_verdict(differences: CampaignDifferences) -> str:
+    """Return the verdict on the mean over the curves, which a drift of unknown size may explain."""
+    mean = differences.mean_of_curves
+    if mean is None or not mean.real:
+        return NOT_SIGNIFICANT
+    return MAY_BE_DRIFT if mean.drift_n is None and unseparated(differences) else SIGNIFICANT
 
 
 def parameters_table(differences: CampaignDifferences) -> WordTable:
@@ -115,11 +126,12 @@ def parameters_table(differences: CampaignDifferences) -> WordTable:
 
 def points_table(differences: CampaignDifferences) -> WordTable:
     """Return friction at each speed of the curves with several."""
+    hidden = {id(curve) for curve in hidden_curves(differences)}
     rows: list[tuple[str, ...]] = [
         (
             who(curve),
             number(1e3 * point.v_m_s, 1) + (" *" if point.between else ""),
-            *cells(point.friction_n, 1.0),
+            *cells(point.friction_n, 1.0, id(curve) in hidden),
         )
         for curve in differences.curves
         if len(curve.points) > 1  # a single point is the mean
@@ -131,9 +143,9 @@ def points_table(differences: CampaignDifferences) -> WordTable:
     return difference_table(title, ("Curve", "Velocity (mm/s)"), rows)
 
 
-def single_points(differences: CampaignDifferences) -> list[FrictionDifference]:
+def single_points(curves: Iterable[CurveDifference]) -> list[FrictionDifference]:
     """Return the differences at each speed of the curves with several."""
-    several = (curve for curve in differences.curves if len(curve.points) > 1)
+    several = (curve for curve in curves if len(curve.points) > 1)
     return [point for curve in several for point in curve.points]
 
 
@@ -141,4 +153,4 @@ def who(pair: CurveDifference) -> str:
     """Write label, kind, direction and load of a curve."""
     load = load_words(pair.a.f_load_n, pair.a.p_lr_ref_pa)
     words = (label_of(pair), kind_words(pair.a), TITLES[pair.direction].lower(), load)
-    return ", ".join(filter(None, words))
+    return ", ".join(dict.fromkeys(filter(None, words)))  # a label may be the direction

@@ -20,6 +20,7 @@ from hbench.report.comparison.cells import (
     numbers,
     with_names,
 )
+from hbench.report.comparison.method import READ, SET_UP, drift_facts, method_facts
 from hbench.report.comparison.settings import (
     SERIAL,
     plants_words,
@@ -28,7 +29,6 @@ from hbench.report.comparison.settings import (
     settings_words,
 )
 from hbench.report.comparison.tables import (
-    has_drift_column,
     hidden_curves,
     means_tables,
     parameters_table,
@@ -79,7 +79,7 @@ def differences_text(differences: CampaignDifferences) -> str:
     for table in tables:
         if table.rows:
             lines += [*table_lines(table), ""]
-    strokes = [_SET_UP] if differences.bands else []
+    strokes = [SET_UP] if differences.bands else []
     lines += [f"note: {note}" for note in (*strokes, *differences.notes)]
     text = without_powers("\n".join(lines).rstrip())
     for sign, plain in _PLAIN.items():
@@ -147,8 +147,8 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     for drawing in drawings:
         figures[drawing.section] = (*figures[drawing.section], drawing)
     parameters = [p.value for curve in differences.curves for p in curve.parameters]
-    points = [p.friction_n for p in single_points(differences)]
-    drift_too = bool(hidden_curves(differences)) and any(point.real for point in points)
+    points = [p.friction_n for p in single_points(differences.curves)]
+    hidden = sum(p.friction_n.real for p in single_points(hidden_curves(differences)))
     sections = [
         Section(facts=_data(differences)),
         Section(
@@ -159,7 +159,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Differences of mean friction and efficiency",
             tables=means_tables(differences),
-            facts=_READ + _DRIFT * has_drift_column(differences),
+            facts=READ + drift_facts(differences),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),
@@ -171,12 +171,12 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Speed by speed",
             (
-                _counted("at single speeds", points) + _DRIFT_TOO * drift_too,
+                _counted("at single speeds", points, hidden),
                 *_why(differences, points, _MEANS_OF),
             ),
             parts=_folded("Each speed", points_table(differences)),
         ),
-        Section("How it was computed", facts=_method(differences)),
+        Section("How it was computed", facts=method_facts(differences)),
     ]
     if differences.notes:
         sections.append(Section("Not compared", items=differences.notes))
@@ -225,11 +225,13 @@ def _settings_section(differences: CampaignDifferences) -> Section:
     return Section("Settings that differ", (_NONE_DIFFERS, *plants), anchor=_SETTINGS)
 
 
-def _counted(what: str, differences: Sequence[Difference]) -> str:
-    real = sum(difference.real for difference in differences)
+def _counted(what: str, differences: Sequence[Difference], hidden: int = 0) -> str:
+    """Count the significant differences, without the ``hidden`` ones: they may come from drift."""
+    real = sum(difference.real for difference in differences) - hidden
     verb = "is" if real == 1 else "are"
+    drift = f"; {hidden} more may come from a drift" if hidden else ""
     return (
-        f"{real} of {len(differences)} differences {what} {verb} significant. "
+        f"{real} of {len(differences)} differences {what} {verb} significant{drift}. "
         "comparison.json contains each."
     )
 
@@ -273,51 +275,6 @@ _MEANS_OF = (
     "corrected for."
 )
 _LONG = 12  # rows; a longer table starts folded
-_READ = (
-    ("± trials", "Half-width of the 95 % interval of the trials alone."),
-    ("U", "Expanded uncertainty: of the trials, the instruments and any significant drift within a "
-     "campaign. It does not contain what changes when the cylinder is mounted again. It can be a "
-     "little smaller than that of the trials, since its coverage factor is smaller."),
-    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They have "
-     "more digits than it allows, as the difference needs them."),
-)  # fmt: skip
-_DRIFT = (
-    ("Drift up to", "Part of a difference that a drift may account for. U does not contain it. It "
-     "cancels in the mean over all curves if it is a straight line over time."),
-)  # fmt: skip
-_DRIFT_TOO = " A drift may account for such a difference too."
-_SET_UP = (
-    "Where the strokes of one file are trials, their interval does not contain what mounting a "
-    "seal again would change."
-)
-_METHOD = (
-    ("Friction", "A point is the mean of its trials, as a magnitude. The interval by the trials is "
-     "that of Welch's t; U is the expanded uncertainty for a coverage probability of 95 %."),
-    ("p (Holm)", "Probability of a difference this large between equal cylinders, by the trials "
-     "alone, corrected after Holm for the number of differences of its kind. A difference is "
-     "significant where p is below 0.05 and the difference exceeds its U."),
-    ("Speeds", "Speeds within 2 % count as the same, and within 20 % where no speed was set, as in "
-     "strokes cut from a cycle. If a campaign has several labels, curves of equal labels are "
-     "compared."),
-    ("Means", "A mean has equal weights at all speeds of A that B has too, or that lie between two "
-     "speeds of B. Steady runs count as independent, although drift may link those of a pass. The "
-     "points of a ramp or of steps come from the same strokes, so each trial counts once, with its "
-     "mean."),
-    ("Drift", "A drift is a straight line over the time of a campaign, estimated from trials of "
-     "the same point at different times. It changes the mean of a curve by its rate times the time "
-     "between the curve and the middle of the campaign. Where both campaigns have the same order "
-     "of runs, only the difference of their drifts counts; in the mean over all curves a drift "
-     "cancels within each campaign. comparison.json contains the part of each difference."),
-)  # fmt: skip
-_BANDS = (
-    "Compared at equal loads, or at pressures within 5 %. Half bands, middles and energies are "
-    f"tested by their trials, slopes by their standard errors. {_SET_UP}"
-)
-
-
-def _method(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
-    bands = (("Bands", _BANDS),) if differences.bands else ()
-    return (*_METHOD, *bands)
 
 
 def _identity(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:

@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from hbench.records import CampaignDifferences, Difference, Drift
-from hbench.report.campaign.quality import missing_words
+from hbench.records import CampaignDifferences, Difference, Drift, MeanOfCurves
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
 from hbench.report.comparison.tables import is_beyond_drift, unseparated, who
@@ -21,11 +20,11 @@ _REMEDY = "To compare single curves, measure both again with order: random in th
 
 
 def alarm(differences: CampaignDifferences) -> str:
-    """Return a sentence on each campaign that is incomplete or whose data is poor."""
+    """Return a sentence on each campaign that was not completed or whose data is poor."""
     sentences = []
     for name, quality in zip("AB", differences.qualities, strict=True):
         faults = (
-            "is incomplete" if missing_words(quality.completeness) else "",
+            "is incomplete" if quality.completeness.not_completed else "",
             "has poor data" if quality.grade == "poor" else "",
         )
         if any(faults):
@@ -41,40 +40,87 @@ def headline(differences: CampaignDifferences) -> str:
         if quality.grade == "with care"
     ]
     care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
-    sure, drift = _drift(differences)
     found = [band_verdict(differences)]
-    if not found[0] and not sure:
-        found = [_verdict(differences), _efficiency_verdict(differences)]
-    return " ".join(filter(None, (sure, *found, drift, _warmer(differences), care)))
+    if not found[0]:
+        over = _over_curves(differences)
+        sure = bool(over) and bool(unseparated(differences))
+        efficiency = "" if sure else _efficiency_verdict(differences)
+        found = [over or _verdict(differences), efficiency]
+    drift = _drift(differences, bool(band_verdict(differences)))
+    return " ".join(filter(None, (*found, drift, _warmer(differences), care)))
 
 
-def _drift(differences: CampaignDifferences) -> tuple[str, str]:
-    """Return a significant difference in which a drift cancels, and the drift of the others.
+def _over_curves(differences: CampaignDifferences) -> str:
+    """State a significant mean difference over all curves; empty where not all have its sign."""
+    mean = differences.mean_of_curves
+    if mean is None or not mean.real:
+        return ""
+    means = [curve.mean_n for curve in differences.curves if curve.mean_n is not None]
+    real = [each for each in means if each.real]
+    if any((each.value > 0) != (mean.value_n > 0) for each in real):
+        return ""
+    a, b = differences.names
+    way = "higher" if mean.value_n > 0 else "lower"
+    size = with_interval(abs(mean.value_n), mean.half_n)
+    share = f" ({significant(100 * abs(mean.value_n) / mean.a_n, 2)} %)" if mean.a_n > 0 else ""
+    words = (
+        f"Friction of {b} is {size} N{share} {way} than that of {a}, in the mean over all "
+        f"{mean.curves} curves."
+    )
+    if unseparated(differences):
+        return words
+    if not real:
+        return f"{words} The difference of no single curve is significant."
+    sizes = alike([abs(each.value) for each in real])
+    return f"{words} It is significant in {len(real)} of {len(means)} curves, by {sizes} N."
 
-    That is a drift which the order of the runs does not separate; both are empty without one. The
-    first is also empty where no drift accounts for the differences of the curves.
-    """
+
+def _drift(differences: CampaignDifferences, bands: bool) -> str:
+    """State the drift that the order of the runs does not separate; empty without one."""
     mixed = unseparated(differences)
     if not mixed:
-        return "", ""
-    in_u = any(drift.significant for drift in mixed)
+        return ""
     effects = [each.drift_n for each in differences.curves if each.drift_n is not None]
     if not effects:
-        return "", f"{_unknown_part(differences, mixed)} {_REMEDY}"
+        return f"{_unknown_part(differences, mixed)} {_REMEDY}"
     largest = f"{half_width(max(each.largest_n for each in effects))} N"
     part = f"may account for up to {largest} of the difference of a curve"
-    part += "" if in_u else " and is not part of U"
+    part += "" if any(drift.significant for drift in mixed) else " and is not part of U"
     if not any_significant(differences):
-        return "", f"A drift may hide a difference: it {part}. {_REMEDY}"
+        return f"A drift may hide a difference: it {part}. {_REMEDY}"
     if _all_beyond_drift(differences):
-        return "", f"A drift {part}; the differences are larger."
-    words = f"A drift {part}: the order of the runs does not separate the two."
-    over, sure = _over_curves(differences)
-    if sure:
-        sizes = [abs(c.mean_n.value) for c in differences.curves if c.mean_n and c.mean_n.real]
-        single = f"The difference of a single curve ({alike(sizes)} N)"
-        return over, f"{single} may come from a drift of up to {largest}. {_REMEDY}"
-    return "", " ".join(filter(None, (words, over, _REMEDY)))
+        return f"A drift {part}; the differences are larger."
+    mean = differences.mean_of_curves
+    if mean is None or bands or not _over_curves(differences):
+        return (
+            f"A drift {part}: the order of the runs does not separate the two. {_mean(differences)}"
+            f"{_REMEDY}"
+        )
+    sizes = [abs(c.mean_n.value) for c in differences.curves if c.mean_n and c.mean_n.real]
+    if not sizes:
+        return f"A linear drift {_in_mean(mean)}. {_REMEDY}"
+    return (
+        f"A linear drift {_in_mean(mean)}. In a single curve, a drift of up to {largest} may "
+        f"account for the difference ({alike(sizes)} N). {_REMEDY}"
+    )
+
+
+def _mean(differences: CampaignDifferences) -> str:
+    """State that the mean over all curves does not differ significantly; empty if not known."""
+    mean = differences.mean_of_curves
+    if mean is None or mean.real:
+        return ""
+    size = with_interval(mean.value_n, mean.half_n)
+    return (
+        f"The mean difference over all {mean.curves} curves, {size} N, is not significant; a "
+        f"linear drift {_in_mean(mean)}. "
+    )
+
+
+def _in_mean(mean: MeanOfCurves) -> str:
+    if mean.drift_cancels or mean.drift_n is None:
+        return "cancels in this mean"
+    return f"accounts for at most {half_width(mean.drift_n.largest_n)} N of this mean"
 
 
 def _unknown_part(differences: CampaignDifferences, mixed: Sequence[Drift]) -> str:
@@ -84,9 +130,13 @@ def _unknown_part(differences: CampaignDifferences, mixed: Sequence[Drift]) -> s
     else:
         what = "A drift may hide a difference"
     if any(drift.significant for drift in mixed):
-        return f"{what}: friction drifted, and the order of the runs mixes this with speed."
-    most = number(max(drift.possible_percent for drift in mixed), 0)
-    return f"{what}: a drift of up to {most} % within a campaign is possible and is not part of U."
+        why = "friction drifted, and the order of the runs mixes this with speed"
+    else:
+        most = number(max(drift.possible_percent for drift in mixed), 0)
+        why = f"a drift of up to {most} % within a campaign is possible and is not part of U"
+    undated = any(drift.of_unknown_size for drift in mixed)
+    times = " The times of the runs are not known, so its size is uncertain." if undated else ""
+    return f"{what}: {why}.{times}"
 
 
 def _all_beyond_drift(differences: CampaignDifferences) -> bool:
@@ -96,27 +146,6 @@ def _all_beyond_drift(differences: CampaignDifferences) -> bool:
         for curve in differences.curves
         if curve.mean_n is not None and curve.mean_n.real
     )
-
-
-def _over_curves(differences: CampaignDifferences) -> tuple[str, bool]:
-    """State the difference over all curves, in which a drift cancels; and if it is significant.
-
-    Empty where it is not known.
-    """
-    mean = differences.mean_of_curves
-    if mean is None:
-        return "", False
-    way = "higher" if mean.value_n > 0 else "lower"
-    count = sum(each.drift_n is not None for each in differences.curves)
-    most = mean.drift_n.largest_n
-    drift = "cancels" if mean.drift_cancels else f"is at most {half_width(most)} N"
-    a, b = differences.names
-    words = (
-        f"Friction of {b} is {significant(abs(mean.value_n), 2)} N {way} than that of {a} "
-        f"(U at most {half_width(mean.half_n)} N), in the mean over all {count} curves, in which a "
-        f"linear drift {drift}"
-    )
-    return (f"{words}." if mean.real else f"{words}; this is not significant."), mean.real
 
 
 def any_significant(differences: CampaignDifferences) -> bool:
@@ -178,8 +207,8 @@ def _efficiency_verdict(differences: CampaignDifferences) -> str:
     way = "higher" if values[0] > 0 else "lower"
     halves = [100 * mean.u95 for mean in real if mean.u95]
     widest = f" (U up to {half_width(max(halves))})" if len(halves) == len(real) else ""
-    sizes = dict.fromkeys(significant(f(map(abs, values)), 2) for f in (min, max))
-    return f"Efficiency is {way} in {count}, by {'–'.join(sizes)} percentage points{widest}."
+    sizes = alike([abs(value) for value in values])
+    return f"Efficiency is {way} in {count}, by {sizes} percentage points{widest}."
 
 
 def _largest(mean: Difference) -> str:

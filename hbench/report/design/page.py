@@ -79,7 +79,8 @@ def _loops(
     """
     others = loop_words.FOLDED.format(gains=folded) if folded else ""
     rows = tuple(tuple(map(_merit, row)) for row in loop_words.loop_rows(loops, tick_s))
-    table = Table(_LOOP_HEAD, rows, frozenset({"Loop", "K_c", "Model"}))
+    title = f"Bandwidth, margins and step response with the {gains} gains"
+    table = Table(_LOOP_HEAD, rows, frozenset({"Loop", "K_c", "Model"}), title=title)
     figures = {
         loop.name: tuple(each for each in drawings if each.section == section_of(gains, loop))
         for loop in loops

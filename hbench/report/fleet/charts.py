@@ -30,8 +30,8 @@ _AMOUNTS = {
 }
 
 
-def change_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield steps, campaigns beyond the control limits, and significant wear."""
+def step_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield the steps of the mean, a sentence for each first campaign."""
     steps: dict[str, list[str]] = {}
     largest: dict[str, float] = {}
     for chart in fleet.charts:
@@ -49,13 +49,26 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''} "
             f"(p at most {significant(largest[at], 2)})."
         )
+
+
+def because_of_step(fleet: Fleet) -> str:
+    """Return that a step may be why campaigns are beyond control limits; empty without one."""
+    outside = [chart for chart in fleet.charts if chart.outside]
+    if not any(chart.step is not None and chart.step.real for chart in outside):
+        return ""
+    return ", which the change may explain: the limits assume a constant mean"
+
+
+def limit_and_wear_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield the campaigns beyond the control limits, and significant wear."""
     beyond: dict[str, list[str]] = {}
     for chart in fleet.charts:
         for name in chart.outside:
             beyond.setdefault(name, []).append(_side_of_limits(chart, name))
     if beyond:
         names = [f"{name} ({'; '.join(sides)})" for name, sides in beyond.items()]
-        yield f"Campaigns beyond the control limits: {named(tuple(names)[:_NAMED], len(beyond))}."
+        which = named(tuple(names)[:_NAMED], len(beyond))
+        yield f"Campaigns beyond the control limits: {which}{because_of_step(fleet)}."
     for trend in fleet.wear:
         if trend.real:
             yield (
@@ -80,7 +93,7 @@ def chart_table(fleet: Fleet) -> WordTable:
                 str(chart.moved),
             )
         )
-    head = ("Number", "Campaigns", "Mean", "Limits", "Beyond them", "Moving ranges beyond")
+    head = ("Quantity", "Campaigns", "Mean", "Limits", "Beyond them", "Moving ranges beyond")
     return WordTable("Control charts", head, tuple(rows))
 
 
@@ -91,7 +104,7 @@ def signal_table(fleet: Fleet) -> WordTable:
         for chart in fleet.charts
         for signal in chart.signals
     )
-    return WordTable("Signals of the control charts", ("Number", "Rule", "Points", "At"), rows)
+    return WordTable("Signals of the control charts", ("Quantity", "Rule", "Points", "At"), rows)
 
 
 def step_table(fleet: Fleet) -> WordTable:
@@ -115,7 +128,15 @@ def step_table(fleet: Fleet) -> WordTable:
                 "step" if step.real else "not significant",
             )
         )
-    head = ("Number", "From campaign", "Mean before", "After", "Step (95 %)", "p (Holm)", "Verdict")
+    head = (
+        "Quantity",
+        "From campaign",
+        "Mean before",
+        "After",
+        "Step (95 %)",
+        "p (Holm)",
+        "Verdict",
+    )
     return WordTable("Change points", head, tuple(rows))
 
 
@@ -177,7 +198,7 @@ def wear_table(fleet: Fleet) -> WordTable:
         )
         for trend in fleet.wear
     ]
-    head = ("Cylinder", "Number", "Over", "Campaigns", "Slope", "p (Holm)", "Verdict")
+    head = ("Cylinder", "Quantity", "Over", "Campaigns", "Slope", "p (Holm)", "Verdict")
     return WordTable("Wear", head, tuple(rows))
 
 

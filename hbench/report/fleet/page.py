@@ -151,7 +151,7 @@ def _deviations(fleet: Fleet) -> Section:
     table = _worst(fleet)
     if not fleet.outliers:
         none = ("No campaign deviates significantly.",)
-        each = Section("Those nearest to it", (_CORRECTED,), tables=(table,), folded=True)
+        each = Section(f"The {_LEAST} largest", (_CORRECTED,), tables=(table,), folded=True)
         return Section("Largest deviations", none, parts=(each,), anchor="worst")
     if fleet.outliers >= _LEAST:
         return Section("Outliers", tables=(table,), anchor="worst")
@@ -275,7 +275,7 @@ def _worst(fleet: Fleet) -> Table:
             (Cell(name, flag, suspect.report), *numbers, Cell("; ".join(filter(None, remarks))))
         )
     last = "Started; remarks"
-    text_columns = frozenset({"Campaign", "Number", last})
+    text_columns = frozenset({"Campaign", "Quantity", last})
     return Table(("Campaign", *WORST_HEAD[:-1], last), tuple(rows), text_columns)
 
 

@@ -63,7 +63,7 @@ def limits_table(fleet: Fleet) -> WordTable:
             )
         )
     head = (
-        "Number",
+        "Quantity",
         "s_r",
         "s_R",
         "Limit r",
@@ -97,7 +97,7 @@ def components_table(fleet: Fleet) -> WordTable:
                     _anova(source, study.quantity.scale),
                 )
             )
-    head = ("Number", "Source", "Levels", "σ (95 %)", "Share of variance", "σ by ANOVA")
+    head = ("Quantity", "Source", "Levels", "σ (95 %)", "Share of variance", "σ by ANOVA")
     return WordTable("Variance components", head, tuple(rows))
 
 

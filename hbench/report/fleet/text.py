@@ -185,7 +185,7 @@ def spread_table(fleet: Fleet) -> WordTable:
     if any(few) and not all(few):
         ends += f", or all of fewer than {FEWEST_CAMPAIGNS}"
     between = "σ between campaigns (95 %)"
-    head = ("Number", "Campaigns", "Median", ends, between, "σ by the trials")
+    head = ("Quantity", "Campaigns", "Median", ends, between, "σ by the trials")
     kept = [i for i in range(len(head)) if head[i] != between or not all(few)]
     return WordTable(
         "Distributions",
@@ -230,7 +230,7 @@ def trend_table(fleet: Fleet) -> WordTable:
                 )
             )
     unit = "a day" if fleet.by_date else "a campaign"
-    head = ("Number", "Change over the span", f"Slope {unit}", "p (Holm)", "Verdict")
+    head = ("Quantity", "Change over the span", f"Slope {unit}", "p (Holm)", "Verdict")
     return WordTable("Drifts", head, tuple(rows))
 
 
@@ -247,7 +247,15 @@ def worst_table(fleet: Fleet, most: int) -> WordTable:
     return WordTable("Largest deviations", ("Campaign", *WORST_HEAD), rows)
 
 
-WORST_HEAD = ("Number", "Value", "Expected", "Deviation (σ)", "Outlier beyond (σ)", "p", "Verdict")
+WORST_HEAD = (
+    "Quantity",
+    "Value",
+    "Expected",
+    "Deviation (σ)",
+    "Outlier beyond (σ)",
+    "p",
+    "Verdict",
+)
 
 
 def cells(shown: Suspect) -> tuple[str, ...]:

@@ -3,7 +3,14 @@
 from collections.abc import Iterator
 
 from hbench.records import FEWEST_CAMPAIGNS, Fleet, Quantity, Side, Spread, Suspect, Trend
-from hbench.report.fleet.charts import CHECK_WHAT, change_sentences, named, step_size
+from hbench.report.fleet.charts import (
+    CHECK_WHAT,
+    because_of_step,
+    limit_and_wear_sentences,
+    named,
+    step_sentences,
+    step_size,
+)
 from hbench.report.fleet.names import (
     WORKING_SPEED,
     folder_name,
@@ -34,8 +41,13 @@ def fleet_verdict(fleet: Fleet) -> str:
     """Return decisions, failures, friction and what is conspicuous, in a few short sentences."""
     sentences = [f"Decisions: {decision_words(fleet)}."] if fleet.decisions else []
     passed = fleet.decisions == (("PASS", fleet.campaigns),)
+    changes = _changes(fleet)
+    changed = "; ".join(f"{' and '.join(sizes)} changed from {at} on" for at, sizes in changes)
     if passed:
-        sentences = [f"All {fleet.campaigns} campaigns have the decision PASS."]
+        but = f", but {changed}" if changed else ""
+        sentences = [f"All {fleet.campaigns} campaigns have the decision PASS{but}."]
+    elif changed:
+        sentences.append(f"{capital(changed)}.")
     if fleet.failed:
         sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analysed.")
     analyzed = fleet.campaigns - fleet.failed
@@ -49,7 +61,7 @@ def fleet_verdict(fleet: Fleet) -> str:
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
-    found = [*_friction_words(fleet), *_conspicuous_words(fleet)]
+    found = [*_change_words(changes), *_friction_words(fleet), *_conspicuous_words(fleet)]
     if passed and not (fleet.incomplete or poor or any(_to_be_checked(fleet))):
         few = f"; changes over time are tested from {FEWEST_CAMPAIGNS} campaigns on"
         found.append(f"Next step: none{few if fleet.compared < FEWEST_CAMPAIGNS else ''}.")
@@ -96,42 +108,54 @@ def _largest_interval(fleet: Fleet, spreads: list[Spread]) -> str:
     return f"; 95 % intervals up to ±{half_width(quantity.scale * max(halves))} {quantity.unit}"
 
 
-def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
-    """Yield what is to be looked into: steps with their first size, outliers and drifts."""
-    steps: dict[str, dict[str, str]] = {}
+def _changes(fleet: Fleet) -> list[tuple[str, dict[str, list[str]]]]:
+    """Return the first campaigns of steps; for each quantity, its step of each direction."""
+    steps: dict[str, dict[str, list[str]]] = {}
     for chart in fleet.charts:
         if chart.step is not None and chart.step.real:
-            title = in_sentence(chart.quantity)
             size = f"{step_size(chart.step, chart.quantity.scale)} {of_change(chart.quantity.unit)}"
+            side = of_side(chart.direction).removeprefix(",")
             sizes = steps.setdefault(chart.step.name, {})
-            sizes.setdefault(title, f"{title}{of_side(chart.direction)}, by {size}")
-    for at, sizes in list(steps.items())[:_NAMED]:
-        first = next(iter(sizes.values()))
-        yield capital(f"{' and '.join(sizes)} changed from {at} on ({first}): {CHECK_WHAT}.")
-    beyond = tuple(dict.fromkeys(name for chart in fleet.charts for name in chart.outside))
-    if beyond:
-        verb = "is" if len(beyond) == 1 else "are"
-        which = named(beyond[:_NAMED], len(beyond))
-        count = f"{len(beyond)} of {fleet.compared} campaigns"
-        yield f"{count} {verb} beyond a control limit ({which})."
-    if fleet.outliers:
-        verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
-        yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
-    elif any(suspect.deviations for suspect in fleet.worst):
-        yield "No campaign is an outlier."
+            sizes.setdefault(in_sentence(chart.quantity), []).append(f"{size}{side}")
+    return list(steps.items())[:_NAMED]
+
+
+def _change_words(changes: list[tuple[str, dict[str, list[str]]]]) -> Iterator[str]:
+    """Yield the sizes of the steps of the first quantity, and what to check."""
+    for at, sizes in changes:
+        title, each = next(iter(sizes.items()))
+        there = f" from {at} on" if len(changes) > 1 else ""
+        yield f"The change of {title}{there} is {' and '.join(each)}: {CHECK_WHAT}."
+
+
+def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
+    """Yield what else is to be looked into: drifts, single campaigns and outliers."""
     known = steady_trends(fleet)
     drifts = sum(trend.real for trend in known)
     if drifts:
         without = "without such a change " if stepped_numbers(fleet) else ""
         verb = "drifts" if drifts == 1 else "drift"
         yield f"{drifts} of {len(known)} numbers {without}{verb} significantly."
+    beyond = tuple(dict.fromkeys(name for chart in fleet.charts for name in chart.outside))
+    if beyond:
+        verb = "is" if len(beyond) == 1 else "are"
+        which = named(beyond[:_NAMED], len(beyond))
+        count = f"{len(beyond)} of {fleet.compared} campaigns"
+        yield f"{count} {verb} beyond a control limit ({which}){because_of_step(fleet)}."
+    if fleet.outliers:
+        verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
+        yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
+    elif any(suspect.deviations for suspect in fleet.worst):
+        yield "No campaign is an outlier by itself."
 
 
 def finding_sentences(fleet: Fleet) -> Iterator[str]:
     """Yield steps, wear, outliers and drifts with their numbers."""
     if not fleet.spreads:
         return
-    yield from change_sentences(fleet)
+    yield from step_sentences(fleet)
+    yield from _drift_sentences(fleet)
+    yield from limit_and_wear_sentences(fleet)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         names = [_outlier_words(suspect) for suspect in fleet.worst[: fleet.outliers]]
@@ -142,6 +166,10 @@ def finding_sentences(fleet: Fleet) -> Iterator[str]:
         yield some if fleet.outliers else _NO_OUTLIER + narrower
     else:
         yield "Outliers are not identified: that takes at least 10 campaigns of the same kind."
+
+
+def _drift_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield the significant drifts; where all of them have a step too, as that step."""
     drifts = [
         _drift(spread, spread.trend)
         for spread in fleet.spreads
@@ -149,15 +177,12 @@ def finding_sentences(fleet: Fleet) -> Iterator[str]:
     ]
     if drifts:
         more = f"; and {len(drifts) - _NAMED} more" if len(drifts) > _NAMED else ""
-        yield f"Significant drift: {'; '.join(drifts[:_NAMED])}{more}.{_step_instead(fleet)}"
+        of = {(s.quantity, s.direction) for s in fleet.spreads if s.trend and s.trend.real}
+        same = "The same change as a straight line over time"
+        title = same if of <= stepped_numbers(fleet) else "Significant drift"
+        yield f"{title}: {'; '.join(drifts[:_NAMED])}{more}."
     elif any(spread.trend is not None for spread in fleet.spreads):
         yield "No drift is significant."
-
-
-def _step_instead(fleet: Fleet) -> str:
-    """Remark that the drifting numbers also have a step, if all of them do."""
-    drifts = {(s.quantity, s.direction) for s in fleet.spreads if s.trend and s.trend.real}
-    return " A step, as above, appears as a drift too." if drifts <= stepped_numbers(fleet) else ""
 
 
 def stepped_numbers(fleet: Fleet) -> set[tuple[Quantity, Side]]:

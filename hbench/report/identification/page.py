@@ -1,12 +1,13 @@
 """The page of an identification."""
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import in_words, law_words
+from hbench.report.campaign.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
 from hbench.report.identification.ranking import best_law, ranked_laws
 from hbench.report.identification.text import (
@@ -15,13 +16,14 @@ from hbench.report.identification.text import (
     PARAMETERS,
     RAMPS,
     SUMMARY,
+    error_range,
     identification_tables,
     reasons,
 )
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike, number
+from hbench.report.render.numbers import alike
 
 _SOURCE = (
     "Laws and verification profile",
@@ -71,7 +73,7 @@ _SCATTER = (
 _RAMPS = (
     "Friction during a ramp can differ from that of steady runs. One Tustin law is fitted to the "
     "steady runs of a load and direction, and another to a ramp from breakaway on. During ramps "
-    "the steady law has an RMS error of {errors} N."
+    "the steady law has an RMS error of {errors} N, at steady speeds one of {steady} N."
 )
 
 
@@ -124,7 +126,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     )
     return document(
         "Friction laws of the test cylinder",
-        f"Campaign {provenance.name} of {provenance.started[:10]}; bench {provenance.bench}.",
+        "Identified from measured runs, and verified on others",
         tuple(
             section
             for section in sections
@@ -132,6 +134,19 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         ),
         verdict_words(identification),
         provenance.source,
+        _identity(identification),
+    )
+
+
+def _identity(identification: Identification) -> tuple[tuple[str, str], ...]:
+    """Return what was measured, where and when, and of which runs the laws are."""
+    used = {run for law in identification.laws for run in law.runs}
+    verified = len(identification.verification_runs)
+    runs = f"laws from {len(used)} runs, verified on {verified} others"
+    return (
+        ("Campaign", identification.provenance.name),
+        *provenance_facts(identification.provenance),
+        ("Runs", runs),
     )
 
 
@@ -149,7 +164,7 @@ def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...
     if not all(kinds):
         return ()
     unsteady, steady = (
-        [_ends([law.errors[part].friction_n for law in laws]) for laws in kinds]
+        [error_range([law.errors[part].friction_n for law in laws]) for laws in kinds]
         for part in ("unsteady", "steady")
     )
     names = [", ".join(law_words(law.law) for law in laws) for laws in kinds]
@@ -163,15 +178,11 @@ def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...
     return ("Kinds of laws", words), *([("Simulated", _SIMULATED)] if simulated else [])
 
 
-def _ends(errors_n: Collection[float]) -> str:
-    """Write the smallest and the largest error with the decimals of the tables."""
-    return "–".join(dict.fromkeys(number(end, 1) for end in (min(errors_n), max(errors_n))))
-
-
 def _ramp_words(identification: Identification) -> tuple[str, ...]:
     """Return what the ramps' table is of, and how well the steady law predicts ramps."""
     errors = [ramp.steady_on_ramp_n for ramp in identification.ramps]
-    return (_RAMPS.format(errors=alike(errors)),) if errors else ()
+    steady = [ramp.steady_on_steady_n for ramp in identification.ramps]
+    return (_RAMPS.format(errors=alike(errors), steady=error_range(steady)),) if errors else ()
 
 
 def _remarks(identification: Identification) -> Section:
@@ -184,7 +195,7 @@ def _remarks(identification: Identification) -> Section:
             facts += _by_direction(law_words(law), rest)
         else:
             items.append(_sentences(f"{law_words(law)}{colon}{rest}"))
-    title = "Missing or uncertain results, and source"
+    title = "Remarks and source"
     if left_out:
         facts.append(("Runs left out", in_words(left_out)))
     return Section(title, items=tuple(items), facts=(*facts, _SOURCE))

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -167,6 +167,11 @@ def _summary(identification: Identification) -> WordTable:
 def _rms_words(errors: Mapping[str, ModelErrors], parts: Iterable[str]) -> str:
     error = rms_n(errors[part] for part in parts if part in errors)
     return number(error, 1)
+
+
+def error_range(errors_n: Collection[float]) -> str:
+    """Write the smallest and the largest error with the decimals of the tables."""
+    return "–".join(dict.fromkeys(number(end, 1) for end in (min(errors_n), max(errors_n))))
 
 
 def undetermined_words(fit: Fit) -> list[str]:

@@ -7,8 +7,8 @@ import numpy as np
 from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
-from hbench.report.identification.text import undetermined_words
-from hbench.report.render.numbers import number, significant, span
+from hbench.report.identification.text import error_range, undetermined_words
+from hbench.report.render.numbers import alike, number, significant, span
 from hbench.report.render.symbols import listed
 
 
@@ -16,24 +16,36 @@ def verdict_words(identification: Identification) -> str:
     """Return the best laws, how they were verified, and the next step."""
     if identification.not_verified:
         return f"{identification.not_verified[0].upper()}{identification.not_verified[1:]}."
+    return " ".join(
+        filter(
+            None, (_closest(identification), _method(identification), _next_step(identification))
+        )
+    )
+
+
+def _method(identification: Identification) -> str:
     count = len(identification.verification_runs)
     return (
-        f"{_closest(identification)}Each law was simulated in a model of the bench, with the "
-        f"firmware in closed loop, over {count} verification runs, which were not "
-        f"used for the identification.{_next_step(identification)}"
-    ).strip()
+        f"Each law was simulated in a model of the bench, with the firmware in closed loop, over "
+        f"{count} verification runs, which were not used for the identification."
+    )
 
 
 def _closest(identification: Identification) -> str:
-    """Name the laws with the smallest errors of friction in motion."""
-    errors = errors_in_motion(identification)
-    if not errors:
+    """Name the law to use with its error of friction in motion, and those as good as it."""
+    best = best_law(identification)
+    if not best:
         return ""
-    best = equally_good(errors)
-    names = [f"{law_words(law)} ({number(error, 1)} N)" for law, error in best.items()]
-    verb = "predicts" if len(best) == 1 else "predict"
-    measured = _range(identification)
-    return f"{' and '.join(names)} {verb} friction in motion best, by RMS error{measured}. "
+    errors = errors_in_motion(identification)
+    words = (
+        f"Use {law_words(best)}: it predicts friction in motion with an RMS error of "
+        f"{number(errors[best], 1)} N{_range(identification)}."
+    )
+    worse = {law: error for law, error in errors.items() if law not in equally_good(errors)}
+    others = f"The errors of the other laws are {error_range(worse.values())} N." if worse else ""
+    if len(worse) == 1:
+        others = f"The error of {law_words(*worse)} is {error_range(worse.values())} N."
+    return " ".join(filter(None, (words, _as_good(identification, best), others)))
 
 
 def _range(identification: Identification) -> str:
@@ -42,8 +54,27 @@ def _range(identification: Identification) -> str:
     friction = [abs(point.friction_n) for curve in curves for point in curve.points]
     if not friction:
         return ""
-    low, high = (significant(end, 3) for end in (min(friction), max(friction)))
-    return f"; the measured steady friction is {low} to {high} N"
+    return f" at a measured steady friction of {alike(friction)} N"
+
+
+def _as_good(identification: Identification, best: str) -> str:
+    """Name the laws that are as good as the one to use, and why it is preferred; else empty."""
+    errors = errors_in_motion(identification)
+    fits = {law.law: law.fit for law in identification.laws if law.fit is not None}
+    others = [law for law in equally_good(errors) if law != best]
+    if not others:
+        return ""
+    counts = [len(fits[law].undetermined) if law in fits else 0 for law in (best, *others)]
+    names = listed([f"{law_words(law)} ({number(errors[law], 1)} N)" for law in others])
+    verb = "is" if len(others) == 1 else "are"
+    if counts[0] == min(counts[1:]):
+        return f"{names} {verb} as good."
+    more = listed([str(count) for count in counts[1:]])
+    has = "has" if len(others) == 1 else "have"
+    return (
+        f"{names} {verb} as good, but {has} more undetermined parameters ({more} instead of "
+        f"{counts[0]})."
+    )
 
 
 def _next_step(identification: Identification) -> str:
@@ -54,23 +85,9 @@ def _next_step(identification: Identification) -> str:
     fits = {law.law: law.fit for law in identification.laws if law.fit is not None}
     unknown = undetermined_words(fits[best]) if best in fits else []
     return (
-        f" Next step: simulate with hbench run --plant {best}.yaml.{_choice(identification, best)}"
+        f"Next step: simulate with hbench run --plant {best}.yaml."
         f"{_reserve(identification, unknown)}"
     )
-
-
-def _choice(identification: Identification, best: str) -> str:
-    """State why one of several equally good laws is used; empty for a single one."""
-    fits = {law.law: law.fit for law in identification.laws if law.fit is not None}
-    others = [law for law in equally_good(errors_in_motion(identification)) if law != best]
-    if not others:
-        return ""
-    counts = [len(fits[law].undetermined) if law in fits else 0 for law in (best, *others)]
-    names = listed([f"{other}.yaml" for other in others])
-    if counts[0] == min(counts[1:]):
-        return f" Its error and its number of undetermined parameters are those of {names} too."
-    against = listed([str(count) for count in counts[1:]])
-    return f" It has fewer undetermined parameters ({counts[0]}) than {names} ({against})."
 
 
 def _reserve(identification: Identification, unknown: Sequence[str]) -> str:

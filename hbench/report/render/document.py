@@ -19,7 +19,9 @@ from hbench.report.render.style import DARK
 from hbench.report.render.symbols import pieces
 from hbench.report.render.word_tables import Cell, Table
 
-_NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
+_NUMBER = re.compile(
+    r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|cancels|"
+)
 _DIGIT = re.compile(r"\d")
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
 _FIGURE = re.compile(r"Figure (\d+)\. ")
@@ -105,13 +107,15 @@ def document(
     sections: tuple[Section, ...],
     verdict: str = "",
     source: str = "",
+    identity: tuple[tuple[str, str], ...] = (),
 ) -> str:
     """Return a page of sections; ``source`` is that of the numbers, where a bench has any.
 
     Those of this bench need no banner.
     """
     banner = BANNERS[source] if source in ("simulated", "imported") else ""
-    return page(Document(title, subtitle, sections, verdict, banner, source if banner else ""))
+    colour = source if banner else ""
+    return page(Document(title, subtitle, sections, verdict, banner, colour, identity=identity))
 
 
 def numbered(document: Document, on_paper: bool = False) -> Document:

@@ -22,6 +22,7 @@ from hbench.report.render.document import Document, Section, numbered, numeric
 from hbench.report.render.figures import Drawing
 from hbench.report.render.markdown import words
 from hbench.report.render.pdf_pen import (
+    INK,
     INNER,
     LEFT,
     LINE,
@@ -32,7 +33,7 @@ from hbench.report.render.pdf_pen import (
     width_of,
     wrapped,
 )
-from hbench.report.render.pdf_table import CELLS, QUIET, first_rows, set_table, unbroken
+from hbench.report.render.pdf_table import CELLS, QUIET, least_height, set_table, unbroken
 from hbench.report.render.style import RC
 from hbench.report.render.word_tables import Cell, Table
 
@@ -45,6 +46,7 @@ _BESIDE = 24.0  # of a caption beside its figure, from the top
 _FLAG = 16  # letters of a flag that is not broken, such as (not determined)
 _LABEL = 0.22  # share of a fact's name
 _ALARM = "#9b1111"
+_HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
 _HEADER = 34.0  # base of the running header and, from below, of the footer
 
 
@@ -65,10 +67,14 @@ def sheets(document: Document) -> list[Figure]:
     pen.words(document.title, _TITLE, weight="bold")
     pen.space(3)
     pen.words(document.subtitle, _BODY, color=QUIET)
-    for text, color in ((document.alarm, _ALARM), (document.banner, ""), (document.verdict, "")):
+    lead, more = document.headline
+    for text, color in ((document.alarm, _ALARM), (document.banner, INK), (lead, INK)):
         if text:
             pen.space(6)
-            pen.words(text, _BODY + 1, weight="bold", **({"color": color} if color else {}))
+            pen.words(text, _BODY + 1, weight="bold", color=color)
+    if more:
+        pen.space(2)
+        pen.words(more, _BODY + 1)
     if document.identity:
         pen.space(6)
         pen.rule()
@@ -95,10 +101,7 @@ def _shortened(text: str) -> str:
 
 def _set(pen: Pen, section: Section, size: float) -> None:
     if section.title:
-        least = 150.0 if section.tables or section.parts else 80.0
-        for row in list(_side_by_side(section.drawings))[:1]:
-            least = 40 + max(_heights(row)) + _below(_captions(row, section.drawings))
-        pen.room(least)  # no heading alone at the foot of a sheet
+        pen.room(_HEADING + _opening(pen, section))  # no heading alone at the foot of a sheet
         pen.space(12 if size > _PART else 7)
         pen.words(section.title, size, weight="bold")
         pen.space(2)
@@ -122,17 +125,40 @@ def _set(pen: Pen, section: Section, size: float) -> None:
         _set(pen, part, _PART)
 
 
-def _table(pen: Pen, table: WordTable | Table) -> None:
+def _opening(pen: Pen, section: Section) -> float:
+    """Return the height of what a heading needs on its sheet: text, and the first that follows."""
+    height = sum(
+        len(wrapped(text, pen.width, _BODY)) * _BODY * LINE + 3 for text in section.paragraphs
+    )
+    for row in list(_side_by_side(section.drawings))[:1]:
+        return height + max(_heights(row)) + _below(_captions(row, section.drawings)) + 8
+    if section.tables:
+        return (
+            height + _CAPTION + least_height(pen, section.tables[0].head, _rows(section.tables[0]))
+        )
+    if section.parts:
+        return height + _HEADING + _opening(pen, section.parts[0])
+    return height + _FEW_LINES * (not section.paragraphs)
+
+
+def _rows(table: WordTable | Table) -> list[list[str]]:
     numbers = numeric(table)
     rows = []
     for row in table.rows:
         cells: tuple[str | Cell, ...] = row
         rows.append([_cell(cell, column in numbers) for column, cell in enumerate(cells)])
-    pen.room(20 + first_rows(pen, table.head, rows))  # no title alone at the foot of a sheet
+    return rows
+
+
+def _table(pen: Pen, table: WordTable | Table) -> None:
+    rows = _rows(table)
+    pen.room(
+        _CAPTION + least_height(pen, table.head, rows)
+    )  # no title alone at the foot of a sheet
     pen.space(6)
     pen.words(table.title, _SMALL, weight="bold")
     pen.space(2)
-    set_table(pen, table.head, rows, numbers)
+    set_table(pen, table.head, rows, numeric(table), table.title)
     pen.space(4)
 
 
@@ -226,7 +252,8 @@ def _few_colours(png: bytes) -> np.ndarray:
 def _caption(drawing: Drawing, drawings: tuple[Drawing, ...]) -> str:
     """Return a figure's number, title and caption; a caption is written out once in a section."""
     first = next(each for each in drawings if each.caption == drawing.caption)
-    caption = drawing.caption if first is drawing else f"As for {first.title.partition('.')[0]}."
+    same = f"As for {first.title.partition('.')[0]}." if drawing.caption else ""
+    caption = drawing.caption if first is drawing else same
     return f"{drawing.title}. {caption}".strip()
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence
 
-from hbench.report.render.pdf_pen import LINE, Pen, width_of, words_of, wrapped
+from hbench.report.render.pdf_pen import LINE, SHEET_HEIGHT, Pen, width_of, words_of, wrapped
 
 CELLS = 7.2  # size of letters, points
 SMALLEST = 5.0  # of a table with many columns
@@ -17,12 +17,17 @@ def unbroken(text: str) -> str:
 
 
 def set_table(
-    pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]], numbers: Collection[int]
+    pen: Pen,
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    numbers: Collection[int],
+    title: str = "",
 ) -> None:
-    """Set a table over the column; its head is repeated on the next sheet.
+    """Set a table over the column; its ``title`` and head are repeated on the next sheet.
 
-    ``numbers`` are the columns that are aligned to the right. Letters become smaller, down to
-    ``SMALLEST``, where the words of a row would not fit side by side.
+    A table of up to half a sheet is not divided. ``numbers`` are the columns that are aligned to
+    the right. Letters become smaller, down to ``SMALLEST``, where the words of a row would not fit
+    side by side.
     """
     size = _size(head, rows, pen.width)
     widths = _widths(head, rows, pen.width, size)
@@ -32,9 +37,16 @@ def set_table(
         _line(pen, heads, widths, numbers, size, weight="bold", color=QUIET)
 
     lines = [_cells(row, widths, size, "normal") for row in rows]
-    pen.room(first_rows(pen, head, rows))  # no head alone at the foot of a sheet
+
+    def go_on() -> None:
+        if title:
+            pen.write(f"{title} (continued)", CELLS, weight="bold")
+            pen.space(2)
+        set_head()
+
+    pen.room(least_height(pen, head, rows))
     set_head()
-    pen.on_turn = set_head
+    pen.on_turn = go_on
     for number, cells in enumerate(lines):
         together = lines[number:] if number == len(lines) - 2 else [cells]  # no last row alone
         pen.room(sum(_height(each, size) for each in together))
@@ -43,12 +55,17 @@ def set_table(
     pen.space(2)
 
 
-def first_rows(pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]]) -> float:
-    """Return the height of a table's head and its first two rows, which are on one sheet."""
+def least_height(pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]]) -> float:
+    """Return the height that a table needs on its first sheet.
+
+    It is that of the whole table up to half a sheet, or else of the head and the first two rows.
+    """
     size = _size(head, rows, pen.width)
     widths = _widths(head, rows, pen.width, size)
-    first = sum(_height(_cells(row, widths, size, "normal"), size) for row in rows[:2])
-    return _height(_cells(head, widths, size, "bold"), size) + first
+    above = _height(_cells(head, widths, size, "bold"), size)
+    heights = [_height(_cells(row, widths, size, "normal"), size) for row in rows]
+    whole = above + sum(heights)
+    return whole if whole <= SHEET_HEIGHT / 2 else above + sum(heights[:2])
 
 
 def _line(

@@ -1,6 +1,6 @@
 """Tables of text whose cells can carry a flag."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -22,3 +22,8 @@ class Table:
     messages: tuple[str, ...] = ()
     title: str = ""
     sortable: bool = False  # by a click on a head of the page
+
+
+def titled(table: Table, title: str) -> tuple[Table, ...]:
+    """Return a table with a title; nothing where it has no rows."""
+    return (replace(table, title=title),) if table.rows else ()

@@ -37,8 +37,14 @@ def conformity_part(certificate: Certificate) -> Part:
     if acceptance.product:
         decision += " " + word("of_product", product=certificate.named(acceptance.product))
     decision = " ".join(filter(None, (decision, _reservation(certificate))))
-    title = word("conformity")
-    return Part("conformity", title, tables=(table,), paragraphs=paragraphs, lead=decision)
+    verdict = word(acceptance.decision)
+    return Part(
+        *("conformity", word("conformity")),
+        tables=(table,),
+        paragraphs=paragraphs,
+        verdict=verdict,
+        lead=decision,
+    )
 
 
 def _remarks(certificate: Certificate, acceptance: Acceptance) -> Iterator[str]:

@@ -123,7 +123,7 @@ ENGLISH = {
     "dwell": "Rest (s)",
     "k": "k",
     "leak": "Leak",
-    "leakage_u": "Leakage ± U (µl/min per bar)",
+    "leakage_u": "Leakage ± U (ml/min per 100 bar)",
     "across_piston": "across the piston",
     "piston_side_out": "from the piston side outwards",
     "rod_side_out": "from the rod side outwards",

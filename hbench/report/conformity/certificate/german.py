@@ -120,7 +120,7 @@ GERMAN = {
     "dwell": "Ruhe (s)",
     "k": "k",
     "leak": "Leckage",
-    "leakage_u": "Leckage ± U (µl/min je bar)",
+    "leakage_u": "Leckage ± U (ml/min je 100 bar)",
     "across_piston": "über den Kolben",
     "piston_side_out": "von der Kolbenseite nach außen",
     "rod_side_out": "von der Stangenseite nach außen",

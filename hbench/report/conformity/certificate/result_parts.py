@@ -80,7 +80,7 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
             (
                 word(value.leak or ""),
                 certificate.named(value.measurement.label),
-                _interval(certificate, value, 1e3 * from_si(1.0, "ml/min") / from_si(1.0, "bar")),
+                _interval(certificate, value, 100 * from_si(1.0, "ml/min") / from_si(1.0, "bar")),
             )
             for value in certificate.of("leakage")
         )

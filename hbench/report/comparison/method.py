@@ -1,0 +1,63 @@
+"""What the tables of a comparison contain, and how it was computed."""
+
+from hbench.records import CampaignDifferences
+from hbench.report.comparison.tables import has_drift_column, hidden_curves
+
+READ = (
+    ("± trials", "Half-width of the 95 % interval of the trials alone."),
+    ("U", "Expanded uncertainty: of the trials, the instruments and any significant drift within a "
+     "campaign. It does not contain what changes when the cylinder is mounted again. It can be a "
+     "little smaller than that of the trials, since its coverage factor is smaller."),
+    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They have "
+     "more digits than it allows, as the difference needs them."),
+)  # fmt: skip
+_DRIFT = (
+    ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
+     "trials do not exclude. Where it exceeds the difference less U, the verdict on friction and "
+     "on efficiency is \"may come from a drift\". It cancels in the mean over all curves if it is "
+     "a straight line over time."),
+)  # fmt: skip
+_UNKNOWN_DRIFT = (
+    ("May come from a drift", "The part of a drift within the campaigns in this difference is not "
+     "known, as with runs without times, and no plan of the runs excludes it."),
+)  # fmt: skip
+SET_UP = (
+    "Where the strokes of one file are trials, their interval does not contain what mounting a "
+    "seal again would change."
+)
+_METHOD = (
+    ("Friction", "A point is the mean of its trials, as a magnitude. The interval by the trials is "
+     "that of Welch's t; U is the expanded uncertainty for a coverage probability of 95 %."),
+    ("p (Holm)", "Probability of a difference this large between equal cylinders, by the trials "
+     "alone, corrected after Holm for the number of differences of its kind. A difference is "
+     "significant where p is below 0.05 and the difference exceeds its U."),
+    ("Speeds", "Speeds within 2 % count as the same, and within 20 % where no speed was set, as in "
+     "strokes cut from a cycle. If a campaign has several labels, curves of equal labels are "
+     "compared."),
+    ("Means", "A mean has equal weights at all speeds of A that B has too, or that lie between two "
+     "speeds of B. Steady runs count as independent, although drift may link those of a pass. The "
+     "points of a ramp or of steps come from the same strokes, so each trial counts once, with its "
+     "mean."),
+    ("Drift", "A drift is a straight line over the time of a campaign, estimated from trials of "
+     "the same point at different times. It changes the mean of a curve by its rate times the time "
+     "between the curve and the middle of the campaign. Where both campaigns have the same order "
+     "of runs, only the difference of their drifts counts; in the mean over all curves a drift "
+     "cancels within each campaign. comparison.json contains the part of each difference."),
+)  # fmt: skip
+_BANDS = (
+    "Compared at equal loads, or at pressures within 5 %. Half bands, middles and energies are "
+    f"tested by their trials, slopes by their standard errors. {SET_UP}"
+)
+
+
+def drift_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
+    """Return what the column of the drift is, or why a difference may come from one."""
+    if has_drift_column(differences):
+        return _DRIFT
+    return _UNKNOWN_DRIFT if hidden_curves(differences) else ()
+
+
+def method_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
+    """Return how friction, means, tests and drifts were computed."""
+    bands = (("Bands", _BANDS),) if differences.bands else ()
+    return (*_METHOD, *bands)
