@@ -16,11 +16,11 @@ from hbench.config.stroke_model import parse_motion
 from hbench.errors import DataError
 from hbench.reconcile.motion.motion_diagnosis import MotionTask, diagnose_motion
 from hbench.records import HeldOutError, Provenance
-from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
 from tests.support import driven_axis as axis
 from tests.support.commands import hbench
 

@@ -6,12 +6,12 @@ from hbench.records import (
     Change,
     FitParameter,
 )
-from hbench.report.diagnosis.coefficient_words import coefficients_words
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.diagnosis.tables.change_tables import changes_tables
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.diagnosis.words.coefficient import coefficients_words
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import LEAK, added, summary
 

@@ -6,8 +6,8 @@ from hbench.records import (
     UnnamedLaw,
 )
 from hbench.report.diagnosis.figures.law_figures import law_figure
-from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.summary import short_summary
+from hbench.report.diagnosis.words.law import law_title
 from tests.support.report.summarised import summary
 
 

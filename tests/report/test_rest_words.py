@@ -7,9 +7,9 @@ import pytest
 
 from hbench.records import ResidualMap
 from hbench.report.diagnosis.page import diagnosis_page
-from hbench.report.diagnosis.rest_words import deviation_in_motion
 from hbench.report.diagnosis.tables.gap_tables import where_table
 from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.diagnosis.words.rest import deviation_in_motion
 from tests.support.report.spaces import ordinary_spaces
 
 SCATTER_N = 10.0

@@ -2,9 +2,9 @@
 
 from hbench.records import Diagnosis
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, SIGNIFICANT_P, UNEXPLAINED_GAP
-from hbench.report.diagnosis.change_words import wrong_readings
-from hbench.report.diagnosis.error_words import scatter_words
 from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
+from hbench.report.diagnosis.words.change import wrong_readings
+from hbench.report.diagnosis.words.error import scatter_words
 from hbench.report.render.symbols import capital
 
 Fact = tuple[str, str]  # name and description

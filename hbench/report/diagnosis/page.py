@@ -5,7 +5,6 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
-from hbench.report.diagnosis.coefficient_words import keys_as_words
 from hbench.report.diagnosis.names import (
     added_words,
     in_words,
@@ -14,7 +13,6 @@ from hbench.report.diagnosis.names import (
     of_the_mass,
     value_words,
 )
-from hbench.report.diagnosis.rest_words import rest_words
 from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
 from hbench.report.diagnosis.tables import effect_tables, gap_tables
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
@@ -27,6 +25,8 @@ from hbench.report.diagnosis.tables.separability_tables import (
 )
 from hbench.report.diagnosis.text import gap_line, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.diagnosis.words.coefficient import keys_as_words
+from hbench.report.diagnosis.words.rest import rest_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.symbols import listed

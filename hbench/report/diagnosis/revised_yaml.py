@@ -7,10 +7,10 @@ from typing import Any
 import yaml
 
 from hbench.records import AddedEffect, Diagnosis
-from hbench.report.diagnosis.coefficient_words import coefficient_text, effect_words, parameter_text
-from hbench.report.diagnosis.error_words import errors_in_words, one_sided_words
 from hbench.report.diagnosis.sentences import gap_change
 from hbench.report.diagnosis.text import gap_line
+from hbench.report.diagnosis.words.coefficient import coefficient_text, effect_words, parameter_text
+from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
 
 _SOURCES = {
     "simulated": "SIMULATED on the virtual rig: not valid for a real bench",

@@ -9,9 +9,6 @@ from hbench.records import (
     Diagnosis,
 )
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
-from hbench.report.diagnosis.coefficient_words import keys_as_words, parameter_text
-from hbench.report.diagnosis.deviation_words import CLEARLY_WORSE, MOST_SIGNALS
-from hbench.report.diagnosis.error_words import load_errors
 from hbench.report.diagnosis.names import (
     CHAMBERS,
     added_words,
@@ -23,6 +20,9 @@ from hbench.report.diagnosis.names import (
     share,
     value_words,
 )
+from hbench.report.diagnosis.words.coefficient import keys_as_words, parameter_text
+from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, MOST_SIGNALS
+from hbench.report.diagnosis.words.error import load_errors
 from hbench.report.render.numbers import number, significant
 from hbench.report.render.symbols import capital, listed
 

@@ -12,53 +12,7 @@ from hbench.records import (
     Diagnosis,
     EffectInPractice,
 )
-from hbench.report.diagnosis.action_words import (
-    advice,
-    confirmation,
-    further_inspections,
-    inspection,
-    next_step,
-    separation,
-    zero_check,
-    zero_readings,
-)
-from hbench.report.diagnosis.change_words import (
-    READINGS,
-    TEST_FRICTION,
-    common_error,
-    friction_words,
-    main_changes,
-)
-from hbench.report.diagnosis.coefficient_words import (
-    coefficients_words,
-    description_words,
-    only_coefficient,
-)
-from hbench.report.diagnosis.deviation_words import (
-    deviations,
-    expected_gaps,
-    expected_words,
-    increased,
-    largest_deviation,
-    not_expected,
-    poorly_simulated,
-    remainder,
-    significant_gaps,
-    too_small_words,
-    undecided_words,
-    unreliable,
-)
-from hbench.report.diagnosis.error_words import drift_words, one_sided_words
-from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
-from hbench.report.diagnosis.place_words import (
-    AT_POINT,
-    at_point_words,
-    change_clauses,
-    residual_words,
-    where_words,
-    worst_places,
-)
 from hbench.report.diagnosis.sentences import (
     agreement,
     best_candidate,
@@ -72,6 +26,52 @@ from hbench.report.diagnosis.sentences import (
     worse_words,
 )
 from hbench.report.diagnosis.tables.separability_tables import detectable
+from hbench.report.diagnosis.words.action import (
+    advice,
+    confirmation,
+    further_inspections,
+    inspection,
+    next_step,
+    separation,
+    zero_check,
+    zero_readings,
+)
+from hbench.report.diagnosis.words.change import (
+    READINGS,
+    TEST_FRICTION,
+    common_error,
+    friction_words,
+    main_changes,
+)
+from hbench.report.diagnosis.words.coefficient import (
+    coefficients_words,
+    description_words,
+    only_coefficient,
+)
+from hbench.report.diagnosis.words.deviation import (
+    deviations,
+    expected_gaps,
+    expected_words,
+    increased,
+    largest_deviation,
+    not_expected,
+    poorly_simulated,
+    remainder,
+    significant_gaps,
+    too_small_words,
+    undecided_words,
+    unreliable,
+)
+from hbench.report.diagnosis.words.error import drift_words, one_sided_words
+from hbench.report.diagnosis.words.law import law_summary
+from hbench.report.diagnosis.words.place import (
+    AT_POINT,
+    at_point_words,
+    change_clauses,
+    residual_words,
+    where_words,
+    worst_places,
+)
 from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences

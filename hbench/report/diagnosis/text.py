@@ -6,16 +6,6 @@ from hbench.records import (
     Gap,
     WordTable,
 )
-from hbench.report.diagnosis.coefficient_words import effect_words
-from hbench.report.diagnosis.deviation_words import (
-    agrees,
-    deviations,
-    expected_words,
-    not_expected,
-    undecided_balance,
-)
-from hbench.report.diagnosis.error_words import errors_in_words, load_errors, one_sided_words
-from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import BALANCE_NAMES, gap_number, in_sentence, steps_of
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
@@ -34,6 +24,16 @@ from hbench.report.diagnosis.tables.gap_tables import (
 )
 from hbench.report.diagnosis.tables.run_gaps import run_table
 from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
+from hbench.report.diagnosis.words.coefficient import effect_words
+from hbench.report.diagnosis.words.deviation import (
+    agrees,
+    deviations,
+    expected_words,
+    not_expected,
+    undecided_balance,
+)
+from hbench.report.diagnosis.words.error import errors_in_words, load_errors, one_sided_words
+from hbench.report.diagnosis.words.law import law_line
 from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
 

@@ -8,29 +8,6 @@ from collections.abc import Iterator, Sequence
 
 from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
-from hbench.report.diagnosis.action_words import first_step, next_step
-from hbench.report.diagnosis.change_words import (
-    friction_words,
-    largest_words,
-    main_changes,
-    second_deviation,
-    wrong_readings,
-)
-from hbench.report.diagnosis.coefficient_words import (
-    coefficient_words,
-    description_words,
-    only_coefficient,
-    parts_present,
-)
-from hbench.report.diagnosis.deviation_words import (
-    beyond_balances,
-    deviations,
-    exceeding,
-    largest_deviation,
-    not_expected,
-    too_small_words,
-)
-from hbench.report.diagnosis.error_words import change_of_errors, load_errors, use_words
 from hbench.report.diagnosis.names import (
     deviation_and_limit,
     gap_number,
@@ -40,17 +17,40 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     p_equation,
 )
-from hbench.report.diagnosis.place_words import (
+from hbench.report.diagnosis.sentences import favoured, hint, least_odds
+from hbench.report.diagnosis.tables.separability_tables import undetectable
+from hbench.report.diagnosis.text import verdict_sentence
+from hbench.report.diagnosis.words.action import first_step, next_step
+from hbench.report.diagnosis.words.change import (
+    friction_words,
+    largest_words,
+    main_changes,
+    second_deviation,
+    wrong_readings,
+)
+from hbench.report.diagnosis.words.coefficient import (
+    coefficient_words,
+    description_words,
+    only_coefficient,
+    parts_present,
+)
+from hbench.report.diagnosis.words.deviation import (
+    beyond_balances,
+    deviations,
+    exceeding,
+    largest_deviation,
+    not_expected,
+    too_small_words,
+)
+from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
+from hbench.report.diagnosis.words.place import (
     change_clauses,
     each_size,
     extent_words,
     size_words,
     worst_places,
 )
-from hbench.report.diagnosis.rest_words import at_rest, rest_clause
-from hbench.report.diagnosis.sentences import favoured, hint, least_odds
-from hbench.report.diagnosis.tables.separability_tables import undetectable
-from hbench.report.diagnosis.text import verdict_sentence
+from hbench.report.diagnosis.words.rest import at_rest, rest_clause
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 

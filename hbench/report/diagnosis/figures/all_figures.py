@@ -25,7 +25,6 @@ from hbench.report.diagnosis.figures.residual_figures import (
     shape_figure,
     shown_balances,
 )
-from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.names import (
     added_words,
     balance,
@@ -33,8 +32,9 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     steps_of,
 )
-from hbench.report.diagnosis.rest_words import rest_caption
 from hbench.report.diagnosis.tables.run_gaps import plan_words
+from hbench.report.diagnosis.words.law import law_title
+from hbench.report.diagnosis.words.rest import rest_caption
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, UnnamedLaw
-from hbench.report.diagnosis.law_words import balances_words, law_quantities, term
 from hbench.report.diagnosis.names import mathtext
+from hbench.report.diagnosis.words.law import balances_words, law_quantities, term
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P
-from hbench.report.diagnosis.deviation_words import largest_deviation
 from hbench.report.diagnosis.figures.colour_scales import PLACES, RESIDUALS, VELOCITIES
 from hbench.report.diagnosis.names import (
     AXES,
@@ -21,6 +20,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     shown,
 )
+from hbench.report.diagnosis.words.deviation import largest_deviation
 from hbench.report.render import style
 from hbench.report.render.series import behind
 

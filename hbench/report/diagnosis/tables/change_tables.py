@@ -1,7 +1,8 @@
 """Tables of what effects change at the bench."""
 
 from hbench.records import Diagnosis, EffectInPractice, WordTable
-from hbench.report.diagnosis.change_words import (
+from hbench.report.diagnosis.names import in_words, quantity
+from hbench.report.diagnosis.words.change import (
     CYLINDERS,
     FLOWS,
     INERTIA,
@@ -9,7 +10,6 @@ from hbench.report.diagnosis.change_words import (
     interval,
     wrong_readings,
 )
-from hbench.report.diagnosis.names import in_words, quantity
 from hbench.report.render.numbers import significant
 
 

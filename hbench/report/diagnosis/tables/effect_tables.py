@@ -1,12 +1,12 @@
 """Tables of effects: named, not distinguishable, and tried."""
 
 from hbench.records import Candidate, Diagnosis, WordTable
-from hbench.report.diagnosis.coefficient_words import (
+from hbench.report.diagnosis.names import share
+from hbench.report.diagnosis.words.coefficient import (
     coefficient_text,
     coefficient_words,
     parameter_text,
 )
-from hbench.report.diagnosis.names import share
 from hbench.report.render.numbers import NONE, number
 
 _RANK_HEAD = ("candidate", "score (nats)", "must exceed", "explains", "size", "tried")

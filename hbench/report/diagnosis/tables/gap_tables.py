@@ -17,8 +17,8 @@ from hbench.report.diagnosis.names import (
     signal,
     steps_of,
 )
-from hbench.report.diagnosis.place_words import edge_gaps
-from hbench.report.diagnosis.rest_words import deviation_in_motion
+from hbench.report.diagnosis.words.place import edge_gaps
+from hbench.report.diagnosis.words.rest import deviation_in_motion
 from hbench.report.render.numbers import NONE, number, significant
 
 _ERRORS = {"force": "force along the motion", "position": "open-loop position"}

@@ -12,9 +12,6 @@ from hbench.records import (
     Gap,
     Lookalike,
 )
-from hbench.report.diagnosis.change_words import readings_words
-from hbench.report.diagnosis.coefficient_words import parts_present
-from hbench.report.diagnosis.deviation_words import beyond_balances, too_small_words
 from hbench.report.diagnosis.names import (
     AXES,
     BORES,
@@ -26,7 +23,10 @@ from hbench.report.diagnosis.names import (
     in_words,
     parts_of,
 )
-from hbench.report.diagnosis.place_words import CLEARLY_LARGER, edge_gaps, worst_places
+from hbench.report.diagnosis.words.change import readings_words
+from hbench.report.diagnosis.words.coefficient import parts_present
+from hbench.report.diagnosis.words.deviation import beyond_balances, too_small_words
+from hbench.report.diagnosis.words.place import CLEARLY_LARGER, edge_gaps, worst_places
 from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 

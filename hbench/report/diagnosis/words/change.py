@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter
 from hbench.records.diagnosis import MOTION_BALANCE
-from hbench.report.diagnosis.coefficient_words import parameter_text
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     CHAMBERS,
@@ -14,6 +13,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     quantity,
 )
+from hbench.report.diagnosis.words.coefficient import parameter_text
 from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 

@@ -5,13 +5,6 @@ from math import isfinite
 from typing import NamedTuple
 
 from hbench.records import Change, Diagnosis, EffectInPractice, WorkingPoint
-from hbench.report.diagnosis.change_words import (
-    largest_words,
-    main_changes,
-    phrase,
-    rounded,
-    wrong_readings,
-)
 from hbench.report.diagnosis.names import (
     AXES,
     EDGES,
@@ -22,6 +15,13 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     residual_name,
     shown,
+)
+from hbench.report.diagnosis.words.change import (
+    largest_words,
+    main_changes,
+    phrase,
+    rounded,
+    wrong_readings,
 )
 from hbench.report.render.numbers import short, significant
 from hbench.report.render.symbols import listed

@@ -1,0 +1,1 @@
+"""Words of the diagnosis, by what they describe."""

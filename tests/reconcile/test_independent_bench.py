@@ -1,0 +1,58 @@
+"""Effects hidden in a bench of which hbench knows nothing but its logs; see ``independent/``.
+
+Its equations, controller, sensors and files are not hbench's, its sizes are others, and every
+campaign has a supply that droops, which the model does not have.
+"""
+
+from datetime import UTC, datetime
+
+import pytest
+
+from hbench import workflow
+from tests.support.independent.bench import Effects
+from tests.support.independent.campaign import write_campaign
+
+AT = datetime(2026, 1, 1, tzinfo=UTC)
+DROOP = "supply_droop"
+SHORT = {"speeds_mm_s": (25, 60, 150), "loads_bar": ((30, 40), (50, 40), (50, 65)), "trials": 2}
+
+
+def diagnosed(folder, effects, seed, **plan):
+    write_campaign(folder, effects, seed, **plan)
+    workflow.import_runs(folder / "logs", folder / "campaign", folder / "map.yaml", lambda: AT)
+    return workflow.reconcile(folder / "campaign", folder / "model.yaml", lambda done, of: None)
+
+
+def test_a_leak_and_the_supplys_droop_are_named(tmp_path):
+    """0.6 l/min at 50 bar, with another exponent than the catalogue's usual one."""
+    found = diagnosed(tmp_path, Effects(leak=1e-5), seed=2, **SHORT)
+    effects = {effect.name: effect.parameters for effect in found.effects}
+    assert found.verdict == "named" and set(effects) == {"internal_leakage", DROOP}
+    assert effects["internal_leakage"]["test"].value * 50 == pytest.approx(0.6, rel=0.1)
+    assert effects[DROOP]["slope"].value == pytest.approx(0.06, rel=0.25)
+    gap = found.gap_heldout.total
+    assert gap.refitted > 3 * gap.after
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effects", "name"),
+    [
+        (Effects(), None),
+        (Effects(leak=1e-5), "internal_leakage"),
+        (Effects(rod_leak=6e-6), "external_leakage"),
+        (Effects(seal_n=120.0), "seal_pressure_friction"),
+        (Effects(overlap_v=0.25), "valve_deadband"),
+        (Effects(uneven=0.12), "valve_asymmetry"),
+        (Effects(lag_s=0.006), "valve_lag"),
+        (Effects(tank=4e10), "tank_back_pressure"),
+        (Effects(cell_gain=0.03), "load_cell_gain"),
+        (Effects(offset_pa=2e5), "pressure_offset"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_hidden_effect_is_named_and_no_other(tmp_path, effects, name, seed):
+    found = diagnosed(tmp_path, effects, seed)
+    print(found.verdict, *((e.name, e.parameters) for e in found.effects))
+    assert {effect.name for effect in found.effects} == {DROOP, *([name] if name else [])}

@@ -1,0 +1,1 @@
+"""A bench that shares nothing with hbench: own equations, controller, logger and file format."""
