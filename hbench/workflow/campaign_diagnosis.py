@@ -6,6 +6,7 @@ from typing import Any
 
 from hbench.config.bench import plant_sections
 from hbench.config.files.loading import read_yaml
+from hbench.errors import ConfigError
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.measured.balances import FLOWS, channels_missing
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
@@ -13,6 +14,11 @@ from hbench.reconcile.simulated_runs import simulator
 from hbench.records import Diagnosis, Run
 from hbench.store.campaign.folder import StoredCampaign
 from hbench.workflow.board import physics_of
+
+_NO_BENCH = (
+    "The campaign has no bench file, from which missing sections could come: the model needs all "
+    "sections of configs/model-aau.yaml."
+)
 
 
 def has_whole_bench(runs: Sequence[Run]) -> bool:
@@ -32,7 +38,10 @@ def diagnosed(
     bench = campaign.bench()
     content: dict[str, Any] = (campaign.header.get("bench") or {}).get("content") or {}
     sections = plant_sections(content, read_yaml(model_file), str(model_file))
-    plant = physics_of(content, model_file)
+    try:
+        plant = physics_of(content, model_file)
+    except ConfigError as error:
+        raise ConfigError(error.message, error.hint or ("" if content else _NO_BENCH)) from None
     assert plant is not None  # there is a file
     simulate = simulator(bench, plant, report) if bench and not campaign.imported else None
     instruments = campaign.setup().instruments

@@ -3,8 +3,10 @@
 from datetime import UTC, datetime
 
 import pytest
+import yaml
 
 from hbench import workflow
+from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
 from tests.support import ROOT
@@ -42,6 +44,15 @@ def test_a_leak_is_named_in_imported_logs_with_the_coefficients_of_the_original(
     assert gap.refitted > 3 * gap.after
     assert not foreign.gap_heldout.signals and any("imported" in note for note in foreign.notes)
     assert any("instruments" in note for note in foreign.notes)
+
+
+def test_sections_that_no_bench_file_supplies_are_asked_for(imported, tmp_path):
+    model = read_yaml(ROOT / "configs" / "model-aau.yaml")
+    del model["end_stop"]
+    (tmp_path / "model.yaml").write_text(yaml.safe_dump(model))
+    with pytest.raises(ConfigError, match="'end_stop' is missing") as caught:
+        workflow.reconcile(imported, tmp_path / "model.yaml", lambda done, of: None)
+    assert "no bench file" in caught.value.hint and "model-aau.yaml" in caught.value.hint
 
 
 def test_the_series_of_strokes_is_not_asked_for(imported):
