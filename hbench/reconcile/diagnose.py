@@ -28,7 +28,7 @@ from hbench.reconcile.learned.law_search import LawSearch
 from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
-from hbench.reconcile.measured.session import CAVITATES_PA, sessions
+from hbench.reconcile.measured.session import CAVITATES_PA, averaged, sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
@@ -123,7 +123,7 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     if shortfalls := data_shortfalls(usable):
         every = tuple((shortfalls | missing).values())
         return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
-    task = replace(task, runs=usable)
+    task = replace(task, runs=tuple(map(averaged, usable)))
     names, not_tried = observable_effects(task.runs, task.plant)
     measured, result, held_out = run_search(task, names)
     return assembled(task, measured, result, held_out, not_tried, tuple(missing.values()), left_out)

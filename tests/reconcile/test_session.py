@@ -18,7 +18,7 @@ from hbench.reconcile.measured.balances import (
     operating_conditions,
     residuals,
 )
-from hbench.reconcile.measured.session import sessions
+from hbench.reconcile.measured.session import averaged, sessions
 from hbench.records import Run
 from tests.support.reconcile.exact_logs import logged, smooth_strokes
 
@@ -247,6 +247,20 @@ def test_smoothed_logs_oscillate_where_the_logs_do(runs):
     (session,) = sessions(runs)
     marked = with_oscillating(session, np.arange(session.counts.sum()) % 2 == 0)
     np.testing.assert_array_equal(marked.smoothed().oscillating, marked.oscillating)
+
+
+@pytest.mark.parametrize(("rate_hz", "count"), [(50, 1), (100, 1), (125, 1), (250, 2), (1000, 10)])
+def test_records_of_a_fast_log_are_averaged_over_10_ms(runs, rate_hz, count):
+    t = np.arange(1003) / rate_hz
+    p = np.random.default_rng(1).standard_normal(len(t))
+    fast = Run(runs[0].plan, t_s=t, x_m=0.1 * t, p_tp_pa=p, valve_saturated=np.arange(1003) == 21)
+    found = averaged(fast)
+    assert len(found.t_s) == 1003 // count
+    whole = slice(1003 // count * count)
+    np.testing.assert_allclose(found.x_m, 0.1 * found.t_s, atol=1e-12)
+    np.testing.assert_allclose(found.p_tp_pa, p[whole].reshape(-1, count).mean(axis=1))
+    assert np.flatnonzero(found.valve_saturated) == [21 // count]
+    assert found.f_applied_n is None
 
 
 def test_each_run_is_filtered_as_scipy_does(runs):

@@ -2,9 +2,10 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import factorial
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from hbench.records import Run
 
 PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
 COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
+_RECORD_S = 0.01  # of a log with the board's rate; the records of faster ones are averaged
 _SMOOTHED, _ORDER = 7, 4  # samples of a polynomial, and its order
 _VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least five samples
 _OSCILLATING = 10.0  # times the fluctuation of the median window
@@ -110,6 +112,25 @@ class Session:
     def smooth(self, name: str, order: int) -> np.ndarray:
         """Return a channel (n,) as a polynomial through seven samples."""
         return _filtered(self.channels[name], self.edges, _SMOOTHED, order, 0, self.window.dt_s)
+
+
+def averaged(run: Run) -> Run:
+    """Return a run with means over the records within 10 ms; a slower log as it is.
+
+    The laws take a record as a mean over its time, and each one costs the same. Raises
+    ``DataError`` if the time between the samples is not constant.
+    """
+    count = int(_RECORD_S / sampling(run) * (1 + 1e-6))
+    if count < 2:
+        return run
+    whole = len(run.t_s) // count * count
+    means: dict[str, Any] = {}
+    for field in fields(run):
+        channel = getattr(run, field.name)
+        if isinstance(channel, np.ndarray):
+            blocks = channel[:whole].reshape(-1, count)
+            means[field.name] = blocks.any(axis=1) if channel.dtype == bool else blocks.mean(axis=1)
+    return replace(run, **means)
 
 
 def sessions(runs: Iterable[Run]) -> tuple[Session, ...]:
