@@ -8,6 +8,7 @@ from math import factorial
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from hbench.reconcile.measured.weak import Window, sampling, window
 from hbench.records import Run
@@ -17,6 +18,8 @@ COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 _RECORD_S = 0.01  # of a log with the board's rate; the records of faster ones are averaged
 _SMOOTHED, _ORDER = 7, 4  # samples of a polynomial, and its order
 _VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least five samples
+_REST_S, _STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
+_MEDIAN = 0.6745  # of |z| for a normal z
 _OSCILLATING = 10.0  # times the fluctuation of the median window
 _VISIBLE = 0.01  # of a channel's range: a smaller oscillation does not matter
 _SUSTAINED = 4  # windows: what ends earlier is a transient
@@ -71,10 +74,19 @@ class Session:
 
     @cached_property
     def velocity_m_s(self) -> np.ndarray:
-        """Velocity (n,) of the position."""
-        dt_s = self.window.dt_s
-        samples = max(5, 2 * round(_VELOCITY_S / dt_s / 2) + 1)
-        return _filtered(self.channels["x_m"], self.edges, samples, _ORDER, 1, dt_s)
+        """Velocity (n,) of the position, at rest that of a longer time.
+
+        There its noise would relax the bristles of a friction law, since the mean of |v| is not 0.
+        """
+        x, dt_s = self.channels["x_m"], self.window.dt_s
+        short, long = (max(5, _odd(duration / dt_s)) for duration in (_VELOCITY_S, _REST_S))
+        own = 1 - _weights(_SMOOTHED, _ORDER, 0, _SMOOTHED // 2)[_SMOOTHED // 2]
+        noise = np.median(np.abs(x - self.smooth("x_m", _ORDER))) / (_MEDIAN * np.sqrt(own))
+        return np.where(
+            _range(x, self.edges, long) > _STILL * noise,
+            _filtered(x, self.edges, short, _ORDER, 1, dt_s),
+            _filtered(x, self.edges, long, 1, 1, dt_s),
+        )
 
     @cached_property
     def oscillating(self) -> np.ndarray:
@@ -183,6 +195,20 @@ def _sustained(found: np.ndarray) -> np.ndarray:
     for start, stop in edges.reshape(-1, 2):
         kept[start:stop] = stop - start >= _SUSTAINED
     return kept
+
+
+def _odd(samples: float) -> int:
+    return 2 * round(samples / 2) + 1
+
+
+def _range(y: np.ndarray, edges: np.ndarray, samples: int) -> np.ndarray:
+    """Return the range (n,) of the samples that ``_filtered`` uses; infinite in shorter runs."""
+    found = np.full_like(y, np.inf)
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        if stop - start >= samples:
+            inner = np.ptp(sliding_window_view(y[start:stop], samples), axis=1)
+            found[start:stop] = np.pad(inner, samples // 2, mode="edge")
+    return found
 
 
 def _weights(samples: int, order: int, derivative: int, at: int) -> np.ndarray:
