@@ -9,6 +9,7 @@ import numpy as np
 
 from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
+from hbench.errors import DataError
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
     added_effect,
@@ -123,7 +124,7 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     if shortfalls := data_shortfalls(usable):
         every = tuple((shortfalls | missing).values())
         return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
-    task = replace(task, runs=tuple(map(averaged, usable)))
+    task = replace(task, runs=usable)
     names, not_tried = observable_effects(task.runs, task.plant)
     measured, result, held_out = run_search(task, names)
     return assembled(task, measured, result, held_out, not_tried, tuple(missing.values()), left_out)
@@ -338,14 +339,18 @@ def _verification(
 
 
 def _usable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
-    """Return the complete runs, and the reasons for which others are left out."""
+    """Return the complete runs, evenly sampled, and the reasons for which others are left out."""
     usable, left_out = [], []
     for run in runs:
-        reason = run.aborted or incomplete_reason(run)
-        if reason:
+        reason = run.aborted
+        try:
+            even = averaged(run)
+        except DataError as error:
+            reason = reason or error.message.removeprefix(f"run {run.plan.run}: ")
+        if reason := reason or incomplete_reason(even):
             left_out.append(f"run {run.plan.run}: {reason}")
         else:
-            usable.append(run)
+            usable.append(even)
     return tuple(usable), tuple(left_out)
 
 

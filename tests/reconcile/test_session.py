@@ -250,17 +250,30 @@ def test_smoothed_logs_oscillate_where_the_logs_do(runs):
 
 
 @pytest.mark.parametrize(("rate_hz", "count"), [(50, 1), (100, 1), (125, 1), (250, 2), (1000, 10)])
-def test_records_of_a_fast_log_are_averaged_over_10_ms(runs, rate_hz, count):
-    t = np.arange(1003) / rate_hz
-    p = np.random.default_rng(1).standard_normal(len(t))
-    fast = Run(runs[0].plan, t_s=t, x_m=0.1 * t, p_tp_pa=p, valve_saturated=np.arange(1003) == 21)
-    found = averaged(fast)
-    assert len(found.t_s) == 1003 // count
-    whole = slice(1003 // count * count)
-    np.testing.assert_allclose(found.x_m, 0.1 * found.t_s, atol=1e-12)
-    np.testing.assert_allclose(found.p_tp_pa, p[whole].reshape(-1, count).mean(axis=1))
-    assert np.flatnonzero(found.valve_saturated) == [21 // count]
+@pytest.mark.parametrize("jitter", [0.0, 0.3])
+def test_fast_and_uneven_logs_become_means_over_10_ms(runs, rate_hz, count, jitter):
+    """Against the integrals of the straight lines through the samples, in 1000 parts."""
+    rng = np.random.default_rng(1)
+    t = (np.arange(1003) + jitter * rng.uniform(-1, 1, 1003)) / rate_hz
+    p = rng.standard_normal(len(t))
+    found = averaged(Run(runs[0].plan, t_s=t, x_m=0.1 * t, p_tp_pa=p))
+    if count == 1 and not jitter:
+        assert found.p_tp_pa is p
+        return
+    width = np.diff(found.t_s)
+    expected = max(0.01, 1 / rate_hz) if jitter else count / rate_hz
+    np.testing.assert_allclose(width, expected, rtol=1e-9)
     assert found.f_applied_n is None
+    np.testing.assert_allclose(found.x_m, 0.1 * found.t_s, atol=1e-9)
+    for k in (0, 17, len(found.t_s) - 1):
+        inside = found.t_s[k] + width[0] * (np.arange(1000) - 499.5) / 1000
+        assert found.p_tp_pa[k] == pytest.approx(np.interp(inside, t, p).mean(), abs=1e-2)
+
+
+def test_a_gap_in_a_log_is_not_bridged(runs):
+    t = np.delete(0.004 * np.arange(500), slice(200, 210))
+    with pytest.raises(DataError, match=r"a gap of 0.044 s between samples \(limit: 0.03 s\)"):
+        averaged(Run(runs[0].plan, t_s=t, x_m=t))
 
 
 @pytest.mark.parametrize("speed", [0.0, 2e-5, 5e-4, 0.02])

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from hbench.reconcile.measured.weak import Window, sampling, window
+from hbench.errors import DataError
+from hbench.reconcile.measured.weak import EVEN, Window, sampling, window
 from hbench.records import Run
 
 PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
@@ -127,22 +128,43 @@ class Session:
 
 
 def averaged(run: Run) -> Run:
-    """Return a run with means over the records within 10 ms; a slower log as it is.
+    """Return a run with means over 10 ms each; an even log of fewer records as it is.
 
-    The laws take a record as a mean over its time, and each one costs the same. Raises
-    ``DataError`` if the time between the samples is not constant.
+    The laws take a record as a mean over its time, and each one costs the same. Between uneven
+    samples the signals are taken as straight. Raises ``DataError`` for a gap of three records.
     """
-    count = int(_RECORD_S / sampling(run) * (1 + 1e-6))
-    if count < 2:
+    steps = np.diff(run.t_s)
+    if not steps.any():
         return run
-    whole = len(run.t_s) // count * count
-    means: dict[str, Any] = {}
+    usual = float(np.median(steps))
+    if np.abs(steps - usual).max() > EVEN * usual:
+        width = max(_RECORD_S, float(f"{steps.mean():.1g}"))  # one for all runs
+    else:
+        width = usual * max(1, int(_RECORD_S / usual + 1e-6))
+        if width == usual:
+            return run
+    longest, limit = steps.max(), 3 * width
+    if longest > limit:
+        raise DataError(
+            f"run {run.plan.run}: a gap of {longest:.3g} s between samples (limit: {limit:.2g} s)"
+        )
+    edges = np.arange(run.t_s[0], run.t_s[-1] + 1e-6 * width, width)
+    means: dict[str, Any] = {"t_s": 0.5 * (edges[1:] + edges[:-1])}
     for field in fields(run):
         channel = getattr(run, field.name)
-        if isinstance(channel, np.ndarray):
-            blocks = channel[:whole].reshape(-1, count)
-            means[field.name] = blocks.any(axis=1) if channel.dtype == bool else blocks.mean(axis=1)
+        if isinstance(channel, np.ndarray) and field.name != "t_s":
+            mean = _means(run.t_s, channel.astype(float), edges)
+            means[field.name] = mean > 1e-9 if channel.dtype == bool else mean
     return replace(run, **means)
+
+
+def _means(t: np.ndarray, y: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return the means of straight lines through samples (n,) between successive ``edges``."""
+    areas = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))])
+    at = np.interp(edges, t, y)
+    k = np.clip(np.searchsorted(t, edges, side="right") - 1, 0, len(t) - 2)
+    total = areas[k] + 0.5 * (y[k] + at) * (edges - t[k])
+    return np.diff(total) / np.diff(edges)
 
 
 def sessions(runs: Iterable[Run]) -> tuple[Session, ...]:

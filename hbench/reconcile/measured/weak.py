@@ -24,6 +24,7 @@ from hbench.errors import DataError
 from hbench.records import Run
 
 WIDTH_S = 0.16
+EVEN = 0.01  # of the usual time between samples; it may differ by so much
 
 
 class Window(NamedTuple):
@@ -68,7 +69,7 @@ def sampling(run: Run) -> float:
     if not len(steps):
         raise DataError(f"run {run.plan.run}: {len(run.t_s)} samples, at least 2 are required")
     dt = float(np.median(steps))
-    if np.abs(steps - dt).max() > 0.01 * dt:
+    if np.abs(steps - dt).max() > EVEN * dt:
         raise DataError(
             f"run {run.plan.run}: the sample interval is not constant ({steps.min():.4g} to "
             f"{steps.max():.4g} s; limit: 1 % of {dt:.4g} s)",

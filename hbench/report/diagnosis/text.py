@@ -37,6 +37,8 @@ from hbench.report.diagnosis.words.law import law_line
 from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
 
+_LEFT_OUT = 5  # runs that the terminal lists
+
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
@@ -184,7 +186,9 @@ def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
     lines += [diagnosis.refit_refused] if diagnosis.refit_refused else []
     if diagnosis.left_out:
         lines.append(f"runs left out: {len(diagnosis.left_out)}")
-        lines += [f"  {line}" for line in diagnosis.left_out]
+        lines += [f"  {line}" for line in diagnosis.left_out[:_LEFT_OUT]]
+        if (more := len(diagnosis.left_out) - _LEFT_OUT) > 0:
+            lines.append(f"  and {more} more, in diagnosis.json")
     return tuple(lines)
 
 
