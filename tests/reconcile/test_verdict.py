@@ -194,12 +194,12 @@ def test_runs_that_are_not_whole_take_no_part_and_it_is_told_why(bench):
         replace(whole, aborted="emergency stop"),
         replace(whole, truncated="the link broke"),
         replace(whole, missing_records=7),
-        replace(whole, t_s=np.array([0.0, 0.01, 0.03])),
+        replace(whole, t_s=np.append(0.01 * np.arange(50), 2.0), x_m=np.zeros(51)),
         imported,
     ]
     usable, left_out = _usable_runs(runs)
     assert usable == (whole, imported)
-    reasons = ("emergency stop", "the link broke", "7 records", "interval is not constant")
+    reasons = ("emergency stop", "the link broke", "7 records", "a gap of 1.51 s")
     assert len(left_out) == len(reasons)
     for said, reason in zip(left_out, reasons, strict=True):
         assert reason in said and said.startswith("run 0") and said.count("run ") == 1
