@@ -112,16 +112,21 @@ class CampaignSearch(CandidateEvaluator):
         while names:
             self.stage(f"refining {', '.join(names)}")
             refined = self.refined(model, names)
-            small = [name for name in names if self._size(refined, name) < CRITERIA.size]
+            small = [name for name in names if self._size(refined, names, name) < CRITERIA.size]
             if not small:
                 return refined, vanished
             names = tuple(name for name in names if name not in small)
             model, vanished = self.without(refined, small, names), (*vanished, *small)
         return model, vanished
 
-    def _size(self, model: LinearisedModel, name: str) -> float:
-        """Return the largest coefficient of an effect, in typical sizes."""
-        return self._candidate(name, 0.0, 0.0, self._own_values(model, name), "full").size
+    def _size(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> float:
+        """Return the largest coefficient of one of the effects, in typical sizes.
+
+        That of the model or of the linear fit about it, which the diagnosis states: the smaller.
+        """
+        fitted = self._values(model, name, model.index(names), self._fit(model, names))
+        both = (self._own_values(model, name), fitted)
+        return min(self._candidate(name, 0.0, 0.0, each, "full").size for each in both)
 
     def without_superfluous(
         self, model: LinearisedModel, names: tuple[str, ...]
