@@ -4,7 +4,7 @@ The searches in campaigns (``search.py``) and in imported strokes (``strokes/str
 share this evaluation.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -230,7 +230,7 @@ class CandidateEvaluator:
         chosen, beta = model.index(joined), self._fit(model, joined)
         values = self._values(model, name, chosen, beta)
         before, after = (self._cross_validate(model, effects) for effects in (added, joined))
-        share = explained_share(name, model, before, after)
+        share = explained_share(name, model, before, after, self._squares(model, values))
         return EvaluatedCandidate(self._candidate(name, gain, share, values, "linear"), None)
 
     def _promise(self, model: LinearisedModel, added: Sequence[str], name: str) -> float:
@@ -342,8 +342,20 @@ class CandidateEvaluator:
         name = joined[-1]
         after = self._cross_validate(with_effect, joined)
         gain = float((log_likelihood(after) - log_likelihood(before))[0])
-        share = explained_share(name, model, before, after)
-        return self._candidate(name, gain, share, self._own_values(with_effect, name), "full")
+        values = self._own_values(with_effect, name)
+        squares = self._squares(with_effect, values)
+        share = explained_share(name, model, before, after, squares)
+        return self._candidate(name, gain, share, values, "full")
+
+    def _squares(
+        self, model: LinearisedModel, values: Mapping[CoefficientKey, float]
+    ) -> np.ndarray:
+        """Return the sums of squares (g,) that coefficients of an effect make of its columns."""
+        beta = np.zeros((1, len(model.data.names)))
+        for which, value in values.items():
+            if which in effect_coefficients(which[0]):
+                beta[0, model.column(which)] = value / typical_size(which)
+        return model.data.summed_columns(self.train).squares(beta)[0]
 
     def _candidate(
         self,
@@ -364,26 +376,42 @@ class CandidateEvaluator:
 
 
 def explained_share(
-    name: str, model: LinearisedModel, before: CrossValidation, after: CrossValidation
+    name: str,
+    model: LinearisedModel,
+    before: CrossValidation,
+    after: CrossValidation,
+    squares: np.ndarray,
 ) -> float:
     """Return the share of the excess gap that an effect explains in the balances it changes.
 
     The share of the values or that of the changes between windows, whichever is larger: an effect
-    that acts for a moment is a small part of the values.
+    that acts for a moment is a small part of the values. It is that of all balances, or the mean
+    of the balances of which the effect's own ``squares`` (g,) are enough to explain a quarter: the
+    excess of another balance may be that of a far larger effect.
     """
     columns = [model.column(which) for which in model.coefficients_of([name])]
     changed = np.flatnonzero(model.data.columns.nonzero[:, columns].any(axis=1))
     balances = {model.data.groups[i][0] for i in changed}
-    touched = np.isin([balance for balance, _ in model.data.groups], list(balances))
+    balance = np.array([each for each, _ in model.data.groups])
     change = np.array([is_change(kind) for _, kind in model.data.groups])
+    excess, left = _excess(before), _excess(after)
 
-    def explained(groups: np.ndarray) -> float:
-        total, left = (_excess(each, groups) for each in (before, after))
-        return 1 - left / total if total > 0 else 0.0
+    def shares(kinds: np.ndarray) -> Iterator[float]:
+        every = kinds & np.isin(balance, list(balances))
+        yield _share(excess[every].sum(), left[every].sum())
+        own = [kinds & (balance == each) for each in balances]
+        large = [g for g in own if squares[g].sum() > CRITERIA.explained * excess[g].sum() > 0]
+        if large:
+            yield float(np.mean([_share(excess[g].sum(), left[g].sum()) for g in large]))
 
-    return max(explained(touched & ~change), explained(touched & change))
+    return max((*shares(~change), *shares(change)))
 
 
-def _excess(prediction: CrossValidation, groups: np.ndarray) -> float:
+def _share(total: float, left: float) -> float:
+    return 1 - left / total if total > 0 else 0.0
+
+
+def _excess(prediction: CrossValidation) -> np.ndarray:
+    """Return the sums of squares (g,) above those of the noise."""
     above_noise = np.maximum(prediction.variance[0] - prediction.noise, 0.0)
-    return float((above_noise * prediction.windows)[groups].sum())
+    return above_noise * prediction.windows

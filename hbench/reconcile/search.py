@@ -6,7 +6,8 @@ cross-validation over operating points,
 
     its score exceeds 5 nats and what candidates for the same balances score on null data sets: the
     candidate's own residuals with random signs,
-    it explains more than a quarter of the excess gap in the balances it touches, and
+    it explains more than a quarter of the excess gap in the balances it touches, all together or on
+    average of those that it can change so much, and
     its coefficient is at least a quarter of the typical size, and beyond its tolerance.
 
 Candidates whose scores are close to the best one are rivals. Where each would be accepted beside

@@ -10,10 +10,10 @@ from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.candidates import CRITERIA, EvaluatedCandidate
+from hbench.reconcile.candidates import CRITERIA, EvaluatedCandidate, explained_share
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
-from hbench.reconcile.evidence import Priors
+from hbench.reconcile.evidence import CrossValidation, Priors
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
@@ -310,6 +310,23 @@ def test_what_leaves_much_has_a_high_threshold():
     )
     threshold = search._with_threshold(EvaluatedCandidate(one, before), (), search.candidates)
     assert threshold.candidate.threshold > 9
+
+
+def test_the_gap_of_a_larger_effect_is_not_held_against_a_smaller_one():
+    """Of a sensor's offset, beside a supply that droops."""
+    nonzero = np.ones((2, 1), bool)
+    groups = (("force_test", "steady"), ("supply", "steady"))
+    data = SimpleNamespace(columns=SimpleNamespace(nonzero=nonzero), groups=groups)
+    model = SimpleNamespace(coefficients_of=lambda names: [0], column=int, data=data)
+
+    def excess(*squares):
+        return CrossValidation(1.0 + np.array([squares]), np.ones(2), np.full(2, 9), np.full(2, 99))
+
+    before, after = excess(10.0, 5000.0), excess(1.0, 4990.0)
+    small, large = (99 * np.array([9.0, own]) for own in (10.0, 4000.0))
+    assert explained_share("offset", model, before, after, small) == pytest.approx(0.9)
+    assert explained_share("offset", model, before, after, large) == pytest.approx(0.45, abs=0.01)
+    assert explained_share("offset", model, before, before, small) == 0.0
 
 
 # ---- refinement
