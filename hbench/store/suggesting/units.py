@@ -18,7 +18,7 @@ _SPELLINGS = {
     **dict.fromkeys(("kn", "kilonewton"), "kN"),
     "dan": "daN",
     **dict.fromkeys(("kp", "kgf"), "kgf"),
-    "lbs": "lbf",
+    **dict.fromkeys(("lb", "lbs"), "lbf"),
     **dict.fromkeys(("pa", "pascal"), "Pa"),
     **dict.fromkeys(("hpa", "mbar"), "mbar"),
     "kpa": "kPa",
