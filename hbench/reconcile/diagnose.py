@@ -29,6 +29,7 @@ from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.session import CAVITATES_PA, sessions
+from hbench.reconcile.measured.weak import sampling
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
@@ -116,9 +117,12 @@ def run_search(
 def diagnose(task: ReconcileTask) -> Diagnosis:
     """Determine where model and measurement disagree and why; see ``Diagnosis``.
 
-    Insufficient data give a diagnosis that lists what is missing.
+    Insufficient data give a diagnosis that lists what is missing. Raises ``DataError`` if no run is
+    evenly sampled.
     """
     usable, left_out = _usable_runs(task.runs)
+    for run in () if usable else task.runs:
+        sampling(run)
     missing = unmeasured_channels(usable) | missing_experiments(usable)
     if shortfalls := data_shortfalls(usable):
         every = tuple((shortfalls | missing).values())
