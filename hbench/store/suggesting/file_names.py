@@ -101,6 +101,11 @@ class _Number(NamedTuple):
     unit: str
 
 
+def numbers_of(name: str) -> tuple[str, ...]:
+    """Return the numbers in a name, equal for all files of a run."""
+    return tuple(_NUMBER.findall(name))
+
+
 def name_patterns(names: Sequence[str]) -> list[NamePattern]:
     """Return patterns that match each of ``names`` once."""
     groups: dict[str, list[str]] = defaultdict(list)
