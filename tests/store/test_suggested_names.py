@@ -190,6 +190,10 @@ NAMES = {
         [f"{f}lb_{v}ips_{k}.csv" for f in (100, 400) for v in ("0.5", "2") for k in (1, 2)],
         {"{load}lb_{speed}ips_{trial}.csv": ""},
     ),
+    "a rotary actuator": (
+        [f"{m}Nm_{w}deg_s_{d}.csv" for m in (0, 20) for w in (5, 40) for d in ("cw", "ccw")],
+        {"{load}Nm_{speed}deg_s_*.csv": ""},
+    ),
     "amplitude and frequency of a motion": (
         [f"tri_A{a}mm_f{f}Hz.txt" for a in (20, 40) for f in ("0.1", "1")],
         {"tri_A*mm_f*Hz.txt": "tri"},

@@ -21,13 +21,14 @@ _DATE = re.compile(
 )
 # A unit behind a number, not followed by another letter.
 _UNIT = re.compile(
-    r"[ _-]?(mm[_-]?s|mmps|cm[_-]?s|m[_-]?s|mps|in[_-]?s|ips|kN|N|lbf|lbs?|MPa|kPa|mbar|bar|psi)"
+    r"[ _-]?(mm[_-]?s|mmps|cm[_-]?s|m[_-]?s|mps|in[_-]?s|ips|deg[_-]?s|rad[_-]?s|kN|Nm|N|lbf"
+    r"|lbs?|MPa|kPa|mbar|bar|psi)"
     r"(?![a-z])",
     re.IGNORECASE,
 )
 _FIELD_OF = {
-    **dict.fromkeys(("mm/s", "cm/s", "m/s", "in/s"), "speed"),
-    **dict.fromkeys(("N", "kN", "lbf"), "load"),
+    **dict.fromkeys(("mm/s", "cm/s", "m/s", "in/s", "deg/s", "rad/s"), "speed"),
+    **dict.fromkeys(("N", "kN", "lbf", "N m"), "load"),
 }
 # A factor's unit, directly behind a number.
 _FACTOR_UNIT = re.compile(r"(mA|A|°C|deg_?C|C|K|Hz|rpm|mm|kg)(?![A-Za-z0-9])")
@@ -66,6 +67,7 @@ _DIRECTIONS = (
     ("up", "down"), ("up", "dn"), ("auf", "ab"), ("aus", "ein"), ("ausfahren", "einfahren"),
     ("out", "in"), ("ext", "ret"), ("extend", "retract"), ("extending", "retracting"),
     ("fwd", "rev"), ("fwd", "bwd"), ("forward", "backward"), ("vor", "zurück"), ("pos", "neg"),
+    ("cw", "ccw"),
 )  # fmt: skip
 _WORD = re.compile(r"(?<![^\W\d_])[^\W\d_]+(?![^\W\d_]|\})")
 

@@ -165,6 +165,13 @@ def _missing(found: SuggestedMap) -> Iterator[str]:
             )
         return
     yield from _valve(found)
+    if found.is_rotary and not any(name.startswith("p_") for name in found.choices):
+        yield from _entry(
+            f"  # f_drive_n: {{column: {_ASKED}, unit: N m, scale: {_ASKED}}}",
+            "torque of a drive without hydraulics, such as N m per ampere of its motor; then remove"
+            " 'cylinder'",
+        )
+        return
     unit = next((c.unit for name, c in found.choices.items() if name.startswith("p_")), "bar")
     for channel, what in (
         ("p_tp_pa", f"pressure on the piston side, {unit}"),

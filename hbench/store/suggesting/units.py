@@ -33,8 +33,8 @@ _SPELLINGS = {
     **dict.fromkeys(("degc", "°c", "deg_c", "celsius", "gradcelsius"), "degC"),
     **dict.fromkeys(("degf", "°f", "deg_f", "fahrenheit"), "degF"),
     **dict.fromkeys(("deg", "°", "degree", "degrees", "grad"), "deg"),
-    **dict.fromkeys(("deg/s", "°/s"), "deg/s"),
-    **dict.fromkeys(("rad/s", "1/s"), "rad/s"),
+    **dict.fromkeys(("deg/s", "°/s", "deg_s", "degs"), "deg/s"),
+    **dict.fromkeys(("rad/s", "1/s", "rad_s", "rads"), "rad/s"),
     **dict.fromkeys(("nm", "n*m", "newtonmeter"), "N m"),
     "knm": "kN m",
 }
