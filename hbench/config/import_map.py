@@ -189,15 +189,18 @@ class FileSeries(ConfigSection):
                 )
         if len(set(self.fields)) < len(self.fields):
             raise ValueError("files: a field may occur only once")
-        for name, si in (("pressure", "Pa"), ("load", "N"), ("speed", "m/s")):
+        for name, linear in _FIELD_UNITS.items():
+            rotary = ROTARY.get(linear, linear)
             if self.cylinder.rotary:
-                si = {"N": "N m", "m/s": "rad/s"}.get(si, si)
                 if f"{name}_unit" not in self.model_fields_set and name != "pressure":
                     if f"{{{name}}}" in self.files:
-                        raise ValueError(f"{name}_unit is missing: {si}, for a rotary actuator")
+                        raise ValueError(f"{name}_unit is missing: {rotary}, for a rotary actuator")
                     continue
+            possible = {rotary} if self.cylinder.rotary else {linear}
+            if not self.cylinder.known:  # of a drive, linear or rotary
+                possible = {linear, rotary}
             unit = getattr(self, f"{name}_unit")
-            if parse_unit(unit).dimension != parse_unit(si).dimension:
+            if parse_unit(unit).dimension not in {parse_unit(si).dimension for si in possible}:
                 raise ValueError(f"{name}_unit {unit!r} is not a unit of {name}")
         if self.speed is not None and "{speed}" in self.files:
             raise ValueError("speed is given twice, here and in files")
@@ -235,7 +238,14 @@ class ImportMap(CampaignSettings):
     def unit(self, channel: str) -> str:
         """Return a channel's unit."""
         unit = CHANNELS[channel].unit
-        return ROTARY.get(unit, unit) if self.series[0].cylinder.rotary else unit
+        return ROTARY.get(unit, unit) if self.rotary else unit
+
+    @property
+    def rotary(self) -> bool:
+        """Whether positions are angles and forces torques: of the actuator or of a drive."""
+        cylinder, position = self.series[0].cylinder, self.columns.get("x_m")
+        is_angle = position is not None and position.unit in ("deg", "rad")
+        return cylinder.rotary or (is_angle and not cylinder.known)
 
     @model_validator(mode="after")
     def _channels(self) -> "ImportMap":

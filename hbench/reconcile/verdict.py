@@ -167,13 +167,15 @@ def missing_experiments(runs: Sequence[Run]) -> dict[str, str]:
     steady = [plan for plan in plans if KINDS[plan.kind].has_constant_speed]
     kinds = [KINDS[plan.kind] for plan in plans]
     codes = []
-    if len({abs(plan.v_ref_m_s) for plan in steady}) < 3:
+    covers_speeds = not steady and any(kind.covers_speeds for kind in kinds)
+    if len({abs(plan.v_ref_m_s) for plan in steady}) < 3 and not covers_speeds:
         codes.append("speeds")
     if not _has_second_load(runs):
         codes.append("loads")
-    if len({plan.direction for plan in steady}) < 2:
+    reverses = any(kind.reverses for kind in kinds)
+    if len({plan.direction for plan in steady}) < 2 and (steady or not reverses):
         codes.append("directions")
-    if not any(kind.reverses for kind in kinds):
+    if not reverses:
         codes.append("reversals")
     if not any(kind.has_fast_changes for kind in kinds):
         codes.append("steps")

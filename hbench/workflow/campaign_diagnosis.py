@@ -17,13 +17,19 @@ from hbench.workflow.board import physics_of
 
 _NO_BENCH = (
     "The campaign has no bench file, from which missing sections could come: the model needs all "
-    "sections of configs/model-aau.yaml."
+    "sections of configs/model-aau.yaml. For a bench without a load cylinder, copy test_cylinder "
+    "to load_cylinder, with 'offset: 0 mm', and friction.test to friction.load: they are not used."
 )
 
 
-def has_whole_bench(runs: Sequence[Run]) -> bool:
-    """Return whether commands and chamber pressures of some run determine flows and forces."""
-    return any(not channels_missing(run, FLOWS[0]) for run in runs)
+def determines_flows(runs: Sequence[Run], model_file: Path) -> bool:
+    """Return whether commands and chamber pressures of some run determine flows.
+
+    Those into the test cylinder suffice if the model's file describes the valve. Raises
+    ``ConfigError``.
+    """
+    known = FLOWS if "valve" in read_yaml(model_file) else FLOWS[-1:]
+    return any(not channels_missing(run, balance) for run in runs for balance in known)
 
 
 def diagnosed(

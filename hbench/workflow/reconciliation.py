@@ -33,8 +33,8 @@ def reconcile(
     """Find where a campaign and a model disagree, and which effect is missing in the model.
 
     The model is a bench file, or a plant file applied to the campaign's bench. ``report`` gets the
-    numbers of finished and of all simulations, ``stage`` what begins. Logs of a whole bench, with
-    chamber pressures and commands, are compared along their samples, whoever made them. Of other
+    numbers of finished and of all simulations, ``stage`` what begins. Logs with chamber pressures
+    and commands are compared along their samples, whoever made them. Of other
     imported logs one ``series`` is compared, which must be specified if there are several: the
     motion of a mass whose drive force was measured, or else steady strokes.
     Deviations below a share ``material`` of a signal's range do not matter. Raises ``ConfigError``,
@@ -49,11 +49,11 @@ def reconcile(
     runs = tuple(r for r in calibrated_runs(campaign) if KINDS[r.plan.kind].is_reconciled)
     if campaign.imported and has_drive(runs):
         return diagnosed_motion(campaign, runs, model_file, series, material, stage)
-    if campaign.imported and not campaign_diagnosis.has_whole_bench(runs):
+    if campaign.imported and not campaign_diagnosis.determines_flows(runs, model_file):
         return diagnosed_strokes(campaign, model_file, series)
     if series is not None:
         raise ConfigError(
-            f"--series: {folder} has the channels of a whole bench, which are compared together",
+            f"--series: {folder} has pressures and valve commands: all its series are compared",
             "Remove --series.",
         )
     return campaign_diagnosis.diagnosed(campaign, runs, model_file, material, report, stage)

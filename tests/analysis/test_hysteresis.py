@@ -113,10 +113,14 @@ def test_intervals_count_trials_where_there_are_some_and_else_cycles():
     )
 
 
-def test_a_run_without_reference_is_left_out_and_told():
-    run = triangle(static)
-    loops, notes = hysteresis([ScreenedRun(replace(run, v_ref_m_s=None), (), None)], 0.0)
-    assert loops == () and "run 0001: v_ref_m_s" in notes[0]
+def test_a_run_without_a_cycle_or_a_pressure_is_left_out_with_its_reason():
+    run = triangle(static, cycles=1)
+    for changed, reason in (
+        (replace(run, v_ref_m_s=None), "contains no complete cycle"),
+        (replace(run, p_tp_pa=None), "friction needs p_tp"),
+    ):
+        loops, notes = hysteresis([ScreenedRun(changed, (), None)], 0.0)
+        assert loops == () and f"left out of the hysteresis: run 0001: {reason}" in notes[0]
 
 
 # ---- the rig -------------------------------------------------------------------------------------
@@ -205,3 +209,30 @@ def test_on_the_rig_a_static_friction_has_no_width_within_noise(rig_runs):
     for width in loop.widths:
         assert abs(width.width_n) < 0.5
         assert width.board_n == pytest.approx(by_filter, abs=0.5)
+
+
+def without_reference(run):
+    return replace(run, v_ref_m_s=None)
+
+
+def test_without_a_logged_reference_the_reversals_of_the_position_give_the_cycles():
+    run = triangle(static, v_board=None)
+    logged, found = loop_of(run), loop_of(without_reference(run))
+    assert (found.cycles, logged.cycles) == (1, 2)  # its first and last strokes do not end at rest
+    assert found.area_j == pytest.approx(logged.area_j, rel=2e-3)
+    for width in found.widths:
+        assert width.width_n == pytest.approx(0, abs=1.0)
+
+
+def test_the_lag_of_friction_has_the_same_width_without_a_reference():
+    run = triangle(lugre)
+    logged, found = loop_of(run), loop_of(without_reference(run))
+    widths = {width.v_m_s: width.width_n for width in logged.widths}
+    assert {w.v_m_s: w.width_n for w in found.widths} == pytest.approx(widths, rel=0.05, abs=0.5)
+
+
+def test_motions_of_other_travel_are_no_trials_of_one_loop():
+    run = triangle(static)
+    short = replace(run, x_m=run.x_m[0] + 0.5 * (run.x_m - run.x_m[0]))
+    loops, _ = hysteresis([ScreenedRun(each, (), None) for each in (run, short, run)], 0.0)
+    assert sorted(len(loop.runs) for loop in loops) == [1, 2]

@@ -171,6 +171,11 @@ def test_reversals_have_many_speeds(bench):
     assert data_shortfalls(repeated(plans)) == {}
 
 
+def test_triangles_have_both_directions_and_many_speeds(bench):
+    triangles = repeated(plans_of(bench, ("triangle",), trials=1))
+    assert not {"speeds", "directions", "reversals"} & set(missing_experiments(triangles))
+
+
 def test_channels_that_no_run_has_are_named_with_what_is_not_compared(bench):
     runs = repeated(plans_of(bench))
     assert unmeasured_channels(runs) == {}

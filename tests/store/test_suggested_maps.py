@@ -451,3 +451,33 @@ def test_a_text_that_is_too_large_is_refused_with_what_to_do(logs, monkeypatch):
     with pytest.raises(DataError) as refused:
         suggest_map(logs)
     assert "limit 0.005 MB. Split the log, lower its sampling rate" in refused.value.hint
+
+
+def test_a_motor_that_turns_a_joint_needs_no_cylinder(tmp_path, logs, clock):
+    """Torque of the motor from its current, in N m per ampere; friction of 4 N m + 2.5 N m s."""
+    t = np.arange(0, 4, 0.01)
+    for v_deg_s in (20, 40):
+        for sign, way in ((1, "cw"), (-1, "ccw")):
+            v = sign * v_deg_s * np.clip(np.minimum(t - 0.5, 3.5 - t) / 0.2, 0, 1)
+            angle = np.cumsum(v) * 0.01
+            torque = 4 * np.sign(v) + 2.5 * np.deg2rad(v)
+            columns = {"time [s]": t, "angle [deg]": angle, "motor current [A]": torque / 2.4}
+            table = pd.DataFrame({**columns, "torque sensor [Nm]": 0 * t})
+            table.to_csv(logs / f"0Nm_{v_deg_s}deg_s_{way}_1.csv", index=False)
+    text = suggest_map(logs).text
+    assert "  # f_drive_n: {column" in text and "then remove" in text
+    text = text.replace('# f_drive_n: {column: "???", unit: N m, scale: "???"}', "f_drive_n: DRIVE")
+    text = text.replace("DRIVE", '{column: "motor current [A]", unit: N m, scale: 2.4}')
+    text = re.sub(r"    cylinder:\n.*displacement.*\n", "", text)
+    (tmp_path / "map.yaml").write_text(text)
+    summary = workflow.import_runs(logs, tmp_path / "c", tmp_path / "map.yaml", clock)
+    assert any("1 m stands for 1 rad" in note for note in summary.notes)
+    results = workflow.analyze(tmp_path / "c")
+    for curve in results.curves:
+        for point in curve.points:
+            expected = 4 * np.sign(point.v_m_s) + 2.5 * point.v_m_s
+            assert point.friction_n == pytest.approx(expected, rel=0.01)
+    text = text.replace('angle [deg]", unit: deg', 'angle [deg]", unit: mm')
+    (tmp_path / "linear.yaml").write_text(text)
+    with pytest.raises(ConfigError, match="'deg/s' is not one of m/s|is not one of N"):
+        workflow.import_runs(logs, tmp_path / "d", tmp_path / "linear.yaml", clock)

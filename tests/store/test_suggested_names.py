@@ -186,6 +186,35 @@ NAMES = {
         {"temp{temperature}_seal_{trial}.csv": "seal"},
     ),
     "one temperature": (["a_20C_1.csv", "a_20C_2.csv"], {"a_20C_{trial}.csv": "a 20C"}),
+    "inches and pounds": (
+        [f"{f}lb_{v}ips_{k}.csv" for f in (100, 400) for v in ("0.5", "2") for k in (1, 2)],
+        {"{load}lb_{speed}ips_{trial}.csv": ""},
+    ),
+    "a rotary actuator": (
+        [f"{m}Nm_{w}deg_s_{d}.csv" for m in (0, 20) for w in (5, 40) for d in ("cw", "ccw")],
+        {"{load}Nm_{speed}deg_s_*.csv": ""},
+    ),
+    "amplitude and frequency of a motion": (
+        [f"tri_A{a}mm_f{f}Hz.txt" for a in (20, 40) for f in ("0.1", "1")],
+        {"tri_A*mm_f*Hz.txt": "tri"},
+    ),
+    "a length": (
+        [f"gap{a}mm_{k}.txt" for a in (2, 4) for k in (1, 2)],
+        {"gap{length}mm_{trial}.txt": "gap"},
+    ),
+    "a frequency behind the letter of a force": (
+        [f"f{f}Hz_{k}.txt" for f in (1, 2) for k in (1, 2)],
+        {"f{frequency}Hz_{trial}.txt": ""},
+    ),
+    "both directions": (
+        [f"{v}mms_{d}_{k}.csv" for v in (20, 50) for d in ("up", "dn") for k in (1, 2)],
+        {"{speed}mms_*_{trial}.csv": ""},
+    ),
+    "a single direction": (["up_1.csv", "up_2.csv"], {"up_{trial}.csv": "up"}),
+    "a direction's word that has two opposites": (
+        [f"{d}_{k}.csv" for d in ("up", "dn", "down") for k in (1, 2)],
+        {f"{d}_{{trial}}.csv": d for d in ("up", "dn", "down")},
+    ),
     "braces": (["x{y}.csv"], {}),
 }
 

@@ -11,14 +11,14 @@ interval of the log, with the same delay. The controller's velocity has the lag 
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from hbench.analysis.curves.average import student_interval
 from hbench.analysis.rounding import is_constant
-from hbench.analysis.screening.reference_sections import whole_cycles
+from hbench.analysis.screening.reference_sections import cycles_with_rise
 from hbench.analysis.screening.sample_friction import logged_motion
 from hbench.errors import DataError
 from hbench.records import Loop, LoopWidth, Run, ScreenedRun, Series
@@ -26,6 +26,7 @@ from hbench.records import Loop, LoopWidth, Run, ScreenedRun, Series
 _SHARES = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the top speed, at which widths are read
 _SPAN = 0.1  # of the top speed, to either side: samples for a width's parabolas
 _LEAST = 5  # samples of a parabola
+_SAME_TRAVEL = 1.1  # ratio of two travels: a larger one is that of another motion
 _PHASES = 240  # of the mean loop
 
 
@@ -42,7 +43,7 @@ class Cycle:
 def hysteresis(
     screened: Iterable[ScreenedRun], mass_kg: float
 ) -> tuple[tuple[Loop, ...], tuple[str, ...]]:
-    """Return a loop for each triangle (label, load, speed) of accepted runs, and notes.
+    """Return a loop for each triangle (label, load, speed, travel) of accepted runs, and notes.
 
     If a run has several cycles, the first is left out: it begins with relaxed seals. Intervals
     are over trials, or over the cycles of a single trial. ``mass_kg`` is the test side's.
@@ -54,7 +55,7 @@ def hysteresis(
             load = plan.f_load_n, plan.p_lr_ref_pa, plan.specimen
             groups[plan.kind, plan.label, *load, abs(plan.v_ref_m_s)].append(verdict.run)
     loops, notes = [], []
-    for runs in groups.values():
+    for runs in (alike for group in groups.values() for alike in _of_one_travel(group)):
         trials: dict[int, list[Cycle]] = defaultdict(list)
         for run in runs:
             try:
@@ -67,20 +68,28 @@ def hysteresis(
     return tuple(loops), tuple(notes)
 
 
+def _of_one_travel(runs: Sequence[Run]) -> Iterator[list[Run]]:
+    """Yield the runs whose travels differ by less than a tenth, as trials of one motion do."""
+    ordered = sorted(runs, key=lambda run: np.ptp(run.x_m))
+    travels = np.array([np.ptp(run.x_m) for run in ordered])
+    edges = [0, *(1 + np.flatnonzero(travels[1:] > _SAME_TRAVEL * travels[:-1])), len(ordered)]
+    for first, last in zip(edges[:-1], edges[1:], strict=True):
+        yield sorted(ordered[first:last], key=lambda run: run.plan.run)
+
+
 def cycles_of(run: Run, mass_kg: float) -> list[Cycle]:
     """Return a run's complete cycles, without the first if there are several.
 
-    Raises ``DataError`` if a channel or a record is missing.
+    Raises ``DataError`` if a channel or a record is missing, or without a complete cycle.
     """
-    if run.v_ref_m_s is None:
-        raise DataError(f"run {run.plan.run}: v_ref_m_s was not logged")
     motion, top = logged_motion(run, mass_kg), abs(run.plan.v_ref_m_s)
-    windows = whole_cycles(run.v_ref_m_s)
+    found = cycles_with_rise(run)
+    if not found:
+        raise DataError(f"run {run.plan.run}: contains no complete cycle")
     cycles = []
-    for window in windows[1:] or windows:
+    for window, rising in found[1:] or found:
         v, friction = motion.v_m_s[window], motion.friction_n[window]
         board = None if run.v_m_s is None else run.v_m_s[window]
-        rising = np.gradient(run.v_ref_m_s[window]) > 0
         nothing = np.full(len(_SHARES), np.nan)
         cycles.append(
             Cycle(

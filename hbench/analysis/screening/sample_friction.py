@@ -57,7 +57,7 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         raise DataError(
             f"run {run.plan.run}: its samples are not evenly spaced ({steps.min():.4g} to "
             f"{steps.max():.4g} s)",
-            "For uneven sampling without gaps, write 'resample: 100 Hz' in the import map.",
+            f"Without gaps, write 'resample: {0.5 / dt:.2g} Hz' in the import map.",
         )
     v = savgol_filter(run.x_m, _WINDOW, _ORDER, deriv=1, delta=dt)
     a = savgol_filter(run.x_m, _WINDOW, _ORDER, deriv=2, delta=dt)

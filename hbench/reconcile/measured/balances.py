@@ -71,8 +71,9 @@ _SUPPLY = 6  # index of the supply pressure among the driving signals
 _WITH_LAWS = slice(6)  # flows and forces; the others are linear in the signals
 CHAMBERS = PRESSURES[:4]
 _TEST_FORCES = ("p_tp_pa", "p_tr_pa", "f_applied_n")
-_CHANNELS = {
-    **dict.fromkeys(FLOWS, ("p_s_pa", *CHAMBERS, *COMMANDS)),
+CHANNELS_OF = {  # the test valve alone feeds the test cylinder: no load cylinder is needed
+    **dict.fromkeys(FLOWS[:2], ("p_s_pa", *CHAMBERS[:2], COMMANDS[0])),
+    **dict.fromkeys(FLOWS[2:], ("p_s_pa", *CHAMBERS, *COMMANDS)),
     "force_test": _TEST_FORCES,
     "force_load": (*_TEST_FORCES, "p_lp_pa", "p_lr_pa"),
     "kinematics": ("v_m_s",),
@@ -216,7 +217,10 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
 def _compared(session: Session, model: BalanceModel) -> np.ndarray:
     """Return which balances (r, 8) the channels of each run determine."""
     has = np.column_stack(
-        [np.all([session.measured[name] for name in _CHANNELS[each]], axis=0) for each in BALANCES]
+        [
+            np.all([session.measured[name] for name in CHANNELS_OF[each]], axis=0)
+            for each in BALANCES
+        ]
     )
     if model.velocity_lag_s is None:
         has[:, BALANCES.index("kinematics")] = False
@@ -327,7 +331,7 @@ def _supply(p_s: np.ndarray, means: AlongLog, session: Session, par: PlantParame
 
 def channels_missing(run: Run, balance: str) -> tuple[str, ...]:
     """Return the channels of a balance that a run does not have."""
-    return tuple(name for name in _CHANNELS[balance] if getattr(run, name) is None)
+    return tuple(name for name in CHANNELS_OF[balance] if getattr(run, name) is None)
 
 
 def run_channels(run: Run, *names: str) -> list[np.ndarray] | None:

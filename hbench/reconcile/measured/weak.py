@@ -73,6 +73,6 @@ def sampling(run: Run) -> float:
         raise DataError(
             f"run {run.plan.run}: the sample interval is not constant ({steps.min():.4g} to "
             f"{steps.max():.4g} s; limit: 1 % of {dt:.4g} s)",
-            "Import the run with `resample`, or leave it out.",
+            f"Write 'resample: {0.5 / dt:.2g} Hz' in the import map and import again.",
         )
     return dt

@@ -6,7 +6,7 @@ import numpy as np
 
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.measured.along import along, single_start
-from hbench.reconcile.measured.balances import BalanceModel
+from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, BalanceModel
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session
 from hbench.reconcile.window_sums import MOTIONS, window_motions
 from hbench.records import WorkingPoint
@@ -110,6 +110,6 @@ def steady_balances(point: WorkingPoint, model: BalanceModel) -> np.ndarray:
     supply = p_s - means.supply_pa[-1]
     if par.supply.has_pump:
         supply = means.drawn[-1] * par.supply.band_pa / par.supply.flow_m3_s
-    if not np.isfinite(signals).all():  # of a channel that no run has
-        flows = flows * np.nan
-    return np.array([*-flows, test, load, 0.0, supply])
+    measured = {name for name in (*PRESSURES, *COMMANDS) if np.isfinite(getattr(point, name))}
+    flows = np.where([measured.issuperset(CHANNELS_OF[each]) for each in FLOWS], -flows, np.nan)
+    return np.array([*flows, test, load, 0.0, supply])

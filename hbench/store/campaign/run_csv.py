@@ -17,6 +17,7 @@ from hbench.store.formats.text import parse_table
 _IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 # Tolerance between a logged reference and the plan's: a count of 1e-5 m/s, or 0.1 %.
 _SAME_SPEED_M_S, _SAME_SPEED = 1e-5, 1e-3
+SEVERAL_RUNS = "If the file contains several runs, write each to a file of its own."
 
 
 def format_run(channels: Mapping[str, np.ndarray]) -> Iterator[bytes]:
@@ -110,7 +111,7 @@ def check_time(
         raise DataError(
             f"{table.source}: {position}: time goes from {t_s[row - 1]:.6g} s to {t_s[row]:.6g} s; "
             "expected increasing time",
-            hint if t_s[row] == t_s[row - 1] else "",
+            hint if t_s[row] == t_s[row - 1] else SEVERAL_RUNS,
         )
     if t_s[-1] - t_s[0] > LONGEST_S:
         raise DataError(

@@ -2,6 +2,7 @@
 
 import zipfile
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import date, datetime, time, timedelta
 from typing import Any, BinaryIO
 
@@ -28,19 +29,21 @@ def open_excel(file: BinaryIO, source: str, layout: Format) -> TextTable:
             "Save the sheet as a CSV file.",
         )
     book = openpyxl.load_workbook(file, read_only=True, data_only=True)
-    rows = dict(_rows(book, source, layout))
-    first = next(iter(rows.values()), [])
-    width = len(first) if layout.header else max(map(len, rows.values()), default=0)
-    cells = [row + [""] * (width - len(row)) for row in rows.values()]
-    return table_of_rows(cells, list(rows), layout, source)
-
-
-def _rows(book: Any, source: str, layout: Format) -> Iterator[tuple[int, list[str]]]:
-    """Yield the number from 1 and the cells of each row that is not blank."""
     names = [sheet.title for sheet in book.worksheets]
     if layout.sheet is not None and layout.sheet not in names:
         raise DataError(f"{source}: no sheet {layout.sheet!r}; the file has: {', '.join(names)}")
-    sheet = book.worksheets[0 if layout.sheet is None else names.index(layout.sheet)]
+    chosen = layout.sheet or names[0]
+    rows = dict(_rows(book.worksheets[names.index(chosen)], layout))
+    first = next(iter(rows.values()), [])
+    width = len(first) if layout.header else max(map(len, rows.values()), default=0)
+    cells = [row + [""] * (width - len(row)) for row in rows.values()]
+    table = table_of_rows(cells, list(rows), layout, source)
+    others = tuple(name for name in names if name != chosen)
+    return table if layout.sheet else replace(table, other_sheets=others)
+
+
+def _rows(sheet: Any, layout: Format) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number from 1 and the cells of each row that is not blank."""
     sheet.reset_dimensions()  # those that the file states may be wrong
     for number, values in enumerate(sheet.iter_rows(values_only=True), start=1):
         cells = [_text(value, layout.decimal) for value in values]

@@ -46,6 +46,7 @@ class TextTable:
     layout: Format
     source: str
     short_lines: tuple[int, ...] = ()
+    other_sheets: tuple[str, ...] = ()  # of a workbook of which no sheet was chosen
     _converted: dict[int, np.ndarray] = field(default_factory=dict, repr=False, compare=False)
     leaves_out_rows: ClassVar[bool] = False
 

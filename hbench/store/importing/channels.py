@@ -12,6 +12,7 @@ from hbench.errors import DataError
 from hbench.motion.rest import ZeroOffset, rest_before_motion
 from hbench.store.campaign.run_csv import check_limits
 from hbench.store.formats.table import Table
+from hbench.store.formats.text import TextTable
 from hbench.store.importing.absolute_pressure import below_vacuum
 from hbench.store.importing.alignment import aligned
 from hbench.store.importing.clipping import clipped_samples
@@ -48,6 +49,7 @@ def read_channels_by_map(
     """
     source, max_gap_s = table.source, rules.screening.max_gap
     bases, origin, omissions = read_time_bases(table, name, rules)
+    omissions = [*omissions, *_sheets(table, name)]
     bases, clipping = _with_clipping(bases, name)
     base, alignment = aligned(bases, max_gap_s, source, name)
     n = len(base.t_s)
@@ -86,6 +88,12 @@ def _constants(
             yield key, rules.constant(key, fields)
         except ValueError as error:  # such as "{load}e308 N"
             raise DataError(f"{source}: {error}") from None
+
+
+def _sheets(table: Table, name: str) -> Iterator[FileNote]:
+    if isinstance(table, TextTable) and table.other_sheets:
+        text = "{count} further sheets not read: format.sheet in the map chooses one"
+        yield FileNote(name, text, {"count": len(table.other_sheets)})
 
 
 def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], list[FileNote]]:

@@ -231,7 +231,7 @@ def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap)
                 "runs of a file without {trial} in its name are counted as trials: their intervals "
                 "do not include a repeated set-up"
             )
-    if any(piece.match.series.cylinder.rotary for piece in pieces):
+    if rules.rotary:
         yield (
             "rotary actuator: in all results 1 m stands for 1 rad, 1 N for 1 N m and an area of "
             "1 m^2 for 1 m^3/rad"

@@ -39,6 +39,7 @@ _QUANTITIES: dict[str, Quantity] = {
 _EXACT, _NAMED, _SUGGESTED = 10.0, 3.0, 1.5  # points of a name for a channel
 _STATED, _SAME_GROUP, _OTHER_GROUP, _WEAKER, _CONSTANT = 1.0, 1.0, -1.5, -1.0, -2.5
 _UNKNOWN_WORD = 0.2
+_FEW, _MANY = 12, 100  # at most as many values in at least as many samples are set values
 # Of channels of which the volts of a sensor are logged.
 _USUAL_UNITS: dict[Quantity, str] = {
     "position": "mm",
@@ -128,6 +129,11 @@ def _points(column: SampleColumn, channel: str, group: frozenset[str]) -> float:
     if not points:
         return 0.0
     points += _STATED * (column.unit is not None) + _WEAKER * means.is_weaker
+    is_set = len(column.known) >= _MANY and len(np.unique(column.known)) <= _FEW
+    if channel == "v_m_s" and is_set:
+        return 0.0  # the nominal speeds of several runs
+    if channel == "f_applied_n":
+        points += _CONSTANT * is_set
     if channel == "u_t_v" and quantity_of(column.unit) != "valve":
         return 0.0  # a command in percent is no voltage
     if _QUANTITIES[channel] == "temperature" and not _is_plausible(column):

@@ -21,13 +21,20 @@ _DATE = re.compile(
 )
 # A unit behind a number, not followed by another letter.
 _UNIT = re.compile(
-    r"[ _-]?(mm[_-]?s|mmps|cm[_-]?s|m[_-]?s|mps|kN|N|MPa|kPa|mbar|bar|psi)(?![a-z])", re.IGNORECASE
+    r"[ _-]?(mm[_-]?s|mmps|cm[_-]?s|m[_-]?s|mps|in[_-]?s|ips|deg[_-]?s|rad[_-]?s|kN|Nm|N|lbf"
+    r"|lbs?|MPa|kPa|mbar|bar|psi)"
+    r"(?![a-z])",
+    re.IGNORECASE,
 )
-_FIELD_OF = {"mm/s": "speed", "cm/s": "speed", "m/s": "speed", "N": "load", "kN": "load"}
+_FIELD_OF = {
+    **dict.fromkeys(("mm/s", "cm/s", "m/s", "in/s", "deg/s", "rad/s"), "speed"),
+    **dict.fromkeys(("N", "kN", "lbf", "N m"), "load"),
+}
 # A factor's unit, directly behind a number.
-_FACTOR_UNIT = re.compile(r"(mA|A|°C|deg_?C|C|K|Hz|rpm)(?![A-Za-z0-9])")
+_FACTOR_UNIT = re.compile(r"(mA|A|°C|deg_?C|C|K|Hz|rpm|mm|kg)(?![A-Za-z0-9])")
 _FACTORS = {
     **{"mA": ("current", "mA"), "A": ("current", "A"), "Hz": ("frequency", "Hz")},
+    **{"mm": ("length", "mm"), "kg": ("mass", "kg")},
     **dict.fromkeys(("°C", "degC", "deg_C", "C"), ("temperature", "°C")),
     **{"K": ("temperature", "K"), "rpm": ("rotation", "rpm")},
 }
@@ -36,12 +43,15 @@ _FACTOR_WORDS = {
     "current": re.compile(r"(?<![a-z])(current|strom)[ _=-]?$", re.IGNORECASE),
     "temperature": re.compile(r"(?<![a-z])(temp|temperature|temperatur)[ _=-]?$", re.IGNORECASE),
 }
+_MOTION = ("length", "frequency")  # together they set the speed, which the position shows
 _MOST_VALUES = 12  # of a factor
 _DEFAULT_UNITS = {"speed": "mm/s", "load": "N", "pressure": "bar"}
 # Words before a number without a unit.
 _WORDS = {
     "speed": re.compile(r"(?<![a-z])(v|speed|vel|velocity|geschw)[ _=-]?$", re.IGNORECASE),
-    "load": re.compile(r"(?<![a-z])(f|load|force|last|kraft)[ _=-]?$", re.IGNORECASE),
+    "load": re.compile(
+        r"(?<![a-z])(f|load|force|last|kraft|weight|gewicht)[ _=-]?$", re.IGNORECASE
+    ),
     "pressure": re.compile(r"(?<![a-z])(p|pressure|druck)[ _=-]?$", re.IGNORECASE),
     "trial": re.compile(
         r"(?<![a-z])(trial|run|rep|repeat|test|take|nr|no|versuch|messung|wdh|wiederholung|lauf)"
@@ -52,6 +62,14 @@ _WORDS = {
 _LONGEST_VALUE = 8  # characters of a number without a unit; longer ones are dates
 _LONGEST_TRIAL = 4  # digits; longer numbers are dates or identifiers
 _ENDING = re.compile(r"\.[A-Za-z]\w{0,7}$")
+# Words of the two directions. The motion shows the direction of each run.
+_DIRECTIONS = (
+    ("up", "down"), ("up", "dn"), ("auf", "ab"), ("aus", "ein"), ("ausfahren", "einfahren"),
+    ("out", "in"), ("ext", "ret"), ("extend", "retract"), ("extending", "retracting"),
+    ("fwd", "rev"), ("fwd", "bwd"), ("forward", "backward"), ("vor", "zurück"), ("pos", "neg"),
+    ("cw", "ccw"),
+)  # fmt: skip
+_WORD = re.compile(r"(?<![^\W\d_])[^\W\d_]+(?![^\W\d_]|\})")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +103,11 @@ class _Number(NamedTuple):
     unit: str
 
 
+def numbers_of(name: str) -> tuple[str, ...]:
+    """Return the numbers in a name, equal for all files of a run."""
+    return tuple(_NUMBER.findall(name))
+
+
 def name_patterns(names: Sequence[str]) -> list[NamePattern]:
     """Return patterns that match each of ``names`` once."""
     groups: dict[str, list[str]] = defaultdict(list)
@@ -93,7 +116,7 @@ def name_patterns(names: Sequence[str]) -> list[NamePattern]:
     patterns: list[NamePattern] = []
     for group in groups.values():
         patterns += _patterns(group)
-    patterns = list(_with_signs(patterns, names))
+    patterns = list(_with_directions(_with_signs(patterns, names), names))
     alone = []
     for pattern in patterns:
         if set(_matched(pattern, names)) == set(pattern.names):
@@ -115,6 +138,34 @@ def _with_signs(patterns: Sequence[NamePattern], names: Sequence[str]) -> Iterat
             yield replace(whole, names=tuple(sorted(own)))
         else:
             yield from group
+
+
+def _with_directions(
+    patterns: Iterable[NamePattern], names: Sequence[str]
+) -> Iterator[NamePattern]:
+    """Yield the patterns; two that differ in the word of the direction only become one."""
+    left = {pattern.files: pattern for pattern in patterns}
+    for files, pattern in list(left.items()):
+        for other, starred in _opposites(files):
+            whole = replace(pattern, files=starred)
+            own = [n for p in (pattern, left.get(other)) if p is not None for n in p.names]
+            if {files, other} <= left.keys() and set(_matched(whole, names)) == set(own):
+                yield replace(whole, names=tuple(sorted(own)))
+                del left[files], left[other]
+                break
+    yield from left.values()
+
+
+def _opposites(files: str) -> Iterator[tuple[str, str]]:
+    """Yield ``files`` with a direction's word replaced by that of the other, and by a star."""
+    for word in _WORD.finditer(_ENDING.sub("", files)):
+        for pair in _DIRECTIONS:
+            if word[0].lower() in pair:
+                other = pair[1 - pair.index(word[0].lower())]
+                other = other.upper() if word[0].isupper() else other
+                other = other.capitalize() if word[0].istitle() else other
+                head, tail = files[: word.start()], files[word.end() :]
+                yield f"{head}{other}{tail}", f"{head}*{tail}"
 
 
 def _matched(pattern: NamePattern, names: Sequence[str]) -> list[str]:
@@ -142,6 +193,9 @@ def _patterns(names: list[str]) -> Iterator[NamePattern]:
     numbers = {name: list(_numbers(name)) for name in names}
     varied = [len({n.text for n in column}) > 1 for column in zip(*numbers.values(), strict=True)]
     fields = _fields(names[0], numbers[names[0]], varied, list(numbers.values()))
+    motion = [i for i, (field, _) in fields.items() if field in _MOTION]
+    motion = motion if len(motion) == len(_MOTION) else []
+    fields = {i: field for i, field in fields.items() if i not in motion}
     by_files: dict[str, list[str]] = defaultdict(list)
     for name, found in numbers.items():
         stars = [
@@ -149,7 +203,11 @@ def _patterns(names: list[str]) -> Iterator[NamePattern]:
             for i, number in enumerate(found)
             if i not in fields
             and varied[i]
-            and (len(number.text) > _LONGEST_TRIAL or _counts_from_zero(numbers.values(), i))
+            and (
+                i in motion
+                or len(number.text) > _LONGEST_TRIAL
+                or _counts_from_zero(numbers.values(), i)
+            )
         ]
         by_files[_with_fields(name, found, fields, stars)].append(name)
     factors = {field: unit for field, unit in fields.values() if field not in FIELDS}
@@ -191,6 +249,7 @@ def _fields(
     for i, number in enumerate(numbers):
         for field in ("speed", "load", "pressure"):
             is_plain = not number.field and len(number.text) <= _LONGEST_VALUE
+            is_plain = is_plain and not _FACTOR_UNIT.match(name, number.stop)
             if i not in fields and varied[i] and is_plain and free(field):
                 if _WORDS[field].search(name[: number.start]):
                     fields[i] = field, ""
@@ -260,6 +319,7 @@ def _label(files: str) -> str:
     text = _ENDING.sub("", files)
     text = re.sub(rf"\{{({'|'.join(FIELDS)})\}}({_UNIT.pattern})?", "\0", text, flags=re.IGNORECASE)
     text = re.sub(rf"\{{[a-z]+\}}({_FACTOR_UNIT.pattern})?", "\0", text)
+    text = re.sub(rf"((?<![A-Za-z])[A-Za-z])?\*{_FACTOR_UNIT.pattern}", "\0", text)
     for pattern in (*_WORDS.values(), *_FACTOR_WORDS.values()):
         text = re.sub(rf"{pattern.pattern[:-1]}\0", "\0", text, flags=re.IGNORECASE)
     return " ".join(re.sub(r"[\0_/* ]+", " ", text).split()).strip(" -.=#")

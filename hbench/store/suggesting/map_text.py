@@ -36,6 +36,7 @@ _SIDES = {
     "p_tr_pa": "rod side; ",
     "f_drive_n": "force of the drive, positive when it extends; ",
 }
+_SPLIT = "if it contains several runs, write each to a file (hbench/store/README.md)"
 _PNEUMATIC_PA = 1.2e6  # a higher pressure is hydraulic
 _SETTLE_M = Screening().settle_travel
 
@@ -163,6 +164,14 @@ def _missing(found: SuggestedMap) -> Iterator[str]:
                 "load cell; without one the applied force is 0",
             )
         return
+    yield from _valve(found)
+    if found.is_rotary and not any(name.startswith("p_") for name in found.choices):
+        yield from _entry(
+            f"  # f_drive_n: {{column: {_ASKED}, unit: N m, scale: {_ASKED}}}",
+            "torque of a drive without hydraulics, such as N m per ampere of its motor; then remove"
+            " 'cylinder'",
+        )
+        return
     unit = next((c.unit for name, c in found.choices.items() if name.startswith("p_")), "bar")
     for channel, what in (
         ("p_tp_pa", f"pressure on the piston side, {unit}"),
@@ -175,6 +184,21 @@ def _missing(found: SuggestedMap) -> Iterator[str]:
                 f"  # {channel}: {{column: {_ASKED}, unit: {units}}}",
                 f"not found: {what}; see also constants",
             )
+
+
+def _valve(found: SuggestedMap) -> Iterator[str]:
+    """Yield the command of a valve in another unit than volts, which the user must convert."""
+    if "u_t_v" in found.choices:
+        return
+    for column in found.columns:
+        if column.meaning.quantity == "valve" and not column.is_date_time:
+            text = f"column: {_scalar(str(column.key), flow=True)}, unit: V, scale: {_ASKED}"
+            yield from _entry(
+                f"  # u_t_v: {{{text}}}",
+                "command of the test valve, for hbench reconcile; scale: volts for one of its unit"
+                " (0.1 for percent of 10 V), and offset, such as -15 V for 4 to 20 mA at 1.25 V/mA",
+            )
+            return
 
 
 def _constants(found: SuggestedMap) -> Iterator[str]:
@@ -377,7 +401,7 @@ def _no_time(found: SuggestedMap) -> str:
                     str(value) if column.is_date_time else f"{value:.10g}"
                     for value in t[back[0] : back[0] + 2]
                 )
-                return f"{column.name!r} goes back from {before} to {after} in {file}"
+                return f"{column.name!r} goes back from {before} to {after} in {file}; {_SPLIT}"
     if found.unread:
         few = ", ".join(list(found.unread)[:5])
         return f"no times; neither numbers nor date-times such as 2024-12-24 18:30:00: {few}"

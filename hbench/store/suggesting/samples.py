@@ -34,6 +34,7 @@ class SampleFile:
     units: dict[int | str, str]  # stated by the file, but for those in names
     own_times: dict[int | str, np.ndarray]  # [s] stated by the file
     unread: dict[str, str]  # columns that are neither numbers nor date-times: name and first fault
+    other_sheets: tuple[str, ...] = ()  # of a workbook, which were not read
 
     @property
     def signature(self) -> tuple:
@@ -126,6 +127,7 @@ def _sample(
         units=units,
         own_times=own_times,
         unread=unread,
+        other_sheets=table.other_sheets if isinstance(table, TextTable) else (),
     )
 
 

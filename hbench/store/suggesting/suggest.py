@@ -21,7 +21,7 @@ from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.duplicates import duplicates
 from hbench.store.suggesting.factors import column_factors
-from hbench.store.suggesting.file_names import NamePattern, name_patterns
+from hbench.store.suggesting.file_names import NamePattern, name_patterns, numbers_of
 from hbench.store.suggesting.force_balance import ForceBalance, force_balance
 from hbench.store.suggesting.map_text import (
     SuggestedMap,
@@ -43,6 +43,7 @@ from hbench.units import parse_unit
 _MOST_FILES = 12  # read for a suggestion
 _MOST_BYTES = 60_000_000  # of these files; the first is always read
 _LONGEST_FAULT = 120  # characters
+_JOIN = "a run must be a file of its own: hbench/store/README.md, Runs that are not a file each"
 _NO_LOGS = (".yaml", ".yml", ".md", ".pdf", ".png", ".jpg", ".svg", ".html", ".zip", ".py", ".m")
 
 
@@ -82,7 +83,27 @@ def suggest_map(folder: Path) -> Suggestion:
     files = {name: file for p in alike for name, file in _more_of(folder, p, samples[p], alike)}
     found = _found(folder, list(files.values()), alike, len(names))
     found = _verified(folder, found, patterns, faults)
-    return Suggestion(map_text(found), tuple(_notes(found, faults)))
+    notes = (*_notes(found, faults), *_joined_or_split(samples, alike))
+    return Suggestion(map_text(found), notes)
+
+
+def _joined_or_split(
+    samples: Mapping[NamePattern, SampleFile], alike: Sequence[NamePattern]
+) -> Iterator[str]:
+    """Yield notes on runs that are not a file each: in several files, or in several sheets."""
+    of_runs = {frozenset(map(numbers_of, p.names)) for p in alike if len(p.names) > 1}
+    parts = [p for p in samples if p in alike or frozenset(map(numbers_of, p.names)) in of_runs]
+    if of_runs and len({samples[p].signature for p in parts}) > 1:
+        yield (
+            "the channels of a run seem to be in several files: "
+            f"{', '.join(p.files for p in parts)}; {_JOIN}"
+        )
+    for sample in samples.values():
+        if sample.other_sheets:
+            yield (
+                f"{sample.name}: the first sheet was read; {len(sample.other_sheets)} others: "
+                f"{listed(sample.other_sheets)}; format.sheet in the map chooses one; {_JOIN}"
+            )
 
 
 def _samples(
