@@ -24,7 +24,7 @@ from hbench.report.diagnosis.names import (
     parts_of,
 )
 from hbench.report.diagnosis.words.change import readings_words
-from hbench.report.diagnosis.words.coefficient import parts_present
+from hbench.report.diagnosis.words.coefficient import gap_words, parts_present
 from hbench.report.diagnosis.words.deviation import beyond_balances, too_small_words
 from hbench.report.diagnosis.words.place import CLEARLY_LARGER, edge_gaps, worst_places
 from hbench.report.render.numbers import significant
@@ -153,7 +153,9 @@ def advice(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     words = inspection(diagnosis, effect)
     if too_small_words(diagnosis, effect):
         return _TOO_SMALL
-    return " ".join(filter(None, (f"Inspect {words}." if words else "", effect.repair)))
+    gaps = (gap_words(each) for each in diagnosis.effects if each.name == effect.name)
+    parts = (f"Inspect {words}." if words else "", *gaps, effect.repair)
+    return " ".join(filter(None, parts))
 
 
 def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
