@@ -148,7 +148,9 @@ _DEVIATION_OF_STROKES = (
 )
 _ALLOWED = (
     "Tolerances allow",
-    "Deviation that sensors within their tolerances may cause in a model that is not refitted.",
+    "Deviation that sensors within their tolerances may cause in a model that is not refitted. The "
+    "refit includes them (offset, gain and drift): what remains has another cause, even if it is "
+    "smaller.",
 )
 _UNEXPLAINED = (
     "Limit for an unknown effect",

@@ -143,21 +143,16 @@ def best_candidate(diagnosis: Diagnosis) -> str:
 
 
 def hint(diagnosis: Diagnosis) -> str:
-    """Return the known effect that explains a part, with its size; empty for none."""
+    """Return the known effect that explains a part of the deviation; empty for none."""
     if not diagnosis.ranking:
         return ""
     best = diagnosis.ranking[0]
     if best.score <= best.threshold or best.explained < LEAST_EXPLAINED:
         return ""
-    size = ""
-    if best.size < LEAST_SIZE:
-        size = (
-            f", but is too small to be named ({number(best.size, 2)} of a typical size, "
-            f"{number(LEAST_SIZE, 2)} needed)"
-        )
+    small = ", but is too small to be named" if best.size < LEAST_SIZE else ""
     return (
         f"A hint: {in_words(best.name)} would explain {share(best.explained)} of the deviation in "
-        f"the quantities that it changes{size}."
+        f"the quantities that it changes{small}."
     )
 
 

@@ -68,6 +68,7 @@ from hbench.report.diagnosis.words.place import (
     AT_POINT,
     at_point_words,
     change_clauses,
+    places_words,
     residual_words,
     where_words,
     worst_places,
@@ -286,7 +287,10 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.unnamed:
         yield _ACTION, _MEANWHILE
     yield _UNNAMED, law_summary(diagnosis.unnamed)
-    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
+    names = [gap.name for gap in gaps]
+    if gaps[1:]:
+        yield _RESIDUALS, f"{capital(deviations(gaps, probable=True))}."
+    yield _RESIDUALS, places_words(diagnosis, names) or residual_words(diagnosis, names)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield _REFIT, refit_words(diagnosis)

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
+    all_in_sentence,
     deviation_and_limit,
     gap_number,
     in_sentence,
@@ -40,6 +41,7 @@ from hbench.report.diagnosis.words.deviation import (
     exceeding,
     largest_deviation,
     not_expected,
+    sensors_words,
     too_small_words,
 )
 from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
@@ -301,10 +303,15 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     every, part = len(diagnosis.where), ""
     if len(gaps) < every:
         part = f" in {len(gaps)} of the {every} quantities compared"
-    yield f"No known effect explains how the measurement deviates from the model{part}."
-    yield f"{capital(deviations(gaps, probable=True))}."
-    yield "Here p is the probability of such a deviation with a correct model."
+    no_effect = f"No known effect explains how the measurement deviates from the model{part}"
+    if gaps[1:]:
+        names = all_in_sentence([gap.name for gap in gaps])
+        yield f"{no_effect}: {names} (significant, p below {SIGNIFICANT_P:g})."
+    else:
+        limit = f"significant is a p below {SIGNIFICANT_P:g}"
+        yield f"{no_effect}. {capital(deviations(gaps, probable=True))}; {limit}."
     yield change_of_errors(diagnosis)
     yield next_step(diagnosis)
+    yield sensors_words(diagnosis, gaps)
     yield hint(diagnosis)
     yield beyond_balances(diagnosis)
