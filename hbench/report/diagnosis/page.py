@@ -26,7 +26,6 @@ from hbench.report.diagnosis.tables.separability_tables import (
 from hbench.report.diagnosis.text import gap_line, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
-from hbench.report.diagnosis.words.rest import rest_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.symbols import listed
@@ -58,20 +57,15 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *_numbers("Gaps of the runs of the fit in numbers", *_train_tables(diagnosis)),
         ),
     )
-    at_rest = rest_words(diagnosis)
     where = Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
-        (at_rest,) if diagnosis.verdict == "none" else (),
         drawings=drawn("where"),
         tables=_with_rows(
             gap_tables.where_table(diagnosis),
             gap_tables.rest_table(diagnosis),
             gap_tables.edges_table(diagnosis),
         ),
-        facts=(
-            *((("At rest", at_rest),) if at_rest and diagnosis.verdict != "none" else ()),
-            *definitions.of_deviations(diagnosis),
-        ),
+        facts=definitions.of_deviations(diagnosis),
     )
     overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
     which = Section(

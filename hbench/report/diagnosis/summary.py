@@ -288,9 +288,12 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
         yield _ACTION, _MEANWHILE
     yield _UNNAMED, law_summary(diagnosis.unnamed)
     names = [gap.name for gap in gaps]
-    if gaps[1:]:
+    places = places_words(diagnosis, names)
+    if gaps[1:]:  # the verdict has the size and the place of a single one
         yield _RESIDUALS, f"{capital(deviations(gaps, probable=True))}."
-    yield _RESIDUALS, places_words(diagnosis, names) or residual_words(diagnosis, names)
+        yield _RESIDUALS, places
+    if not places:
+        yield _RESIDUALS, residual_words(diagnosis, names)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield _REFIT, refit_words(diagnosis)

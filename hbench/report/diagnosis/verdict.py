@@ -52,7 +52,6 @@ from hbench.report.diagnosis.words.place import (
     size_words,
     worst_places,
 )
-from hbench.report.diagnosis.words.rest import at_rest, rest_clause
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
@@ -283,8 +282,6 @@ def _largest(diagnosis: Diagnosis) -> str:
         )
         for place in worst_places(diagnosis, real[0].name)[:1]:
             end += f". It is largest {place.words}"
-    elif part := at_rest(diagnosis, large[0]):
-        end = rest_clause(part)
     return f"The largest deviation, {_most(real or large)}, {end}."
 
 

@@ -34,7 +34,6 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.tables.run_gaps import plan_words
 from hbench.report.diagnosis.words.law import law_title
-from hbench.report.diagnosis.words.rest import rest_caption
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 
@@ -139,8 +138,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
             shape = _SHAPE + stages + (_HELD_OUT if diagnosis.confirmed else "")
         for name in shown_balances(diagnosis):
             title = f"Residual: {balance(name).title}"
-            caption = f"{shape}{rest_caption(diagnosis, name)}"
-            yield "shape", f"shape {name}", title, caption, shape_figure(diagnosis, name)
+            yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
     if diagnosis.where and diagnosis.regions and not strokes:  # those of strokes are its loads
         yield "where", "regions", "Gap by region, all runs", _REGIONS, region_figure(diagnosis)
     if diagnosis.held_out_loads:
