@@ -90,3 +90,19 @@ def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first
     )
     assert begin in of_flow(17.8, 8.6)  # while the piston extends, oil leaves the rod side
     assert "Start with the test valve." in of_flow(8.6, 8.0)
+
+
+def test_a_flow_that_depends_on_the_position_has_the_bore_inspected_first(compared):
+    gap = replace(compared.where[0], name="flow_lr")
+    regions = tuple(
+        Region("position_m", "", low, low + 0.1, 99, {"flow_lr": value})
+        for low, value in ((0.05, 2.0), (0.2, 8.0))
+    ) + tuple(
+        Region("direction", way, NAN, NAN, 9, {"flow_lr": value})
+        for way, value in (("extend", 7.0), ("retract", 2.0))
+    )
+    bore = replace(compared, where=(gap,), rest=(gap,), regions=regions)
+    text = ordinary_spaces(verdict_words(bore))
+    assert "Start with the bore and the piston seal of the load cylinder: the flow" in text
+    assert "and a valve does not depend on the position." in text
+    assert "of the load cylinder, inspect load valve L1, the rod side" in summary(bore)

@@ -117,22 +117,6 @@ def test_what_several_deviations_have_in_common_is_inspected_first(compared):
     assert "Start with the bore and the piston seal of the load" in start("flow_lr", "flow_lp")
 
 
-def test_a_flow_that_depends_on_the_position_has_the_bore_inspected_first(compared):
-    gap = replace(compared.where[0], name="flow_lr")
-    regions = tuple(
-        Region("position_m", "", low, low + 0.1, 99, {"flow_lr": value})
-        for low, value in ((0.05, 2.0), (0.2, 8.0))
-    ) + tuple(
-        Region("direction", way, NAN, NAN, 9, {"flow_lr": value})
-        for way, value in (("extend", 7.0), ("retract", 2.0))
-    )
-    bore = replace(compared, where=(gap,), rest=(gap,), regions=regions)
-    text = ordinary_spaces(verdict_words(bore))
-    assert "Start with the bore and the piston seal of the load cylinder: the flow" in text
-    assert "and a valve does not depend on the position." in text
-    assert "of the load cylinder, inspect load valve L1, the rod side" in summary(bore)
-
-
 def test_a_limit_that_two_deviations_share_is_written_once(compared):
     first = compared.where[0]
     second = replace(first, name="force_load", deviation=20.0)
@@ -204,9 +188,7 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
                    not_tried={"rest_time": "no breakaway"})  # fmt: skip
     text = summary(none)
     brief = short_summary(none)
-    assert "The gap of 2 runs outside the fit is 9.50 with the refitted model" in brief
-    assert "A correct model whose values are as uncertain would have 1.20 on average." in brief
-    assert "9.50" not in text  # the section on the gap has it
+    assert "9.50" not in text + brief  # the verdict and the section on the gap have it
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "mass and rest time (not tried): these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
@@ -245,8 +227,35 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
     assert "agrees" in text and "is not significant (p = 0.300)." in text
+    assert "it deviates by 1.25 times the repeatability, where 1.20 is expected" in text
+    assert "largest of these gaps" not in text  # of a single quantity
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
+
+
+def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(compared):
+    gaps = {
+        "flow_lp": BeforeAfter(4.0, 2.79, 2.79, 4.48),
+        "supply": BeforeAfter(1.6, 1.45, 1.45, 2),
+    }
+    total = BeforeAfter(5.4, 1.46, 1.46, 2.18)
+    weak = replace(compared.ranking[0], score=1.1, explained=0.0)
+    none = replace(
+        compared, verdict="none", rest=(), where=(replace(compared.where[1], deviation=1e-8),),
+        gap_heldout=GapTable(total, gaps, {}, {}), ranking=(weak,),
+    )  # fmt: skip
+    text = ordinary_spaces(verdict_words(none))
+    assert (
+        "the model agrees with the measurement. In runs outside the fit it deviates by 1.46 times "
+        "the repeatability, where 2.18 is expected of a correct model whose values are as "
+        "uncertain. The largest of these gaps is 2.79 in the flow to the load piston side (4.48 "
+        "expected)."
+    ) in text
+    assert "closest" not in summary(none) + diagnosis_text(none)  # it would explain 0 %
+    assert "Load friction is the closest" in summary(replace(none, ranking=compared.ranking))
+    small = {name: replace(gap, refitted=0.9) for name, gap in gaps.items()}
+    less = replace(none, gap_heldout=GapTable(total, small, {}, {}))
+    assert "largest of these" not in verdict_words(less)
 
 
 def test_a_deviation_within_the_noise_and_a_tolerance_that_changes_nothing_are_dashes(compared):

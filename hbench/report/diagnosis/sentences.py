@@ -156,20 +156,6 @@ def hint(diagnosis: Diagnosis) -> str:
     )
 
 
-def agreement(diagnosis: Diagnosis) -> str:
-    """Return the gap of held-out runs with the refitted model, beside that of a correct one."""
-    total = diagnosis.gap_heldout.total
-    if not isfinite(total.refitted):
-        return ""
-    together = ", all flows and forces together," if len(diagnosis.gap_heldout.balances) > 1 else ""
-    return (
-        f"The gap of {len(diagnosis.heldout_runs)} runs outside the fit{together} is "
-        f"{gap_number(total.refitted)} with the {compared_model(diagnosis)}, where 1 is the "
-        "repeatability of the bench. A correct model whose values are as uncertain would have "
-        f"{gap_number(total.floor)} on average."
-    )
-
-
 def worse_words(diagnosis: Diagnosis) -> str:
     """Return which gaps of held-out runs the model of model.yaml increases beyond repeatability.
 

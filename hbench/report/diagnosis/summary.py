@@ -14,11 +14,11 @@ from hbench.records import (
 )
 from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
 from hbench.report.diagnosis.sentences import (
-    agreement,
     best_candidate,
     closeness,
     doubtful_volume,
     gap_change,
+    hint,
     odds_words,
     refit_words,
     ruled_out_words,
@@ -192,8 +192,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield next_step(diagnosis)
             yield from further_inspections(diagnosis)
         else:
-            yield agreement(diagnosis)
-            yield best_candidate(diagnosis)
+            yield best_candidate(diagnosis) if hint(diagnosis) else ""
             yield diagnosis.next_experiment or ""
 
 
@@ -318,7 +317,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, "Use model.yaml, which has the refitted values."
     yield _WORSE, worse_words(diagnosis)
-    yield _CLOSEST, best_candidate(diagnosis)
+    yield _CLOSEST, best_candidate(diagnosis) if hint(diagnosis) else ""
     yield _REFIT, refit_words(diagnosis)
     yield _DETECTABLE, detectable(diagnosis)
     yield "Runs that show more", diagnosis.next_experiment or ""

@@ -251,11 +251,22 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
         yield change_of_errors(diagnosis)
     else:
         yield f"No missing effect is found: {keys_in_words(finding)}"
+    yield _largest_gap(diagnosis)
     yield _largest(diagnosis)
     yield beyond_balances(diagnosis)
     yield "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+
+
+def _largest_gap(diagnosis: Diagnosis) -> str:
+    """State the largest gap of a quantity in held-out runs beside that of a correct model."""
+    gaps = diagnosis.gap_heldout.balances
+    name = max(gaps, key=lambda each: gaps[each].refitted, default="")
+    if len(gaps) < 2 or not gaps[name].refitted > 1:
+        return ""
+    largest, expected = (gap_number(gap) for gap in (gaps[name].refitted, gaps[name].floor))
+    return f"The largest of these gaps is {largest} in {in_sentence(name)} ({expected} expected)."
 
 
 def _largest(diagnosis: Diagnosis) -> str:
