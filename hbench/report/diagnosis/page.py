@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
+from hbench.report.diagnosis.heading import SUBTITLE, identity_facts, title_words
 from hbench.report.diagnosis.names import (
     added_words,
     in_words,
@@ -35,7 +36,6 @@ _MOST_RUNS = 40  # rows of the page
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    provenance = diagnosis.provenance
 
     def drawn(section: str) -> tuple[Drawing, ...]:
         return tuple(drawing for drawing in drawings if drawing.section == section)
@@ -113,15 +113,16 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         evidence = (gap, overlay, effects, where, shape)
     sections = (unnamed, *evidence, refitted, which)
     return document(
-        f"Model {diagnosis.model} against campaign {provenance.name}",
-        f"{provenance.source.capitalize()}, {provenance.started[:10]}; bench {provenance.bench}.",
+        title_words(diagnosis),
+        SUBTITLE,
         (
             _answer(diagnosis),
             *(section for section in sections if _holds_something(section)),
             *([missing] if missing.items or missing.facts else []),
         ),
         of_the_mass(diagnosis, verdict_words(diagnosis)),
-        provenance.source,
+        diagnosis.provenance.source,
+        identity_facts(diagnosis),
     )
 
 
