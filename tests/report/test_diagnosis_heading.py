@@ -16,7 +16,7 @@ def test_the_title_states_the_verdict_and_a_block_what_was_measured_where_and_wh
         assert f"<title>{text} (simulated)</title>" in page
         return text
 
-    compared = "model-aau.yaml against made &lt;up&gt;"
+    compared = "made &lt;up&gt;"
     assert title(named) == f"Internal leakage found: {compared}"
     assert title(unknown) == f"Unknown deviation: {compared}"
     assert title(replace(unknown, verdict="none", rest=())).startswith("No missing effect found: ")

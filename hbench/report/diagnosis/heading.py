@@ -5,14 +5,17 @@ from hbench.report.campaign.settings import provenance_facts
 from hbench.report.diagnosis.names import in_words
 from hbench.report.render.symbols import capital, listed
 
-SUBTITLE = "Comparison of a model with measured runs"
 _SIZES = {"bore": "piston_diameter", "rod": "rod_diameter", "stroke": "stroke"}  # of a model file
 
 
 def title_words(diagnosis: Diagnosis) -> str:
-    """Return the title: the verdict in a few words, the model and the campaign."""
-    compared = f"{diagnosis.model} against {diagnosis.provenance.name}"
-    return f"{_verdict(diagnosis)}: {compared}"
+    """Return the title: the verdict in a few words, and the campaign."""
+    return f"{_verdict(diagnosis)}: {diagnosis.provenance.name}"
+
+
+def subtitle_words(diagnosis: Diagnosis) -> str:
+    """Return what was compared."""
+    return f"Model {diagnosis.model} against measured runs of {diagnosis.provenance.name}"
 
 
 def _verdict(diagnosis: Diagnosis) -> str:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
-from hbench.report.diagnosis.heading import SUBTITLE, identity_facts, title_words
+from hbench.report.diagnosis.heading import identity_facts, subtitle_words, title_words
 from hbench.report.diagnosis.names import (
     added_words,
     in_words,
@@ -114,7 +114,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     sections = (unnamed, *evidence, refitted, which)
     return document(
         title_words(diagnosis),
-        SUBTITLE,
+        subtitle_words(diagnosis),
         (
             _answer(diagnosis),
             *(section for section in sections if _holds_something(section)),
