@@ -56,8 +56,9 @@ def test_valves_that_deviate_at_the_same_edge_are_listed_together_with_the_line_
     ) in lead
     text = ordinary_spaces(summary(found()))
     assert (
-        "If nothing is found there, inspect the piston side of the test cylinder and the "
-        "transducer of P_Tp; then the piston side of the load cylinder and the transducer of P_Lp."
+        "If nothing is found at the valves and their common line, inspect the piston side of the "
+        "test cylinder and the transducer of P_Tp; then the piston side of the load cylinder and "
+        "the transducer of P_Lp."
     ) in text
     assert (
         "At a speed of 100 to 150 mm/s, the flow to the load piston side deviates by 0.052 l/min "

@@ -285,7 +285,8 @@ def further_inspections(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield what else to inspect for the first two balances that no effect explains."""
     if pattern := _pattern(diagnosis):
         parts = [listed(parts_of(diagnosis, name)[1:]) for name in pattern.valves]
-        yield f"If nothing is found there, inspect {'; then '.join(parts[:_MOST_BALANCES])}."
+        then = "; then ".join(parts[:_MOST_BALANCES])
+        yield f"If nothing is found at the valves and their common line, inspect {then}."
         return
     first, *others = (diagnosis.rest or diagnosis.where[:1])[:_MOST_BALANCES]
     start, _ = _start(diagnosis, first)
