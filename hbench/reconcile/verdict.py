@@ -79,8 +79,8 @@ def _unnamed(result: SearchResult) -> str:
     """Return the sentence about learned laws; empty without any."""
     tables = [result.final.hypothesis.tables[law.table] for law in result.laws]
     words = [f"{table.adds_to} over {' and '.join(table.knots)}" for table in tables]
-    laws = "laws" if len(words) > 1 else "law"
-    return f" The revised model contains an unnamed {laws}: {', '.join(words)}." if words else ""
+    laws = "unnamed laws" if len(words) > 1 else "an unnamed law"
+    return f" The revised model contains {laws}: {'; '.join(words)}." if words else ""
 
 
 def unconfirmed_words(names: Sequence[str]) -> str:

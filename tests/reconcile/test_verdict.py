@@ -1,6 +1,7 @@
 """Verdicts, what data lacks, runs that take no part, and the revised model's sections."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -64,6 +65,23 @@ def test_an_effect_that_was_taken_is_named_and_the_rest_is_told():
 def test_a_set_beside_a_named_effect_is_told():
     verdict, why = decide_verdict(found(("supply_droop", ()), (None, (LEAK, OTHER))), (LACKS,))
     assert verdict == "named" and {"internal_leakage", "external_leakage"} <= set(why.split())
+
+
+def test_one_unnamed_law_and_several_have_the_article_and_the_plural_that_they_need():
+    tables = (
+        SimpleNamespace(adds_to="flow_tp", knots={"opening": (), "piston_pressure": ()}),
+        SimpleNamespace(adds_to="friction_test", knots={"position": ()}),
+    )
+
+    def why(count):
+        final = SimpleNamespace(hypothesis=SimpleNamespace(tables=tables))
+        laws = tuple(SimpleNamespace(table=i) for i in range(count))
+        return decide_verdict(replace(found((None, ())), final=final, laws=laws), (LACKS,))[1]
+
+    one, first = "contains an unnamed law: ", "flow_tp over opening and piston_pressure"
+    assert why(1).endswith(f"{one}{first}.")
+    assert why(2).endswith(f"contains unnamed laws: {first}; friction_test over position.")
+    assert "unnamed" not in why(0)
 
 
 def test_candidates_that_are_close_are_ambiguous():

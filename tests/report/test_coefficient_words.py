@@ -96,13 +96,39 @@ def test_a_coefficient_of_a_power_law_has_the_value_where_its_unit_holds(named):
     assert coefficients_words(curved) == (
         "test cylinder 0.150 ± 0.010 l/min at 50 bar, exponent 0.70 ± 0.14"
     )
+    # 0.003 l/min/bar times 24 bar are no flow of this law, so they are not written.
+    page = ordinary_spaces(diagnosis_page(replace(named, effects=(curved,)), ()))
+    assert "0.150 ± 0.010 l/min at 50 bar" in page and "l/min/bar" not in page
     own = "0.150 ± 0.010 l/min at 50 bar, i.e. 0.00300 l/min/bar"  # that of model.yaml
-    assert own in ordinary_spaces(diagnosis_page(replace(named, effects=(curved,)), ()))
+    laminar = replace(effect, law=law)
+    assert own in ordinary_spaces(diagnosis_page(replace(named, effects=(laminar,)), ()))
     share = {"test": FitParameter(0.5, 0.1, (0.3, 0.7), None, "N/bar")}
     seal = replace(effect, law="k P_0 (P / P_0)^n, P_0 = 50 bar", parameters=share)
     assert coefficients_words(seal) == "test cylinder 0.50 ± 0.20 N/bar"
     curved = replace(seal, parameters=share | {"exponent": power["exponent"]})
     assert coefficients_words(curved).startswith("test cylinder 0.50 ± 0.20 N/bar at 50 bar")
+
+
+def test_the_exponent_of_a_leak_states_the_kind_of_gap_where_its_interval_decides(named):
+    (effect,) = named.effects
+
+    def texts(value, half, name="internal_leakage"):
+        exponent = FitParameter(value, half / 2, (value - half, value + half), None, "1")
+        leak = replace(effect, name=name, parameters={**effect.parameters, "exponent": exponent})
+        found = replace(named, effects=(leak,), practice=(replace(LEAK, name=name),))
+        return ordinary_spaces(verdict_words(found)), ordinary_spaces(summary(found))
+
+    lead, action = texts(0.535, 0.074)
+    assert "oil leaks, as through an orifice (test cylinder" in lead
+    assert (
+        "Inspect the piston seal. The exponent, 0.535 ± 0.074, is that of an orifice (0.5), such "
+        "as a damaged seal or a score in the bore, and not that of a laminar gap (1), such as a "
+        "worn seal. Replace it."
+    ) in action
+    lead, action = texts(0.95, 0.1, "external_leakage")
+    assert "as through a laminar gap" in lead and "and not that of an orifice (0.5)" in action
+    for undecided in (texts(0.75, 0.1), texts(0.75, 0.3)):
+        assert "orifice" not in "".join(undecided) and "The exponent" not in "".join(undecided)
 
 
 def test_the_resistance_of_a_line_is_a_pressure_at_the_flow_of_its_law(named):

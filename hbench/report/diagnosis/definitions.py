@@ -135,8 +135,8 @@ _P_OF_MOTION = (
 _DEVIATION = (
     "Deviation",
     "Root mean square of measurement less model, without the noise of single windows, but with "
-    "the scatter from trial to trial: over all windows, and over those in motion. Up to the limit "
-    "in the table it does not matter.",
+    "the scatter from trial to trial. Up to the limit in the table it does not matter. A dash: not "
+    "distinguishable from that noise.",
 )
 _SCATTER_OF_STROKES = (
     "Repeatability",
@@ -148,7 +148,9 @@ _DEVIATION_OF_STROKES = (
 )
 _ALLOWED = (
     "Tolerances allow",
-    "Deviation that sensors within their tolerances may cause in a model that is not refitted.",
+    "Deviation that sensors within their tolerances may cause in a model that is not refitted. The "
+    "refit includes them (offset, gain and drift): what remains has another cause, even if it is "
+    "smaller. A dash: no tolerance changes it.",
 )
 _UNEXPLAINED = (
     "Limit for an unknown effect",

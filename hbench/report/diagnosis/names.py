@@ -1,6 +1,7 @@
 """Display names and units of balances, signals and axes."""
 
 import re
+from collections.abc import Sequence
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -8,6 +9,7 @@ from hbench.channels import CHANNELS
 from hbench.records import Diagnosis, Gap
 from hbench.records.diagnosis import MOTION_BALANCE
 from hbench.report.render.numbers import NONE, number, significant
+from hbench.report.render.symbols import listed
 from hbench.units import from_si
 
 
@@ -129,6 +131,7 @@ _KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")  # name of an effect
 _CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
 _VALUE_OF = re.compile(r"test cylinder (?=[−\d])")
 _PART = re.compile(r", test (cylinder|side)")
+_FLOW = "the flow to "
 _WITHOUT_ARTICLE = ("friction", "kinematics")
 _MOST_DIGITS = 4  # of a deviation that is close to its limit
 
@@ -299,6 +302,14 @@ def in_sentence(name: str) -> str:
     if title.startswith("P_") or name in _WITHOUT_ARTICLE:
         return title
     return "the " + _CYLINDER.sub(r"\1 the \2", title)
+
+
+def all_in_sentence(names: Sequence[str]) -> str:
+    """Write balances within a sentence, with flows alone as ``the flows to … and …``."""
+    words = [in_sentence(name) for name in names]
+    if names[1:] and all(each.startswith(_FLOW) for each in words):
+        return f"the flows to {listed([each.removeprefix(_FLOW) for each in words])}"
+    return listed(words)
 
 
 def p_words(value: float) -> str:

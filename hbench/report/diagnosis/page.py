@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
+from hbench.report.diagnosis.heading import identity_facts, subtitle_words, title_words
 from hbench.report.diagnosis.names import (
     added_words,
     in_words,
@@ -26,7 +27,6 @@ from hbench.report.diagnosis.tables.separability_tables import (
 from hbench.report.diagnosis.text import gap_line, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
-from hbench.report.diagnosis.words.rest import rest_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.symbols import listed
@@ -36,7 +36,6 @@ _MOST_RUNS = 40  # rows of the page
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    provenance = diagnosis.provenance
 
     def drawn(section: str) -> tuple[Drawing, ...]:
         return tuple(drawing for drawing in drawings if drawing.section == section)
@@ -58,20 +57,15 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *_numbers("Gaps of the runs of the fit in numbers", *_train_tables(diagnosis)),
         ),
     )
-    at_rest = rest_words(diagnosis)
     where = Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
-        (at_rest,) if diagnosis.verdict == "none" else (),
         drawings=drawn("where"),
         tables=_with_rows(
             gap_tables.where_table(diagnosis),
             gap_tables.rest_table(diagnosis),
             gap_tables.edges_table(diagnosis),
         ),
-        facts=(
-            *((("At rest", at_rest),) if at_rest and diagnosis.verdict != "none" else ()),
-            *definitions.of_deviations(diagnosis),
-        ),
+        facts=definitions.of_deviations(diagnosis),
     )
     overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
     which = Section(
@@ -119,15 +113,16 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         evidence = (gap, overlay, effects, where, shape)
     sections = (unnamed, *evidence, refitted, which)
     return document(
-        f"Model {diagnosis.model} against campaign {provenance.name}",
-        f"{provenance.source.capitalize()}, {provenance.started[:10]}; bench {provenance.bench}.",
+        title_words(diagnosis),
+        subtitle_words(diagnosis),
         (
             _answer(diagnosis),
             *(section for section in sections if _holds_something(section)),
             *([missing] if missing.items or missing.facts else []),
         ),
         of_the_mass(diagnosis, verdict_words(diagnosis)),
-        provenance.source,
+        diagnosis.provenance.source,
+        identity_facts(diagnosis),
     )
 
 

@@ -143,35 +143,16 @@ def best_candidate(diagnosis: Diagnosis) -> str:
 
 
 def hint(diagnosis: Diagnosis) -> str:
-    """Return the known effect that explains a part, with its size; empty for none."""
+    """Return the known effect that explains a part of the deviation; empty for none."""
     if not diagnosis.ranking:
         return ""
     best = diagnosis.ranking[0]
     if best.score <= best.threshold or best.explained < LEAST_EXPLAINED:
         return ""
-    size = ""
-    if best.size < LEAST_SIZE:
-        size = (
-            f", but is too small to be named ({number(best.size, 2)} of a typical size, "
-            f"{number(LEAST_SIZE, 2)} needed)"
-        )
+    small = ", but is too small to be named" if best.size < LEAST_SIZE else ""
     return (
         f"A hint: {in_words(best.name)} would explain {share(best.explained)} of the deviation in "
-        f"the quantities that it changes{size}."
-    )
-
-
-def agreement(diagnosis: Diagnosis) -> str:
-    """Return the gap of held-out runs with the refitted model, beside that of a correct one."""
-    total = diagnosis.gap_heldout.total
-    if not isfinite(total.refitted):
-        return ""
-    together = ", all flows and forces together," if len(diagnosis.gap_heldout.balances) > 1 else ""
-    return (
-        f"The gap of {len(diagnosis.heldout_runs)} runs outside the fit{together} is "
-        f"{gap_number(total.refitted)} with the {compared_model(diagnosis)}, where 1 is the "
-        "repeatability of the bench. A correct model whose values are as uncertain would have "
-        f"{gap_number(total.floor)} on average."
+        f"the quantities that it changes{small}."
     )
 
 

@@ -14,11 +14,11 @@ from hbench.records import (
 )
 from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
 from hbench.report.diagnosis.sentences import (
-    agreement,
     best_candidate,
     closeness,
     doubtful_volume,
     gap_change,
+    hint,
     odds_words,
     refit_words,
     ruled_out_words,
@@ -68,6 +68,7 @@ from hbench.report.diagnosis.words.place import (
     AT_POINT,
     at_point_words,
     change_clauses,
+    places_words,
     residual_words,
     where_words,
     worst_places,
@@ -191,8 +192,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield next_step(diagnosis)
             yield from further_inspections(diagnosis)
         else:
-            yield agreement(diagnosis)
-            yield best_candidate(diagnosis)
+            yield best_candidate(diagnosis) if hint(diagnosis) else ""
             yield diagnosis.next_experiment or ""
 
 
@@ -286,7 +286,13 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.unnamed:
         yield _ACTION, _MEANWHILE
     yield _UNNAMED, law_summary(diagnosis.unnamed)
-    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
+    names = [gap.name for gap in gaps]
+    places = places_words(diagnosis, names)
+    if gaps[1:]:  # the verdict has the size and the place of a single one
+        yield _RESIDUALS, f"{capital(deviations(gaps, probable=True))}."
+        yield _RESIDUALS, places
+    if not places:
+        yield _RESIDUALS, residual_words(diagnosis, names)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield _REFIT, refit_words(diagnosis)
@@ -311,7 +317,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, "Use model.yaml, which has the refitted values."
     yield _WORSE, worse_words(diagnosis)
-    yield _CLOSEST, best_candidate(diagnosis)
+    yield _CLOSEST, best_candidate(diagnosis) if hint(diagnosis) else ""
     yield _REFIT, refit_words(diagnosis)
     yield _DETECTABLE, detectable(diagnosis)
     yield "Runs that show more", diagnosis.next_experiment or ""

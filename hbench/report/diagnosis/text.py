@@ -1,5 +1,7 @@
 """A diagnosis in words and tables, for the terminal and the page."""
 
+from math import isfinite
+
 from hbench.records import (
     AddedEffect,
     Diagnosis,
@@ -82,16 +84,20 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         where = _list(diagnosis.rest or diagnosis.where[:1])
         return f"unknown: no effect of the catalogue explains the residuals in {where}.{also}"
     refitted = "with refitted values " if diagnosis.refitted and not diagnosis.refit_refused else ""
-    finding = (
-        f"{refitted}the model agrees with the measurement within the repeatability of the bench "
-        "and the uncertainty of its values"
-    )
-    if not agrees(diagnosis):
-        total = diagnosis.gap_heldout.total
+    total = diagnosis.gap_heldout.total
+    gap, expected = gap_number(total.refitted), gap_number(total.floor)
+    if agrees(diagnosis):
+        finding = f"{refitted}the model agrees with the measurement"
+        if isfinite(total.refitted):
+            finding += (
+                f". In runs outside the fit it deviates by {gap} times the repeatability, where "
+                f"{expected} is expected of a correct model whose values are as uncertain"
+            )
+    else:
         finding = (
-            f"{refitted}the model deviates from runs outside the fit by "
-            f"{gap_number(total.refitted)} times the repeatability, a correct one by "
-            f"{gap_number(total.floor)} on average; no known effect explains the difference"
+            f"{refitted}the model deviates from runs outside the fit by {gap} times the "
+            f"repeatability, a correct one by {expected} on average; no known effect explains the "
+            "difference"
         )
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
         return f"none: in the quantities that these channels determine, {finding}."

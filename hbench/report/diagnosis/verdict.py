@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
+    all_in_sentence,
     deviation_and_limit,
     gap_number,
     in_sentence,
@@ -40,6 +41,7 @@ from hbench.report.diagnosis.words.deviation import (
     exceeding,
     largest_deviation,
     not_expected,
+    sensors_words,
     too_small_words,
 )
 from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
@@ -50,7 +52,6 @@ from hbench.report.diagnosis.words.place import (
     size_words,
     worst_places,
 )
-from hbench.report.diagnosis.words.rest import at_rest, rest_clause
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
@@ -250,11 +251,22 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
         yield change_of_errors(diagnosis)
     else:
         yield f"No missing effect is found: {keys_in_words(finding)}"
+    yield _largest_gap(diagnosis)
     yield _largest(diagnosis)
     yield beyond_balances(diagnosis)
     yield "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+
+
+def _largest_gap(diagnosis: Diagnosis) -> str:
+    """State the largest gap of a quantity in held-out runs beside that of a correct model."""
+    gaps = diagnosis.gap_heldout.balances
+    name = max(gaps, key=lambda each: gaps[each].refitted, default="")
+    if len(gaps) < 2 or not gaps[name].refitted > 1:
+        return ""
+    largest, expected = (gap_number(gap) for gap in (gaps[name].refitted, gaps[name].floor))
+    return f"The largest of these gaps is {largest} in {in_sentence(name)} ({expected} expected)."
 
 
 def _largest(diagnosis: Diagnosis) -> str:
@@ -281,8 +293,6 @@ def _largest(diagnosis: Diagnosis) -> str:
         )
         for place in worst_places(diagnosis, real[0].name)[:1]:
             end += f". It is largest {place.words}"
-    elif part := at_rest(diagnosis, large[0]):
-        end = rest_clause(part)
     return f"The largest deviation, {_most(real or large)}, {end}."
 
 
@@ -301,10 +311,15 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     every, part = len(diagnosis.where), ""
     if len(gaps) < every:
         part = f" in {len(gaps)} of the {every} quantities compared"
-    yield f"No known effect explains how the measurement deviates from the model{part}."
-    yield f"{capital(deviations(gaps, probable=True))}."
-    yield "Here p is the probability of such a deviation with a correct model."
+    no_effect = f"No known effect explains how the measurement deviates from the model{part}"
+    if gaps[1:]:
+        names = all_in_sentence([gap.name for gap in gaps])
+        yield f"{no_effect}: {names} (significant, p below {SIGNIFICANT_P:g})."
+    else:
+        limit = f"significant is a p below {SIGNIFICANT_P:g}"
+        yield f"{no_effect}. {capital(deviations(gaps, probable=True))}; {limit}."
     yield change_of_errors(diagnosis)
     yield next_step(diagnosis)
+    yield sensors_words(diagnosis, gaps)
     yield hint(diagnosis)
     yield beyond_balances(diagnosis)

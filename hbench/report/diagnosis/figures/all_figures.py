@@ -34,7 +34,6 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.tables.run_gaps import plan_words
 from hbench.report.diagnosis.words.law import law_title
-from hbench.report.diagnosis.words.rest import rest_caption
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 
@@ -70,7 +69,8 @@ _MAPS = (
 _SHAPE = (
     "Measurement less model, all runs, in multiples of the repeatability (grey band: ±1). A point "
     "is the mean over a window of 0.16 s. Triangles: medians of equal numbers of points, "
-    "extending (▶) and retracting (◀). Points beyond the axis are drawn at its edge."
+    "extending (▶) and retracting (◀); none where the median lies between groups of points. Points "
+    "beyond the axis are drawn at its edge."
 )
 _SHAPE_OF_STROKES = (
     "Measured less modelled force. A point is the mean of the pairs of strokes at one load."
@@ -84,12 +84,12 @@ _STAGES = " Before: the {model}; after: with the {added}."
 _HELD_OUT = " Coloured: runs outside the fit; grey: runs of the fit."
 _OVERLAY = (
     "A run outside the fit as measured, and as simulated with the same firmware in closed loop. "
-    "Right: simulated less measured."
+    "Right: simulated less measured; points: means over 0.16 s, by which signals are compared."
 )
 _OPEN_LOOP = (
     "The run outside the fit with the largest position error of the final model: as measured, and "
     "as simulated under the measured drive force from its first sample. Nothing corrects this "
-    "motion. Right: simulated less measured."
+    "motion. Right: simulated less measured; points: means over 0.16 s."
 )
 _SHRUNK = (
     " Of all runs outside the fit and all signals, these gaps shrink most by what is added to the "
@@ -139,8 +139,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
             shape = _SHAPE + stages + (_HELD_OUT if diagnosis.confirmed else "")
         for name in shown_balances(diagnosis):
             title = f"Residual: {balance(name).title}"
-            caption = f"{shape}{rest_caption(diagnosis, name)}"
-            yield "shape", f"shape {name}", title, caption, shape_figure(diagnosis, name)
+            yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
     if diagnosis.where and diagnosis.regions and not strokes:  # those of strokes are its loads
         yield "where", "regions", "Gap by region, all runs", _REGIONS, region_figure(diagnosis)
     if diagnosis.held_out_loads:

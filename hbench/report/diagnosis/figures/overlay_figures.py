@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, Overlay
@@ -12,6 +13,7 @@ from hbench.report.render import style
 from hbench.units import parse_unit
 
 _ROW_IN = 1.2
+_WINDOW_S = 0.16  # over which gaps are compared
 _LABEL_LINE = 12  # letters of a line beside a row
 
 
@@ -40,7 +42,11 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
         for label, values, colour, width in sides:
             left.plot(overlay.t_s, factor * values, color=colour, linewidth=width, label=label)
             off = factor * (values - overlay.measured)
-            right.plot(overlay.t_s, off, color=colour, linewidth=width, label=f"_{label}")
+            t_mean, means = _window_means(overlay.t_s, off)
+            thin = {"linewidth": 0.7, "alpha": 0.5} if len(means) < len(off) else {}
+            right.plot(overlay.t_s, off, color=colour, label=f"_{label}", **thin)
+            if thin:
+                right.plot(t_mean, means, ".-", color=colour, label=f"_means, {label}")
         title = textwrap.fill(display.title, _LABEL_LINE)
         left.ticklabel_format(axis="y", useOffset=False)
         left.set_ylabel(f"{mathtext(title)}\n({unit})")
@@ -53,6 +59,14 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
     panels[0, 1].set_title("Simulated less measured")
     style.legend_above(figure, panels[0, 0], columns=3)
     return figure
+
+
+def _window_means(t_s: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the means over successive windows of about ``_WINDOW_S``, with their middle times."""
+    samples = max(1, round(_WINDOW_S / float(np.median(np.diff(t_s)))))
+    whole = len(t_s) // samples * samples
+    t_mean, means = (each[:whole].reshape(-1, samples).mean(axis=1) for each in (t_s, values))
+    return t_mean, means
 
 
 def _scale(overlay: Overlay, display: DisplayName) -> tuple[float, str]:

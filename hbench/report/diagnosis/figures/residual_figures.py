@@ -78,7 +78,7 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
     """Draw one balance against each axis, before above after, in one scale."""
     sides = _sides(diagnosis)
     columns = _panels(diagnosis)
-    figure = style.new_figure(height_in=0.5 + 2.5 * len(sides), wide=True)
+    figure = style.new_figure(height_in=1.1 + 2.5 * len(sides), wide=True)
     panels = figure.subplots(len(sides), len(columns), sharex="col", sharey=True, squeeze=False)
     values = [side.value[:, side.names.index(name)] for side in sides]
     strokes = of_strokes(diagnosis)
@@ -225,16 +225,24 @@ def _windows(
 
 
 def _medians(x: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the medians of up to ``_PARTS`` stretches of x with about as many windows each."""
+    """Return the medians of up to ``_PARTS`` stretches of x with about as many windows each.
+
+    A stretch in which no window is within the repeatability of the median is left out: its windows
+    form groups, and the median lies between them.
+    """
     if not len(x):
         return x, value
     cuts = np.unique(np.quantile(x, np.arange(1, _PARTS) / _PARTS))
     interval = np.searchsorted(cuts, x)
-    x_mid, y_mid = (
-        [float(np.median(values[interval == i])) for i in np.unique(interval)]
-        for values in (x, value)
-    )
-    return np.array(x_mid), np.array(y_mid)
+    stretches = [(x[interval == i], value[interval == i]) for i in np.unique(interval)]
+    medians = [
+        (np.median(across), middle)
+        for across, values in stretches
+        for middle in [np.median(values)]
+        if np.abs(values - middle).min() <= 1
+    ]
+    x_mid, y_mid = np.array(medians).reshape(-1, 2).T
+    return x_mid, y_mid
 
 
 def _scale(side: ResidualMap, colour: str) -> ScalarMappable:
@@ -246,10 +254,12 @@ def _scale(side: ResidualMap, colour: str) -> ScalarMappable:
 def _colour_bars(
     figure: Figure, panels: np.ndarray, side: ResidualMap, columns: Sequence[tuple[str, str]]
 ) -> None:
-    """Put a bar for each colour beside the panels that it is for."""
+    """Put a bar for each colour below its panels: beside the next one it looks like an axis."""
     colours = [colour for _, colour in columns]
     for colour in dict.fromkeys(colours):
         axis = AXES[colour]
-        label = f"{axis.title.capitalize()} ({axis.unit})"
-        beside = panels[:, [each == colour for each in colours]]
-        figure.colorbar(_scale(side, colour), ax=beside, label=label, pad=0.02)
+        above = panels[:, [each == colour for each in colours]]
+        figure.colorbar(
+            _scale(side, colour), ax=above, location="bottom", aspect=20 * above.shape[1],
+            label=f"Colour: {axis.title} ({axis.unit})", pad=0.02,
+        )  # fmt: skip

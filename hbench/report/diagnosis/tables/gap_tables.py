@@ -1,7 +1,6 @@
 """Tables of gaps: by balance, by metering edge, and of runs."""
 
 from collections.abc import Callable, Mapping, Sequence
-from math import nan
 
 from hbench.records import BeforeAfter, Diagnosis, Gap, GapTable, WordTable
 from hbench.report.diagnosis.names import (
@@ -18,7 +17,6 @@ from hbench.report.diagnosis.names import (
     steps_of,
 )
 from hbench.report.diagnosis.words.place import edge_gaps
-from hbench.report.diagnosis.words.rest import deviation_in_motion
 from hbench.report.render.numbers import NONE, number, significant
 
 _ERRORS = {"force": "force along the motion", "position": "open-loop position"}
@@ -58,42 +56,34 @@ def loads_table(diagnosis: Diagnosis) -> WordTable:
 def where_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances of the model before any effect, the worst first."""
     title = f"Deviations of the {compared_model(diagnosis)}, all runs"
-    in_motion = [deviation_in_motion(diagnosis, gap) for gap in diagnosis.where]
-    return _gaps_table(diagnosis, title, diagnosis.where, in_motion)
+    return _gaps_table(diagnosis, title, diagnosis.where)
 
 
 def rest_table(diagnosis: Diagnosis) -> WordTable:
     """Return the deviations that remain with the effects; no rows without effects."""
     gaps = diagnosis.rest if diagnosis.confirmed else ()
-    title, unknown = "Deviations that remain with the effects, all runs", [nan] * len(gaps)
-    return _gaps_table(diagnosis, title, gaps, unknown)
+    return _gaps_table(diagnosis, "Deviations that remain with the effects, all runs", gaps)
 
 
-def _gaps_table(
-    diagnosis: Diagnosis, title: str, gaps: Sequence[Gap], in_motion: Sequence[float]
-) -> WordTable:
-    """Return a row for each gap; of strokes, whose scatter is tiny at some loads, in newtons.
-
-    ``in_motion`` are the deviations in motion, nan where they are not known.
-    """
+def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTable:
+    """Return a row for each gap; of strokes, whose scatter is tiny at some loads, in newtons."""
     in_scatters = not of_strokes(diagnosis)
     rows = tuple(
         (
             balance(gap.name).title,
-            deviation,
-            in_unit(gap, moving),
+            deviation if gap.deviation else NONE,
             limit,
             p_words(gap.p_value),
             in_unit(gap, gap.scatter),
             number(gap.gap, 2) if in_scatters else NONE,
-            in_unit(gap, gap.allowed),
+            in_unit(gap, gap.allowed) if gap.allowed else NONE,
             str(gap.windows),
         )
-        for gap, moving in zip(gaps, in_motion, strict=True)
+        for gap in gaps
         for deviation, limit in [deviation_and_limit(gap)]
     )
     windows = "loads" if of_strokes(diagnosis) else "windows"
-    of_deviation = ("deviation", "in motion", "matters above", "p (Holm)")
+    of_deviation = ("deviation", "matters above", "p (Holm)")
     head = ("quantity", *of_deviation, "repeatability", "gap", "tolerances allow", windows)
     kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
     known = tuple(tuple(row[i] for i in kept) for row in rows)

@@ -19,14 +19,19 @@ from hbench.report.diagnosis.names import (
     COMMON_PARTS,
     PRESSURE_SYMBOLS,
     in_sentence,
-    in_unit,
     in_words,
     parts_of,
 )
 from hbench.report.diagnosis.words.change import readings_words
-from hbench.report.diagnosis.words.coefficient import parts_present
+from hbench.report.diagnosis.words.coefficient import gap_words, parts_present
 from hbench.report.diagnosis.words.deviation import beyond_balances, too_small_words
-from hbench.report.diagnosis.words.place import CLEARLY_LARGER, edge_gaps, worst_places
+from hbench.report.diagnosis.words.edge import (
+    EdgePattern,
+    edge_pattern,
+    pattern_words,
+    suspect_edge,
+)
+from hbench.report.diagnosis.words.place import edge_gaps, rms_words, worst_places
 from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 
@@ -153,7 +158,9 @@ def advice(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     words = inspection(diagnosis, effect)
     if too_small_words(diagnosis, effect):
         return _TOO_SMALL
-    return " ".join(filter(None, (f"Inspect {words}." if words else "", effect.repair)))
+    gaps = (gap_words(each) for each in diagnosis.effects if each.name == effect.name)
+    parts = (f"Inspect {words}." if words else "", *gaps, effect.repair)
+    return " ".join(filter(None, parts))
 
 
 def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
@@ -234,10 +241,17 @@ def next_step(diagnosis: Diagnosis) -> str:
 def starting_point(diagnosis: Diagnosis) -> str:
     """Return the part to inspect first where no effect explains the gaps, and why that one.
 
-    Empty where the parts of the first balance are not known.
+    What several valves have in common comes first. Empty where the parts of the first balance are
+    not known.
     """
+    if pattern := _pattern(diagnosis):
+        return pattern_words(diagnosis, pattern)
     part, reason = _start(diagnosis, (diagnosis.rest or diagnosis.where)[0])
     return f"Start with {part}{reason}." if part else ""
+
+
+def _pattern(diagnosis: Diagnosis) -> EdgePattern | None:
+    return None if beyond_balances(diagnosis) else edge_pattern(diagnosis)
 
 
 def _start(diagnosis: Diagnosis, gap: Gap) -> tuple[str, str]:
@@ -252,27 +266,28 @@ def _start(diagnosis: Diagnosis, gap: Gap) -> tuple[str, str]:
     if beyond_balances(diagnosis) or not places:
         return part, ""
     largest = places[0]
-    most = f"{quantity} deviates most {largest.words} (about {_rms(diagnosis, gap, largest.gap)})"
+    size = rms_words(diagnosis, gap.name, largest.gap)
+    most = f"{quantity} deviates most {largest.words} (about {size})"
     if gap.name in BORES and largest.axis == AXES["position_m"].title:
         return BORES[gap.name], f": {most}, and a valve does not depend on the position"
-    if edges := _suspect_edge(diagnosis, gap.name):
+    if edges := suspect_edge(diagnosis, gap.name):
         worst, other = edges
-        gaps = edge_gaps(diagnosis, gap.name)
+        sizes = edge_gaps(diagnosis, gap.name)
+        high, low = (rms_words(diagnosis, gap.name, sizes[edge]) for edge in edges)
         return f"{part}, at its edge to {worst}", (
-            f": {quantity} deviates by about {_rms(diagnosis, gap, gaps[worst])} where that edge "
-            f"meters it, and by {_rms(diagnosis, gap, gaps[other])} where the edge to {other} does"
+            f": {quantity} deviates by about {high} where that edge meters it, and by {low} where "
+            f"the edge to {other} does"
         )
     return part, f": {most}"
 
 
-def _rms(diagnosis: Diagnosis, gap: Gap, of_region: float) -> str:
-    """Write the gap of a region, which is in scatters of the model without effects, in its unit."""
-    (without,) = (each for each in diagnosis.where if each.name == gap.name)
-    return f"{in_unit(without, of_region * without.scatter)} RMS"
-
-
 def further_inspections(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield what else to inspect for the first two balances that no effect explains."""
+    if pattern := _pattern(diagnosis):
+        parts = [listed(parts_of(diagnosis, name)[1:]) for name in pattern.valves]
+        then = "; then ".join(parts[:_MOST_BALANCES])
+        yield f"If nothing is found at the valves and their common line, inspect {then}."
+        return
     first, *others = (diagnosis.rest or diagnosis.where[:1])[:_MOST_BALANCES]
     start, _ = _start(diagnosis, first)
     parts = [part for part in parts_of(diagnosis, first.name) if not start.startswith(part)]
@@ -281,12 +296,3 @@ def further_inspections(diagnosis: Diagnosis) -> Iterator[str]:
     for gap in others:
         if remaining := [part for part in parts_of(diagnosis, gap.name) if part not in parts]:
             yield f"For {in_sentence(gap.name)}, inspect {listed(remaining)}."
-
-
-def _suspect_edge(diagnosis: Diagnosis, name: str) -> tuple[str, str] | None:
-    """Return the metering edge with a clearly larger gap, and the other one; None without one."""
-    gaps = edge_gaps(diagnosis, name)
-    if len(gaps) < 2 or not max(gaps.values()) > CLEARLY_LARGER * min(gaps.values()):
-        return None
-    worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
-    return worst, other

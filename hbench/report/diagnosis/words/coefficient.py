@@ -23,6 +23,12 @@ _COEFFICIENTS = {
 }  # fmt: skip
 _QUOTED = re.compile(r"coefficient '(\w+)'")
 _ASYMMETRY = "direction_asymmetry"  # positive: larger while extending
+# Exponents of the flow through a gap over its pressure drop, and what causes such a gap by effect.
+_GAPS = {0.5: "an orifice", 1.0: "a laminar gap"}
+_CAUSES = {
+    "internal_leakage": ("a damaged seal or a score in the bore", "a worn seal"),
+    "external_leakage": ("a damaged seal, a score or a loose fitting", "a worn seal"),
+}
 _ZERO = "not distinguishable from 0"
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
@@ -57,8 +63,41 @@ def coefficients_words(effect: AddedEffect) -> str:
     return "; ".join(filter(None, (words, unknown)))
 
 
+def gap_exponent(effect: AddedEffect) -> float | None:
+    """Return the exponent, 0.5 or 1, of the kind of gap that a leak flows through.
+
+    None where the interval of the fitted exponent contains neither or both, or where the exponent
+    is not fitted.
+    """
+    fitted = effect.parameters.get("exponent")
+    if effect.name not in _CAUSES or fitted is None or fitted.ci95 is None or fitted.at_bound:
+        return None
+    low, high = fitted.ci95
+    kinds = [exponent for exponent in _GAPS if low <= exponent <= high]
+    return kinds[0] if len(kinds) == 1 else None
+
+
+def gap_words(effect: AddedEffect) -> str:
+    """Return which kind of gap the exponent of a leak suggests; empty where it does not decide."""
+    kind = gap_exponent(effect)
+    if kind is None:
+        return ""
+    (other,) = (exponent for exponent in _GAPS if exponent != kind)
+    causes = dict(zip(_GAPS, _CAUSES[effect.name], strict=True))
+    return (
+        f"The exponent, {parameter_text(effect.parameters['exponent'])}, is that of {_GAPS[kind]} "
+        f"({kind:g}), such as {causes[kind]}, and not that of {_GAPS[other]} ({other:g}), such as "
+        f"{causes[other]}."
+    )
+
+
 def description_words(effect: AddedEffect) -> str:
-    """Return an effect's law in words; of an asymmetry of friction, its direction too."""
+    """Return an effect's law in words, with the kind of gap that a leak flows through.
+
+    Of an asymmetry of friction its direction is added.
+    """
+    if (kind := gap_exponent(effect)) is not None:
+        return f"{effect.description}, as through {_GAPS[kind]}"
     known = [p for p in effect.parameters.values() if not (p.at_bound or _contains_zero(p))]
     ways = {p.value > 0 for p in known}
     if effect.name != _ASYMMETRY or len(ways) != 1:
@@ -110,12 +149,17 @@ def parameter_text(parameter: FitParameter, at: str = "") -> str:
 
 
 def coefficient_text(effect: AddedEffect, name: str) -> str:
-    """Write a coefficient with its interval, as model.yaml has it, and whether that contains 0."""
+    """Write a coefficient with its interval, and whether that contains 0.
+
+    Where the exponent is the textbook's, the coefficient of model.yaml is added: with a fitted
+    exponent it is no constant that another pressure or flow may be multiplied by.
+    """
     parameter = effect.parameters[name]
-    own = f", i.e. {significant(parameter.value, 3)} {unit_text(parameter.unit)}"
-    scaled = parameter.value and _at_reference(effect, name)
+    own = ""
+    if parameter.value and "exponent" not in effect.parameters and _at_reference(effect, name):
+        own = f", i.e. {significant(parameter.value, 3)} {unit_text(parameter.unit)}"
     note = f" ({_ZERO})" if _contains_zero(parameter) else ""
-    return f"{_size_text(effect, name)}{own if scaled else ''}{note}"
+    return f"{_size_text(effect, name)}{own}{note}"
 
 
 def _at_reference(effect: AddedEffect, name: str) -> re.Match[str] | None:

@@ -6,6 +6,7 @@ from math import isfinite, sqrt
 from hbench.records import Diagnosis, EffectInPractice, Gap
 from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
+    BALANCE_NAMES,
     added_words,
     balance,
     deviation_and_limit,
@@ -50,6 +51,28 @@ def deviations(gaps: Sequence[Gap], *, probable: bool = False) -> str:
         parts.append(f"{in_sentence(gap.name)}{'' if parts else ' deviates'} by {size}")
     others = [in_sentence(gap.name) for gap in gaps[_MOST_GAPS:]]
     return f"{listed(parts)}{f'; also {listed(others)}' if others else ''}"
+
+
+def sensors_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
+    """Return whether errors of the sensors within their tolerances may cause unexplained gaps.
+
+    Empty where the gaps are not those of a whole bench, whose sensors have tolerances.
+    """
+    known = [gap for gap in gaps if gap.name in BALANCE_NAMES and isfinite(gap.allowed)]
+    within = [gap for gap in known if gap.allowed >= gap.deviation]
+    if not known:
+        return ""
+    if not within:
+        return "Sensor errors within the tolerances cannot cause as much."
+    if diagnosis.refit_refused:
+        names = listed([in_sentence(gap.name) for gap in within])
+        return (
+            f"Sensor errors within the tolerances may cause as much in {names}: check these first."
+        )
+    return (
+        "Sensor errors within the tolerances are no explanation: they are fitted, and the "
+        f"{'deviations remain' if gaps[1:] else 'deviation remains'}."
+    )
 
 
 def _repeats(gap: Gap) -> str:

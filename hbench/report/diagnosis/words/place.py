@@ -11,6 +11,8 @@ from hbench.report.diagnosis.names import (
     added_words,
     balance,
     compared_model,
+    in_sentence,
+    in_unit,
     in_words,
     of_strokes,
     residual_name,
@@ -24,7 +26,7 @@ from hbench.report.diagnosis.words.change import (
     wrong_readings,
 )
 from hbench.report.render.numbers import short, significant
-from hbench.report.render.symbols import listed
+from hbench.report.render.symbols import capital, listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, places or changes in a sentence
@@ -182,21 +184,46 @@ def worst_places(diagnosis: Diagnosis, name: str) -> list[Place]:
 
     The axes of the largest gaps come first.
     """
-    places = []
-    for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
-        own = [
-            region
-            for region in diagnosis.regions
-            if region.axis == axis and isfinite(region.gaps.get(name, float("nan")))
-        ]
-        if len(own) < 2:
-            continue
-        worst = max(own, key=lambda region: region.gaps[name])
-        largest, least = worst.gaps[name], min(region.gaps[name] for region in own)
-        if largest > CLEARLY_LARGER * least:
-            display = AXES[axis]
-            low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
-            stretch = f"at a {display.title} of {low} to {high} {display.unit}"
-            way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
-            places.append(Place(largest, display.title, way or stretch))
+    axes = dict.fromkeys(region.axis for region in diagnosis.regions)
+    places = [place for axis in axes if (place := worst_place(diagnosis, name, axis))]
     return sorted(places, key=lambda place: -place.gap)[:_FEW]
+
+
+def worst_place(diagnosis: Diagnosis, name: str, axis: str) -> Place | None:
+    """Return where on an axis the gap of a balance is clearly larger than elsewhere; or None."""
+    own = [
+        region
+        for region in diagnosis.regions
+        if region.axis == axis and isfinite(region.gaps.get(name, float("nan")))
+    ]
+    if len(own) < 2:
+        return None
+    worst = max(own, key=lambda region: region.gaps[name])
+    largest, least = worst.gaps[name], min(region.gaps[name] for region in own)
+    if not largest > CLEARLY_LARGER * least:
+        return None
+    display = AXES[axis]
+    low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
+    stretch = f"at a {display.title} of {low} to {high} {display.unit}"
+    way = f"while {_WAYS.get(worst.label, worst.label)}" if worst.label else ""
+    return Place(largest, display.title, way or stretch)
+
+
+def rms_words(diagnosis: Diagnosis, name: str, gap: float) -> str:
+    """Write the gap of a region, which is in scatters of the model without effects, in its unit."""
+    (without,) = (each for each in diagnosis.where if each.name == name)
+    return f"{in_unit(without, gap * without.scatter)} RMS"
+
+
+def places_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
+    """Return where the gaps of balances are largest, a sentence for each such place.
+
+    Empty where no place stands out.
+    """
+    found = dict[str, list[str]]()
+    for name in names:
+        for place in worst_places(diagnosis, name)[:1]:
+            parts = found.setdefault(place.words, [])
+            size = rms_words(diagnosis, name, place.gap)
+            parts.append(f"{in_sentence(name)}{'' if parts else ' deviates'} by {size}")
+    return " ".join(f"{capital(where)}, {listed(parts)}." for where, parts in found.items())

@@ -1,0 +1,66 @@
+"""Metering edges of the valves in words: the one that deviates, and what several have in common."""
+
+from typing import NamedTuple
+
+from hbench.records import Diagnosis
+from hbench.report.diagnosis.names import all_in_sentence, parts_of
+from hbench.report.diagnosis.words.place import (
+    CLEARLY_LARGER,
+    edge_gaps,
+    rms_words,
+    worst_place,
+)
+from hbench.report.render.symbols import capital, listed
+
+_LINES = {"tank": "the return line", "supply": "the supply line"}  # of each edge
+
+
+class EdgePattern(NamedTuple):
+    """Same metering edge of several valves at which the flows to their chambers deviate most."""
+
+    edge: str  # supply or tank
+    valves: dict[str, str]  # by balance, the largest deviation at that edge first
+    speed: str  # adverb of place: the speeds at which all of them deviate most; empty for none
+
+
+def suspect_edge(diagnosis: Diagnosis, name: str) -> tuple[str, str] | None:
+    """Return the metering edge with a clearly larger gap, and the other one; None without one."""
+    gaps = edge_gaps(diagnosis, name)
+    if len(gaps) < 2 or not max(gaps.values()) > CLEARLY_LARGER * min(gaps.values()):
+        return None
+    worst, other = sorted(gaps, key=lambda edge: -gaps[edge])
+    return worst, other
+
+
+def edge_pattern(diagnosis: Diagnosis) -> EdgePattern | None:
+    """Return the edge at which unexplained flows of several valves deviate; None without one."""
+    sizes = {gap.name: gap.scatter for gap in diagnosis.where}
+    for edge in _LINES:
+        names = [
+            gap.name
+            for gap in diagnosis.rest
+            if (found := suspect_edge(diagnosis, gap.name)) and found[0] == edge
+        ]
+        names.sort(key=lambda name: -edge_gaps(diagnosis, name)[edge] * sizes[name])
+        valves = {name: parts_of(diagnosis, name)[0] for name in names}
+        if len(set(valves.values())) > 1:
+            places = (worst_place(diagnosis, name, "speed_m_s") for name in names)
+            speeds = {place.words if place else "" for place in places}
+            return EdgePattern(edge, valves, speeds.pop() if len(speeds) == 1 else "")
+    return None
+
+
+def pattern_words(diagnosis: Diagnosis, pattern: EdgePattern) -> str:
+    """Return what the valves have in common, and what to inspect."""
+    edge = pattern.edge
+    sizes = {
+        name: rms_words(diagnosis, name, edge_gaps(diagnosis, name)[edge])
+        for name in pattern.valves
+    }
+    first, *others = (f"{pattern.valves[name]} ({size}" for name, size in sizes.items())
+    valves = listed([f"{first} at this edge)", *(f"{other})" for other in others)])
+    return (
+        f"{capital(all_in_sentence(list(sizes)))} show the same pattern: they deviate most where "
+        f"the valve opens to {edge}{f', {pattern.speed}' if pattern.speed else ''}. A cause common "
+        f"to the valves is likely. Inspect {valves}, and {_LINES[edge]}, which they share."
+    )
