@@ -9,7 +9,6 @@ from hbench.report.campaign.settings import aborted_words
 from hbench.report.render.document import Tile
 from hbench.report.render.numbers import (
     alike,
-    as_written,
     half_width,
     number,
     percent_span,
@@ -171,9 +170,8 @@ def _ends(numbers: Iterable[HeadlineNumber], scale: float) -> str:
 
 
 def _shares(numbers: Iterable[HeadlineNumber], unit: str) -> str:
-    """Return U as a share of each number, both as written in the table; empty for efficiencies."""
-    written = [as_written(each.value, each.u95) for each in numbers if each.u95]
-    shares = [100 * half / abs(value) for value, half in written if value]
+    """Return U as a share of each number, both unrounded; empty for efficiencies."""
+    shares = [100 * each.u95 / abs(each.value) for each in numbers if each.u95 and each.value]
     return "" if unit == "%" or not shares else f", {percent_span(shares)} of the value"
 
 

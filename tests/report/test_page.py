@@ -203,16 +203,23 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
     friction = [1.0 * each.friction_n.value for each in small.headline.series]
     first = re.match(r"Friction at \S+ mm/s is (\d+)–(\d+) N \(", verdict)
     assert list(map(int, first.groups())) == [round(min(friction)), round(max(friction))]
-    table = report_document(small, ()).sections[0].tables[0]
-    column = table.head.index("Friction ± U (N)")
-    cells = [row[column].text.split(" ± ") for row in table.rows]
-    shares = [100 * float(half) / float(value) for value, half in cells]  # as a reader computes
-    assert f", {min(shares):.1f}–{max(shares):.1f} % of the value)" in verdict
     assert ", over all loads and directions. " in verdict
     poor = replace(small, quality=replace(small.quality, grade="poor"))
     document = report_document(poor, ())
     assert "mm/s is" not in document.verdict
     assert document.sections[0].tiles[1].value == "Poor"  # before the quantities
+
+
+def test_the_share_of_u_follows_from_numbers_that_are_not_rounded(small):
+    first = small.headline.series[0]
+
+    def of(value, u95):
+        number = replace(first.friction_n, value=value, u95=u95, basis="trials")
+        return replace(first, friction_n=number)
+
+    series = (of(405.9, 121.7), of(405.1, 88.7))  # written: 410 ± 120 (29.3 %) and 405 ± 89
+    changed = replace(small, headline=replace(small.headline, series=series))
+    assert "U up to 120 N, 22–30 % of the value" in report_document(changed, ()).verdict
 
 
 def test_the_ends_of_a_range_are_rounded_as_in_the_table_of_all_values(small):
