@@ -101,6 +101,7 @@ class LeakCoefficient:
     value: float | None  # None: the runs don't determine it
     se: float | None
     ci95: tuple[FloatOrNan, FloatOrNan] | None
+    by_resolution: bool = False  # ci95 is a code of the pressure converter: more than the fit's
 
 
 @dataclass(frozen=True)
