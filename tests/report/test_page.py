@@ -320,13 +320,13 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
     """U contains the tolerances and the scatter of the trials, but no hidden drift."""
     section = Section("Decision", ("Decision: PASS.",))
 
-    def made(*names, step=""):
+    def made(*names, **more):
         checks = tuple(
             replace(check, grade="with care" if check.name in names else "good", value=19.0)
             for check in small.quality.checks
         )
         quality = replace(small.quality, grade="with care", checks=checks)
-        document = report_document(replace(small, quality=quality), (), decision=section, step=step)
+        document = report_document(replace(small, quality=quality), (), decision=section, **more)
         verdict, _, step = document.verdict.partition(" Next step: ")
         assert [each.title for each in document.sections[:2]] == ["Decision", "Summary"]
         return verdict, step, dict(document.sections[1].facts)["Data"]
@@ -336,6 +336,9 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
         "Decision: PASS. Use the data with care (instruments); U takes this into account."
     )
     assert step == "none for the decision."
+    verdict, _, _ = made("instruments", complete_u="U of friction")
+    assert "U of friction takes this into account, that of the other quantities does" in verdict
+    assert made("instruments", complete_u="")[0].endswith("U does not take this into account.")
     assert "make friction uncertain by" in data and "Calibrate the sensors" in data
     verdict, step, _ = made("instruments", "trials_per_point")
     assert verdict.endswith("instruments); U takes only a part of this into account.")

@@ -70,13 +70,15 @@ def report_document(
     folder: str = "",
     decision: Section | None = None,
     step: str = "",
+    complete_u: str = "U",
 ) -> Document:
     """Return the report, with the sections ``more`` before the rejected runs.
 
     The rejected runs of poor data come before the results. ``folder`` is the name of the campaign's
     folder, which distinguishes campaigns of one schedule. ``decision`` is the section of an
     acceptance and comes first; its paragraphs begin the verdict and are not repeated. ``step`` is
-    the next step after it; the summary then has the verdict on the data.
+    the next step after it; the summary then has the verdict on the data. ``complete_u`` names the
+    U of the decision that contain the instruments.
     """
     label, results = common_label(results), without_common_label(results)
     figures: dict[str, tuple[Drawing, ...]] = {}
@@ -112,7 +114,7 @@ def report_document(
         provenance.name,
         " · ".join(filter(None, subtitle)),
         sections,
-        _verdict(results, decision, step),
+        _verdict(results, decision, step, complete_u),
         BANNERS[provenance.source],
         provenance.source,
         folder,
@@ -121,10 +123,10 @@ def report_document(
     )
 
 
-def _verdict(results: Results, decision: Section | None, step: str) -> str:
+def _verdict(results: Results, decision: Section | None, step: str, complete_u: str) -> str:
     """Return the decision with what it rests on, or else the first quantity; and the next step."""
     if decision:
-        rests = decision_reserve(results.quality)
+        rests = decision_reserve(results.quality, complete_u)
         parts = (*decision.paragraphs, rests, decided_step_words(results, step))
     else:
         parts = (
