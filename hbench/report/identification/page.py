@@ -157,7 +157,7 @@ def _folded(title: str, tables: Sequence[WordTable]) -> tuple[Section, ...]:
 
 def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...]:
     """Return the errors of dynamic laws and of the others, which explain most of the order."""
-    verified = [law for law in identification.laws if law.errors]
+    verified = [law for law in ranked_laws(identification) if law.errors]
     kinds = [
         [law for law in verified if FRICTION_LAWS[law.law].dynamic is dynamic]
         for dynamic in (True, False)
@@ -200,7 +200,7 @@ def _steady_words(laws: Sequence[IdentifiedLaw]) -> str:
     return (
         f"{smooth} RMS errors where it oscillates: {'; '.join(oscillations)}. Where friction falls "
         "with speed, a static law damps no oscillation; the measured motion does not oscillate "
-        "there. These errors are no measure of the law's friction at that speed."
+        "there. An error there does not measure the law's friction at that speed."
     )
 
 
