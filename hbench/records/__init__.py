@@ -82,6 +82,7 @@ _MODULES = {
         "DriftEffect",
         "FitDifference",
         "FrictionDifference",
+        "MeanAtSpeed",
         "MeanOfCurves",
     ),
     "fleet": (
