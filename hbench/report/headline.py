@@ -59,11 +59,11 @@ def headline_words(results: Results) -> str:
 def headline_tiles(results: Results) -> Iterable[Tile]:
     """Yield a tile for each quantity that was measured, the accepted runs and the data's grade.
 
-    Of poor data, the quantities come last.
+    Poor data has no tiles of quantities: nobody is to rely on them.
     """
-    tiles = _quantity_tiles(results), _data_tiles(results)
-    for part in tiles[::-1] if results.quality.grade == "poor" else tiles:
-        yield from part
+    if results.quality.grade != "poor":
+        yield from _quantity_tiles(results)
+    yield from _data_tiles(results)
 
 
 def _quantity_tiles(results: Results) -> Iterable[Tile]:

@@ -9,6 +9,7 @@ from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import decision_reserve, quality_verdict
+from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
 from hbench.report.campaign.summary import (
@@ -275,8 +276,20 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     if remarks.rows:
         title = f"Remarks on accepted runs ({len(remarks.rows)})"
         subsections.append(Section(title, tables=(remarks,), folded=True))
-    none = () if has_rejected(results) else ("None.",)
-    return Section("Rejected runs", none, parts=tuple(subsections), anchor="rejected")
+    words = _cause_words(results) if has_rejected(results) else "None."
+    return Section(
+        "Rejected runs", (words,) if words else (), parts=tuple(subsections), anchor="rejected"
+    )
+
+
+def _cause_words(results: Results) -> str:
+    """Return how many reasons the rejected runs have, where it is more than one each."""
+    runs = sum(not run.accepted for run in results.runs)
+    reasons = sum(reason_counts(results).values())
+    if reasons == runs:
+        return ""
+    of = "1 run" if runs == 1 else f"{runs} runs"
+    return f"The {reasons} reasons belong to {of}: a run counts under each of its reasons."
 
 
 def _points(results: Results) -> tuple[Section, ...]:
