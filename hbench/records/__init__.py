@@ -43,6 +43,7 @@ _MODULES = {
         "Check",
         "ControlLoop",
         "Design",
+        "DesignBasis",
         "LoopMerits",
         "Proposal",
         "Reproduced",
