@@ -186,6 +186,7 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             "Breakaway",
             (_BREAKAWAY,),
             drawings=drawings,
+            facts=page_motions.creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
                 *titled(page_motions.dwell_table(results), "Laws over the time at rest"),
