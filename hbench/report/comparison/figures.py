@@ -31,9 +31,9 @@ _FILLED = (
     "Filled: significant at this speed alone, with p corrected for the number of points{drift}. "
     "Hollow: not significant."
 )
-_HOLLOW = "The difference is significant at no single speed{drift}."
+_HOLLOW = "No difference at a single speed is significant{drift}."
 _NOT_DRIFT = ", and not explained by a drift"
-_OR_DRIFT = ", or may come from a drift"
+_OR_DRIFT = " beyond a possible drift"
 _BANDS_CAPTION = (
     "Above: half bands of A and B, (F extending − F retracting) / 2. Lines: least squares over "
     "pressure. Below: B minus A. Filled: the difference is significant. Hollow: not significant."
