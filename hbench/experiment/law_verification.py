@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from hbench.analysis.identification.verification import model_errors
+from hbench.analysis.identification.verification import model_errors, steady_parts
 from hbench.analysis.screening.sample_friction import CENTRED, logged_motion
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record_plans
@@ -63,12 +63,13 @@ def verify_laws(
         compared = [run for run in measured if run.plan.run in simulated]
         of_model = [simulated[run.plan.run] for run in compared]
         errors = model_errors(compared, of_model, mass_kg) if compared else {}
+        steady = steady_parts(compared, of_model, mass_kg) if compared else None
         stopped = (
             f"the model's board stopped itself after {len(compared)} of {len(measured)} runs: "
             f"{recorded.stopped}"
         )
         why = stopped if recorded.stopped else ""
-        verified[law.law] = replace(law, errors=errors, not_verified=why)
+        verified[law.law] = replace(law, errors=errors, steady=steady, not_verified=why)
         runs_of_law[law.law] = simulated
     followed = tuple(
         Followed(

@@ -43,6 +43,7 @@ _MODULES = {
         "Check",
         "ControlLoop",
         "Design",
+        "DesignBasis",
         "LoopMerits",
         "Proposal",
         "Reproduced",
@@ -82,6 +83,7 @@ _MODULES = {
         "DriftEffect",
         "FitDifference",
         "FrictionDifference",
+        "MeanAtSpeed",
         "MeanOfCurves",
     ),
     "fleet": (

@@ -106,6 +106,23 @@ class Proposal:
 
 
 @dataclass(frozen=True)
+class DesignBasis:
+    """What a design was computed from: the bench file's cylinder, supply, limits, feedforward."""
+
+    day: str  # ISO 8601
+    file: str
+    bore_m: float
+    rod_m: float
+    stroke_m: float
+    supply_pa: float
+    travel_m: tuple[float, float]
+    pressure_max_pa: float
+    speed_max_m_s: float
+    feedforward: tuple[float, float]  # rod, piston [V s/m]
+    feedforward_enabled: bool
+
+
+@dataclass(frozen=True)
 class Design:
     """The controllers of a bench at an operating point."""
 
@@ -121,3 +138,4 @@ class Design:
     reproduced: tuple[Reproduced, ...] = ()  # of the source's bench alone
     proposal: Proposal | None = None
     checks: tuple[Check, ...] = ()  # of the present gains on the board, at the operating point
+    basis: DesignBasis | None = None  # None: not from a bench file

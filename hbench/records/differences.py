@@ -22,6 +22,7 @@ class Difference:
     untested: str = ""  # why there is no p value
     u95_a: float | None = None  # expanded uncertainty of a by itself; None where it is not known
     u95_b: float | None = None  # the same of b
+    dof: float | None = None  # degrees of freedom of se; None without one
 
     @property
     def value(self) -> float:
@@ -68,6 +69,15 @@ class DriftEffect:
 
 
 @dataclass(frozen=True)
+class MeanAtSpeed:
+    """Mean over the steady curves of the differences of friction at one speed."""
+
+    v_m_s: float  # without sign
+    value_n: float
+    ci95_n: float  # half-width by the trials, which are independent
+
+
+@dataclass(frozen=True)
 class MeanOfCurves:
     """Mean of the differences of mean friction of all steady curves; equal weights."""
 
@@ -76,6 +86,9 @@ class MeanOfCurves:
     a_n: float  # the same mean of A's friction
     curves: Count  # in the mean
     drift_n: DriftEffect | None = None  # None where a campaign's drift is not known
+    ci95_n: float | None = None  # half-width by the trials, which are independent
+    p_value: float | None = None  # of no difference, by the trials alone
+    speeds: tuple[MeanAtSpeed, ...] = ()  # rising; empty where the curves have different ones
 
     @property
     def drift_cancels(self) -> bool:

@@ -26,6 +26,16 @@ class ModelErrors:
 
 
 @dataclass(frozen=True)
+class SteadyParts:
+    """Errors at constant speeds, apart for parts where the simulated friction oscillates."""
+
+    smooth: ModelErrors | None  # None: no such part
+    oscillating: ModelErrors | None
+    parts: int  # of constant speed
+    speeds_m_s: tuple[float, ...]  # of the oscillating parts, without sign
+
+
+@dataclass(frozen=True)
 class IdentifiedLaw:
     """One friction law: its fit, or the reason why there is none."""
 
@@ -35,6 +45,7 @@ class IdentifiedLaw:
     section: dict[str, Any] = field(default_factory=dict)  # of a bench file, as it is written
     runs: tuple[str, ...] = ()  # that it was identified from
     errors: dict[str, ModelErrors] = field(default_factory=dict)  # by ``PARTS``; empty: not tried
+    steady: SteadyParts | None = None  # None: not tried
     not_verified: str = ""  # why there are no errors, or not those of all runs
     # Root mean square error [N] of the law's friction along motions that were left out of the fit.
     held_out_n: float | None = None

@@ -101,6 +101,7 @@ class LeakCoefficient:
     value: float | None  # None: the runs don't determine it
     se: float | None
     ci95: tuple[FloatOrNan, FloatOrNan] | None
+    by_resolution: bool = False  # ci95 is a code of the pressure converter: more than the fit's
 
 
 @dataclass(frozen=True)
@@ -185,6 +186,7 @@ class Breakaway:
     breakaway_pa: float | None = None  # the same on the driving area; None without hydraulics
     u95_pa: float | None = None
     u95_dof: float | None = None  # effective degrees of freedom of u95_n; None: infinite
+    v_m_s: float | None = None  # of the creep at the largest friction, in its direction
 
 
 @dataclass(frozen=True)

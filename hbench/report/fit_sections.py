@@ -10,6 +10,7 @@ from hbench.report.campaign.fit_tables import (
     law_words,
     remark_table,
     selection_table,
+    selection_words,
 )
 from hbench.report.campaign.settings import aborted_words
 from hbench.report.render.document import Section
@@ -19,8 +20,7 @@ _REMARKS = "fit-remarks"
 _PREDICTS = (
     "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
     "In parentheses: RMS error of these predictions. The difference is that of their mean squares, "
-    "with its standard error (s.e.). Where one speed alone has a large error, it is not "
-    "significant, although one RMS error is several times the other."
+    "with its standard error (s.e.); it is significant where its 95 % interval does not contain 0."
 )
 _FEW_RUNS = "These fits are those of an unfinished campaign. They change with the missing runs."
 
@@ -70,7 +70,7 @@ def fit_sections(results: Results) -> tuple[Section, ...]:
         sections.append(
             Section(
                 "Which law predicts best",
-                (_PREDICTS,),
+                (selection_words(results), _PREDICTS),
                 tables=titled(selection, "Errors of the two best laws at held-out speeds"),
                 anchor="laws",
             )

@@ -9,7 +9,6 @@ from hbench.report.campaign.settings import aborted_words
 from hbench.report.render.document import Tile
 from hbench.report.render.numbers import (
     alike,
-    as_written,
     half_width,
     number,
     percent_span,
@@ -60,11 +59,11 @@ def headline_words(results: Results) -> str:
 def headline_tiles(results: Results) -> Iterable[Tile]:
     """Yield a tile for each quantity that was measured, the accepted runs and the data's grade.
 
-    Of poor data, the quantities come last.
+    Poor data has no tiles of quantities: nobody is to rely on them.
     """
-    tiles = _quantity_tiles(results), _data_tiles(results)
-    for part in tiles[::-1] if results.quality.grade == "poor" else tiles:
-        yield from part
+    if results.quality.grade != "poor":
+        yield from _quantity_tiles(results)
+    yield from _data_tiles(results)
 
 
 def _quantity_tiles(results: Results) -> Iterable[Tile]:
@@ -171,9 +170,8 @@ def _ends(numbers: Iterable[HeadlineNumber], scale: float) -> str:
 
 
 def _shares(numbers: Iterable[HeadlineNumber], unit: str) -> str:
-    """Return U as a share of each number, both as written in the table; empty for efficiencies."""
-    written = [as_written(each.value, each.u95) for each in numbers if each.u95]
-    shares = [100 * half / abs(value) for value, half in written if value]
+    """Return U as a share of each number, both unrounded; empty for efficiencies."""
+    shares = [100 * each.u95 / abs(each.value) for each in numbers if each.u95 and each.value]
     return "" if unit == "%" or not shares else f", {percent_span(shares)} of the value"
 
 

@@ -2,17 +2,18 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from datetime import date
 from functools import partial
 from pathlib import Path
 
-from hbench.config.bench import parse_bench
+from hbench.config.bench import Bench, parse_bench
 from hbench.config.files.edited_yaml import with_values
 from hbench.config.files.loading import read_text, read_yaml
 from hbench.config.files.yaml_text import parse_yaml
 from hbench.errors import ConfigError, ConvergenceError
 from hbench.experiment.progress import Progress
 from hbench.model.build import plant_parameters
-from hbench.records import Design
+from hbench.records import Design, DesignBasis
 from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
 from hbench.report.design.text import design_json, gains_yaml
@@ -56,7 +57,7 @@ def design(
         reproduced=reproduce(par) if source else (),
     )
     present = analyzed([(loop.gain, loop.time_constant) for loop in loops])
-    present = replace(present, checks=point_checks(present))
+    present = replace(present, checks=point_checks(present), basis=_basis(bench, bench_file))
     if ratio is None:
         return present
     proposed = proposal(bench, ratio, nominal, report)
@@ -70,6 +71,23 @@ def design(
     proposed = replace(proposed, other_ratios=others)
     proposed = replace(proposed, loops=analyzed(list(proposed.gains.values())).loops)
     return replace(present, proposal=proposed)
+
+
+def _basis(bench: Bench, file: Path) -> DesignBasis:
+    cylinder, limits, feed = bench.test_cylinder, bench.limits, bench.controllers.feedforward
+    return DesignBasis(
+        day=date.today().isoformat(),
+        file=file.name,
+        bore_m=cylinder.piston_diameter,
+        rod_m=cylinder.rod_diameter,
+        stroke_m=cylinder.stroke,
+        supply_pa=bench.supply.pressure,
+        travel_m=(limits.travel_min, limits.travel_max),
+        pressure_max_pa=limits.pressure_max,
+        speed_max_m_s=limits.speed_max,
+        feedforward=(feed.rod, feed.piston),
+        feedforward_enabled=feed.enabled,
+    )
 
 
 def write_gains(bench_file: Path, design: Design) -> None:

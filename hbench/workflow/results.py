@@ -80,7 +80,7 @@ def report(
     from hbench.report.campaign.page import report_document
     from hbench.report.campaign.reconciled import reconciled_section
     from hbench.report.conformity.decision_section import decision_section
-    from hbench.report.conformity.text import next_steps
+    from hbench.report.conformity.text import complete_u, next_steps
     from hbench.report.render.document import Document, page
     from hbench.report.render.figures import figure_files
     from hbench.report.render.markdown import markdown
@@ -96,7 +96,9 @@ def report(
     if decision:
         decided = decision_section(decision, checks, *stored_rule(folder))
     step = next((step for _, step in next_steps(checks)), "")
-    document = report_document(results, drawings, reconciled, name, decided, step)
+    document = report_document(
+        results, drawings, reconciled, name, decided, step, complete_u(checks)
+    )
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,
         "md": markdown,

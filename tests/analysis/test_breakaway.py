@@ -53,6 +53,7 @@ def test_breakaway_is_the_peak_before_the_piston_slides(sign):
     assert found.ci95_n == pytest.approx(4.303 * spread / np.sqrt(3), rel=1e-3)
     assert (found.n, found.dwell_s, found.rate_n_s) == (3, 1.0, RATE)
     assert found.displacement_m == pytest.approx(2e-4, rel=0.02)
+    assert found.v_m_s == pytest.approx(2e-4 * RATE / 650.0, rel=0.02)  # 0.2 mm until the peak
     assert found.f_applied_n == sign * LOAD and found.runs == ("0001", "0002", "0003")
 
 

@@ -14,7 +14,7 @@ from hbench.records import Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.motions import Decay, Leakage, LeakCoefficient, Series
 from hbench.report.conformity.decision_section import decision_section
-from hbench.report.conformity.text import next_steps
+from hbench.report.conformity.text import complete_u, next_steps
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
 from tests.support import ROOT
@@ -304,6 +304,34 @@ def test_the_decision_states_the_margin_of_the_value_nearest_to_its_limit_in_u()
     assert "1 of 2 checks has this decision" in marginal and "inside by 0.6 U" in marginal
     unknown = [ConformityCheck(HIGHEST, Measurement(85.0, None), None, "PASS")]
     assert " U" not in words("PASS", unknown, "simple")
+
+
+def measured_checks(*quantities):
+    return [
+        ConformityCheck(Requirement(quantity, "", None, 1.0), Measurement(0.5, 0.1), 0.99, "PASS")
+        for quantity in quantities
+    ]
+
+
+@pytest.mark.parametrize(
+    ("quantities", "words"),
+    [
+        (("friction", "efficiency"), "U"),
+        (("friction", "breakaway", "leakage"), "U of friction and breakaway"),
+        (("friction", "speed_ripple"), "U of friction"),
+        (("speed_ripple", "leakage"), ""),
+    ],
+)
+def test_u_of_ripple_and_leakage_does_not_contain_the_instruments(quantities, words):
+    assert complete_u(measured_checks(*quantities)) == words
+
+
+def test_the_decisions_on_leakage_state_what_its_u_leaves_out():
+    facts = dict(decision_section("PASS", measured_checks("leakage"), "guard_band").facts)
+    assert "a bulk modulus that is 10 % too low makes the leakage 11 %" in facts["U of leakage"]
+    assert "the transducers do not drift" in facts["U of leakage"]
+    without = decision_section("PASS", measured_checks("friction"), "guard_band").facts
+    assert "U of leakage" not in dict(without)
 
 
 def test_the_margin_can_be_computed_from_the_numbers_beside_it():

@@ -12,6 +12,7 @@ from hbench.analysis.identification.verification import (
     curve_error,
     model_errors,
     ramp_curve,
+    steady_parts,
     trial_scatter,
     unchanged,
 )
@@ -52,6 +53,23 @@ def test_errors_are_those_that_were_put_in_part_by_part(make_run):
     assert errors["unsteady"].p_tp_pa == pytest.approx(np.sqrt((30 * 9 + 30 * 4) / 60) * 1e4)
     assert {e.v_m_s for e in errors.values()} == {e.p_tr_pa for e in errors.values()} == {0.0}
     assert [e.samples for e in errors.values()] == [240, 120, 40]
+
+
+def test_a_steady_part_in_which_only_the_model_oscillates_is_apart(make_run):
+    """An amplitude of 8e4 Pa on the piston is 8e4 A / sqrt(2) in the RMS of friction."""
+    base = profile_run(make_run)
+    noise = 1e3 * np.random.default_rng(1).standard_normal(len(base.t_s))
+    real = replace(base, p_tp_pa=base.p_tp_pa + noise)
+    wave = 8e4 * np.sin(2 * np.pi * 10 * real.t_s)
+    shifted = replace(real, p_tp_pa=real.p_tp_pa + 1e4)
+    rough = replace(real, p_tp_pa=real.p_tp_pa + wave)
+    parts = steady_parts([real, real], [shifted, rough], 0.0)
+    area = real.plan.specimen.area_piston_m2
+    speed = abs(real.v_ref_m_s[-1])
+    assert parts.smooth.friction_n == pytest.approx(1e4 * area)
+    assert parts.oscillating.friction_n == pytest.approx(8e4 / np.sqrt(2) * area, rel=0.05)
+    assert parts.parts == 2 * len(parts.speeds_m_s) and set(parts.speeds_m_s) == {speed}
+    assert parts.smooth.samples + parts.oscillating.samples == 240
 
 
 def test_a_model_of_another_profile_is_refused(make_run):

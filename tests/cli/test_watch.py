@@ -473,7 +473,8 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert chart["control"] == pytest.approx([1e-5 * (mean + step * moving) for step in (-3, 0, 3)])
     assert "beyond 3 σ" in chart["signals"][-1] and not any(chart["signals"][:-1])
     assert "Last ring, C12: beyond 3 σ.<" in dom
-    assert re.search(r'id="rings">A ring marks a change of the process, not a failed limit', dom)
+    assert 'id="rings">A ring marks a value that breaks a rule of control charts' in dom
+    assert "it is not a failed limit" in dom
     decided(tmp_path / "few" / "C", 3e5)
     (tmp_path / "few" / "C" / "campaign.yaml").write_text(header)
     failed = tmp_path / "few" / "C" / "results" / "acceptance.json"
@@ -607,7 +608,17 @@ def test_a_station_is_printed_with_all_its_cylinders(sample, tmp_path, require_t
                 "(document.querySelector('#cylinders').closest('.list'))"
             )
             hint = "getComputedStyle(document.querySelector('#history-title'), '::after').content"
-            assert browser.run(hidden) > 0 and "scroll for more" in browser.run(hint)
+            assert browser.run(hidden) > 0
+            said = browser.run(hint).strip('"')
+            shown, more = map(
+                int, re.fullmatch(r"; (\d+) shown, scroll for (\d+) more", said).groups()
+            )
+            in_view = (
+                "(l => [...document.querySelectorAll('#cylinders tr')].filter(r => "
+                "r.getBoundingClientRect().bottom <= l.getBoundingClientRect().bottom + 1).length)"
+                "(document.querySelector('#cylinders').closest('.list'))"
+            )
+            assert shown == browser.run(in_view) and shown + more == 14
             browser.ask("Emulation.setEmulatedMedia", media="print")
             assert browser.run(hidden) == 0 and browser.run(hint) == "none"
     finally:

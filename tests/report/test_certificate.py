@@ -14,7 +14,7 @@ from hbench.config.conformity.certificate import Image, completed, parse_certifi
 from hbench.errors import ConfigError
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.conformity.certified import Certified
-from hbench.records.motions import Breakaway, Leakage, Motions, Series
+from hbench.records.motions import Breakaway, Leakage, LeakCoefficient, Motions, Series
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.page import certificate_page
@@ -184,8 +184,20 @@ def test_the_method_states_the_rate_of_the_force_and_the_bulk_modulus(certificat
         Certified("leakage", Measurement(2.5e-16, 5e-17), None, leak="across_piston"),
     )
     for language, words in (
-        ("en", ("rising force (200–400 N/s) pushes", "bulk modulus of the bench file (700 bar).")),
-        ("de", ("Kraft (200–400 N/s) den", "Kompressionsmodul der Prüfstandsdatei (700 bar).")),
+        (
+            "en",
+            (
+                "rising force (200–400 N/s) pushes",
+                "bulk modulus of the bench file (700 bar). It is assumed to be laminar",
+            ),
+        ),
+        (
+            "de",
+            (
+                "Kraft (200–400 N/s) den",
+                "Kompressionsmodul der Prüfstandsdatei (700 bar). Sie wird als laminar angenommen",
+            ),
+        ),
     ):
         made = certificate(language=language)
         results = replace(made.results, motions=motions)
@@ -193,6 +205,46 @@ def test_the_method_states_the_rate_of_the_force_and_the_bulk_modulus(certificat
         assert all(each in text for each in words)
         text = page_text(replace(made, values=values))
         assert "N/s)" not in text and "(700 bar)" not in text and "{" not in text
+
+
+def leak(name, by_resolution):
+    return LeakCoefficient(name, 1e-20, 1e-19, (-8.4e-18, 8.4e-18), by_resolution)
+
+
+@pytest.mark.parametrize(
+    ("by_resolution", "english", "german"),
+    [
+        ((False, False), "is the half-width of the 95 % confidence", "ist die halbe Breite"),
+        ((True, True), "is the resolution of the pressure converter", "ist die Auflösung"),
+        ((False, True), "narrower (from the rod side outwards), the", "(von der Stangenseite nach"),
+    ],
+)
+def test_u_of_a_leakage_is_stated_as_what_it_is(certificate, by_resolution, english, german):
+    """Where the holds agree better than a code of the converter, U is no interval of a fit."""
+    names = ("across_piston", "rod_side_out")
+    leaks = tuple(map(leak, names, by_resolution))
+    motions = Motions(leakages=(Leakage("", leaks, (), 7.0e7, ""),))
+    values = tuple(Certified("leakage", Measurement(0.0, 8.4e-18), None, leak=n) for n in names)
+    for language, words in (("en", english), ("de", german)):
+        made = certificate(language=language)
+        results = replace(made.results, motions=motions)
+        text = page_text(replace(made, values=values, results=results))
+        begin = "U of the leakage " if language == "en" else "U der Leckage "
+        assert begin in text and words in text.partition(begin)[2]
+
+
+def test_a_leak_that_is_not_laminar_is_certified_at_the_pressure_of_its_holds(small, certificate):
+    """Of an orifice, 1 ml/min at 25 bar is 2 ml/min at 100 bar and 100 at 250 kbar."""
+    pressure = 2.5e6
+    coefficient = 1e-6 / 60 / pressure
+    found = LeakCoefficient("across_piston", coefficient, 1e-17, (0.9 * coefficient,) * 2)
+    leakage = Leakage("", (found,), (), 7.0e7, "", exponent=0.5, reference_pa=pressure)
+    results = replace(small, motions=Motions(leakages=(leakage,)))
+    values, _ = certified_values(results, None)
+    (stated,) = (value for value in values if value.quantity == "leakage")
+    assert stated.measurement.value == pytest.approx(coefficient)
+    text = page_text(replace(certificate(), results=results, values=(stated,)))
+    assert "to the pressure to the power 0.5; the values stated are those at 25 bar." in text
 
 
 def test_what_a_probability_of_conformity_rests_on_is_beside_it(certificate):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hbench.config.schedule import Screening
-from hbench.records import Check
+from hbench.records import Check, DesignBasis
 from hbench.report.design.checks import check_rows
 from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
@@ -68,8 +68,25 @@ def test_a_checks_value_shows_on_which_side_of_its_limit_it_is():
     passing = Check("velocity: phase margin", 45.3, 45.0, "deg", True)
     failing = Check("velocity: phase margin", 44.96, 45.0, "deg", False)
     beyond = Check("bench: overshoot", 20.3, 20.0, "mm/s", False)
-    rows = check_rows((passing, failing, beyond), tick_s=1e-4)
+    rows = check_rows((passing, failing, beyond))
     assert [row[1] for row in rows] == ["45.3", "44.96", "20.3"]
+
+
+def test_the_page_begins_with_what_it_was_computed_from(design):
+    basis = DesignBasis("2026-11-25", "bench.yaml", 0.04, 0.025, 0.4, 1.4e7, (0.005, 0.375), 2.3e7,
+                        0.4, (5.7205, 34.0682), False)  # fmt: skip
+    page = ordinary_spaces(design_page(replace(design, basis=basis), ()))
+    top = page[: page.index("<h2")]
+    for words in ("2026-11-25", "bench.yaml", "bore 40 mm, rod 25 mm, stroke 400 mm", "140 bar"):
+        assert words in top
+    assert "position 5 to 375 mm, pressure 230 bar, speed 400 mm/s" in top
+    text = design_text(replace(design, basis=basis))
+    assert "The bench file has 5.72 and 34.1 V s/m (not enabled)" in text
+
+
+def test_the_check_of_stability_compares_a_modulus_with_its_limit():
+    (row,) = check_rows((Check("all loops: largest modulus", 0.999923, 1.0, "", True),))
+    assert row[:3] == ("all loops together: largest |z|", "0.999923", "< 1")
 
 
 def test_present_gains_pass_or_fail_with_the_check_first(design):

@@ -14,6 +14,7 @@ from hbench.records import (
     Drift,
     DriftEffect,
     FrictionDifference,
+    MeanAtSpeed,
     MeanOfCurves,
     OilTemperature,
     PointTrials,
@@ -116,6 +117,42 @@ def test_a_figure_fills_the_points_that_differ_and_is_the_same_twice(found):
     np.testing.assert_allclose(faces["white"], 1.0)
     assert "B − A" in axes.get_ylabel()
     assert draw_differences(found) == draw_differences(found)
+
+
+def test_captions_explain_no_marks_that_the_figures_do_not_have(found):
+    (one,) = found.curves
+    none = replace(one, points=tuple(replace(p, friction_n=one.points[-1].friction_n)
+                                     for p in one.points))  # fmt: skip
+    (filled,) = draw_differences(found)
+    (hollow,) = draw_differences(replace(found, curves=(none,)))
+    assert "Filled: significant at this speed alone" in filled.caption
+    assert "Filled" not in hollow.caption and "at a single speed is significant." in hollow.caption
+
+
+def test_differences_are_drawn_on_the_same_axis(found, monkeypatch):
+    (one,) = found.curves
+    last = one.points[-1]
+    twenty = replace(last.friction_n, b=last.friction_n.a + 20.0)
+    small = replace(one, points=tuple(replace(p, friction_n=twenty) for p in one.points))
+    figures = []
+    monkeypatch.setattr(
+        "hbench.report.comparison.figures.draw_sketches",
+        lambda sketches: figures.extend(sketch.figure for sketch in sketches) or (),
+    )
+    draw_differences(replace(found, curves=(one, small)))
+    first, second = (figure.axes[1].get_ylim() for figure in figures)
+    assert first == second
+
+
+def test_the_row_of_the_mean_has_its_interval_and_p_and_the_page_its_size_by_speed(found):
+    speeds = (MeanAtSpeed(0.008, 2.0, 14.0), MeanAtSpeed(0.18, 25.0, 5.0))
+    mean = MeanOfCurves(13.3, 6.3, 662.0, 4, None, 2.4, 2e-7, speeds)
+    page = ordinary_spaces(differences_page(replace(found, mean_of_curves=mean), ()))
+    cells = re.search(r"mean over all 4 curves.*?</tr>", page[page.index("<table") :], re.DOTALL)[0]
+    assert "13.3 ± 2.4" in cells and "6.3" in cells and "0.0001" in cells
+    verdict = page[page.index('<p class="verdict"') : page.index("<dl")]
+    assert "It is 2 ± 14 N at 8 mm/s and 25.0 ± 5.0 N at 180 mm/s." in verdict
+    assert "8.0 mm/s: 2 ± 14 N; 180.0 mm/s: 25.0 ± 5.0 N." in page
 
 
 def test_a_comparison_states_each_setting_that_differs(found):
@@ -232,7 +269,8 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     hidden = replace(found, drifts=(drift, drift), curves=(one,))
     page = differences_page(hidden, draw_differences(hidden))
     assert "0 of 6 differences at single speeds are significant; 5 more may come from" in page
-    assert ">significant<" not in page and "not explained by a drift" in page
+    assert ">significant<" not in page and "Filled" not in page
+    assert "No difference at a single speed is significant beyond a possible drift." in page
     page = differences_page(found, draw_differences(found))
     assert "5 of 6 differences at single speeds are significant." in page
     assert "from a drift" not in page and "not explained by a drift" not in page

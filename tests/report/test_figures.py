@@ -205,7 +205,10 @@ def test_the_efficiency_band_is_the_expanded_uncertainty(small):
     at_first = corners[np.isclose(corners[:, 0], 1000 * point.v_m_s)][:, 1]
     assert at_first.min() == pytest.approx(100 * (point.efficiency - point.u95))
     assert at_first.max() == pytest.approx(100 * (point.efficiency + point.u95))
-    assert axes.get_ylim() == (0, 100)
+    low, high = axes.get_ylim()
+    points = [p for curve in small.efficiency for p in curve.points if p.efficiency is not None]
+    lowest = 100 * min(p.efficiency - (p.u95 or 0.0) for p in points)
+    assert high == 100 and low % 10 == 0 and lowest - 20 < low <= lowest
 
 
 def test_efficiencies_of_one_trial_each_are_not_called_means_with_bars(small):

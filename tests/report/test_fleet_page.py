@@ -365,6 +365,16 @@ def test_the_top_of_the_page_has_few_tiles_and_counts_each_change_once(shifted, 
     assert changes.more == "tested numbers changed over time: 1 by a step"
 
 
+def test_a_change_is_directly_below_the_summary_and_not_repeated_in_it(shifted, found, undrawn):
+    summary, charts, *_ = fleet_document(shifted, ()).sections
+    assert charts.title == "Control charts" and charts.tables[0].title == "Change points"
+    said = " ".join(summary.items)
+    assert "has changed" not in said and "beyond the control limits" not in said
+    steady = tuple(replace(chart, step=None) for chart in shifted.charts)
+    titles = [s.title for s in fleet_document(replace(shifted, charts=steady), ()).sections]
+    assert titles.index("Control charts") > titles.index("Distributions")
+
+
 def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shifted):
     def head(names):
         rows = tuple(

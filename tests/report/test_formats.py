@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from typer.testing import CliRunner
 
 from hbench import workflow
@@ -98,6 +100,20 @@ def test_only_the_first_sentence_of_a_long_verdict_is_bold_in_a_pdf():
     assert weights["Friction is 500 N"] == "bold" and weights["Use it with care"] == "normal"
 
 
+def test_the_banner_is_framed_and_the_verdict_has_a_bar_in_a_pdf():
+    made = Document("t", "", (), "Friction is low. Use it.", "Simulated.", "simulated")
+    (sheet,) = sheets(made)
+    (frame,) = (patch for patch in sheet.artists if isinstance(patch, Rectangle))
+    (bar,) = (line for line in sheet.artists if isinstance(line, Line2D))
+    heights = {text.get_text(): text.get_position()[1] for text in sheet.texts}
+    assert {"Simulated.", "Friction is low. Use it."} <= set(heights)
+    assert frame.get_y() < heights["Simulated."] < frame.get_y() + frame.get_height()
+    low, high = sorted(bar.get_ydata())
+    assert low < heights["Friction is low. Use it."] < high < frame.get_y()
+    (plain,) = sheets(Document("t", "", (), "Friction is 500 N."))
+    assert not any(isinstance(artist, Rectangle) for artist in plain.artists)
+
+
 def test_markdown_has_every_section_table_and_figure(made, drawings):
     text = markdown(made)
     heads = re.findall(r"^## (.+)$", text, re.MULTILINE)
@@ -176,7 +192,8 @@ def test_the_command_writes_the_form_that_was_asked_for(campaign, form):
 def test_a_working_speed_is_read_with_its_unit_and_used(campaign):
     done = CliRunner().invoke(app, ["report", str(campaign), "--speed", "0.1 m/s"])
     assert done.exit_code == 0
-    assert "friction at 100 mm/s" in (campaign / "results" / "report.html").read_text()
+    first = (campaign / "results" / "report.html").read_text().partition("<table")[2]
+    assert re.search(r"<td[^>]*>100\.0</td>", first.partition("</table>")[0]), "at the speed"
     for wrong in ("100", "1 bar", "0 mm/s", "-5 mm/s"):
         done = CliRunner().invoke(app, ["report", str(campaign), "--speed", wrong])
         assert isinstance(done.exception, ConfigError) and "--speed" in done.exception.message

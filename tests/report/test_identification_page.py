@@ -17,10 +17,10 @@ from hbench.records import (
     Provenance,
     Trace,
 )
-from hbench.records.identification import PARTS
+from hbench.records.identification import PARTS, SteadyParts
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
-from hbench.report.identification.text import SUMMARY, identification_tables
+from hbench.report.identification.text import ERRORS, SUMMARY, identification_tables
 from tests.support.report.spaces import ordinary_spaces
 
 NO_RAMPS = "no ramps"
@@ -83,15 +83,17 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     found = identified(leuven, lugre)
     assert verdict(found).endswith(
         "hbench run --plant lugre.yaml. These runs do not determine its bristle damping σ1 "
-        "(at its lower bound), so the law is verified for motions like the verification runs only: "
-        "verify it again before you use it for other motions."
+        "(at its lower bound): motions that depend on it can differ from the simulation."
     )
     more = "Leuven (9.9 N) is as good, but has more undetermined parameters (2 instead of 1)."
     assert more in verdict(found)
     trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
     runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]
     words = verdict(replace(found, followed=tuple(runs)))
-    assert "the law is verified for speeds up to 123 mm/s and loads of −5000 to 500 N only" in words
+    range_words = "The law is verified for speeds up to 123 mm/s and loads of −5000 to 500 N:"
+    assert range_words in words
+    determined = replace(identified(law("lugre", 10.0)), followed=tuple(runs))
+    assert range_words in verdict(determined), "the range does not depend on what is undetermined"
 
 
 def test_the_error_of_the_best_law_is_beside_the_measured_friction(small):
@@ -107,10 +109,26 @@ def test_the_errors_of_dynamic_and_static_laws_are_explained_beside_the_table():
     found = identified(law("lugre", 10.0), law("tustin", 110.0), law("marton_lantos", 116.0))
     page = ordinary_spaces(identification_page(found, ()))
     assert "Dynamic laws (LuGre)" in page and "static laws (Tustin, Marton and Lantos)" in page
-    assert "10.0 N against 110.0–116.0 N while the speed changes" in page
+    assert "RMS errors while the speed changes: 10.0 N against 110.0–116.0 N." in page
+    assert "RMS errors: LuGre 10.0 N, Tustin 110.0 N, Marton and Lantos 116.0 N." in page
     assert "does not show which of them suits a real cylinder" in page
     static = identified(law("tustin", 110.0), law("marton_lantos", 116.0))
     assert "Kinds of laws" not in identification_page(static, ())
+
+
+def test_errors_at_speeds_where_a_simulation_oscillates_are_apart_from_the_others():
+    """23 N at constant speeds are 2 N where the simulation is smooth and 40 N elsewhere."""
+    smooth, rough = (ModelErrors(n, 1e-4, 1e4, 1e4, 100) for n in (2.0, 40.0))
+    parts = SteadyParts(smooth, rough, 30, (0.03, 0.06, 0.03))
+    static = replace(law("pressure_based", 23.0), steady=parts)
+    found = identified(law("lugre", 3.0), static)
+    page = ordinary_spaces(identification_page(found, ()))
+    assert "does not oscillate: LuGre 3.0 N, Pressure-based 2.0 N." in page
+    assert "oscillates: Pressure-based 40.0 N in 3 of 30 parts at 30–60 mm/s." in page
+    assert "Simulations with Pressure-based oscillate at some constant speeds." in verdict(found)
+    (errors,) = (table for table in identification_tables(found) if table.title == ERRORS)
+    rows = {row[1]: row[2] for row in errors.rows if row[0] == "pressure_based"}
+    assert rows["steady, smooth"] == "2.0" and rows["steady, oscillating"] == "40.0"
 
 
 def test_laws_are_listed_by_their_error_with_what_is_not_determined():

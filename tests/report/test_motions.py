@@ -31,6 +31,7 @@ from hbench.records import (
 from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
+from hbench.report.campaign.page_motions import creep_facts
 from hbench.report.campaign.page_tables import point_table
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.terminal import summary_text
@@ -134,6 +135,30 @@ def moving(small):
     )
     motions = replace(MOTIONS, breakaways=PUSHES, dwell_laws=(GROWTH,), zero_checks=(CHECKED,))
     return replace(small, curves=small.curves + ramps, motions=motions)
+
+
+@pytest.mark.parametrize(
+    ("breakaway_n", "v_m_s", "explained"),
+    [(482.0, 0.008, True), (520.0, 0.008, False), (482.0, 0.001, False), (430.0, 0.008, False)],
+)
+def test_a_breakaway_below_friction_at_a_crawl_is_explained_by_its_creep(
+    moving, breakaway_n, v_m_s, explained
+):
+    """502 N at 2 mm/s and 443 N at 20 mm/s: friction falls with speed in between."""
+    curve = next(c for c in moving.curves if c.kind == "steady" and c.direction == "extend")
+    points = [
+        replace(curve.points[0], v_m_s=v, friction_n=n) for v, n in ((0.002, 502.0), (0.02, 443.0))
+    ]
+    series = replace(SERIES, f_load_n=curve.f_load_n, p_lr_ref_pa=curve.p_lr_ref_pa)
+    push = replace(PUSHES[0], series=series, breakaway_n=breakaway_n, v_m_s=v_m_s)
+    results = replace(
+        moving,
+        curves=(replace(curve, points=tuple(points)),),
+        motions=replace(moving.motions, breakaways=(push,)),
+    )
+    said = dict(creep_facts(results))
+    assert list(said) == (["Below friction at 2 mm/s, extending"] if explained else [])
+    assert not explained or "502 N at 2 mm/s and 443 N at 20 mm/s" in next(iter(said.values()))
 
 
 def test_no_title_runs_into_the_word_that_its_figure_is_simulated(moving):

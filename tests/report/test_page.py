@@ -23,6 +23,7 @@ from hbench.records import (
 )
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.report.campaign.figures.all_figures import draw_all
+from hbench.report.campaign.fit_tables import selection_words
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.page_tables import budget_table, cause_table, rejected_table
 from hbench.report.campaign.quality import (
@@ -46,6 +47,7 @@ from hbench.report.render.numbers import (
 )
 from hbench.report.render.style import DARK
 from tests.support.report.made_page import page_html, summarized
+from tests.support.report.spaces import ordinary_spaces
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(1)>&{{7*7}}"
@@ -203,16 +205,24 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
     friction = [1.0 * each.friction_n.value for each in small.headline.series]
     first = re.match(r"Friction at \S+ mm/s is (\d+)–(\d+) N \(", verdict)
     assert list(map(int, first.groups())) == [round(min(friction)), round(max(friction))]
-    table = report_document(small, ()).sections[0].tables[0]
-    column = table.head.index("Friction ± U (N)")
-    cells = [row[column].text.split(" ± ") for row in table.rows]
-    shares = [100 * float(half) / float(value) for value, half in cells]  # as a reader computes
-    assert f", {min(shares):.1f}–{max(shares):.1f} % of the value)" in verdict
     assert ", over all loads and directions. " in verdict
     poor = replace(small, quality=replace(small.quality, grade="poor"))
     document = report_document(poor, ())
     assert "mm/s is" not in document.verdict
-    assert document.sections[0].tiles[1].value == "Poor"  # before the quantities
+    tiles = document.sections[0].tiles
+    assert [tile.unit for tile in tiles] == ["runs", ""] and tiles[1].value == "Poor"
+
+
+def test_the_share_of_u_follows_from_numbers_that_are_not_rounded(small):
+    first = small.headline.series[0]
+
+    def of(value, u95):
+        number = replace(first.friction_n, value=value, u95=u95, basis="trials")
+        return replace(first, friction_n=number)
+
+    series = (of(405.9, 121.7), of(405.1, 88.7))  # written: 410 ± 120 (29.3 %) and 405 ± 89
+    changed = replace(small, headline=replace(small.headline, series=series))
+    assert "U up to 120 N, 22–30 % of the value" in report_document(changed, ()).verdict
 
 
 def test_the_ends_of_a_range_are_rounded_as_in_the_table_of_all_values(small):
@@ -313,13 +323,13 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
     """U contains the tolerances and the scatter of the trials, but no hidden drift."""
     section = Section("Decision", ("Decision: PASS.",))
 
-    def made(*names, step=""):
+    def made(*names, **more):
         checks = tuple(
             replace(check, grade="with care" if check.name in names else "good", value=19.0)
             for check in small.quality.checks
         )
         quality = replace(small.quality, grade="with care", checks=checks)
-        document = report_document(replace(small, quality=quality), (), decision=section, step=step)
+        document = report_document(replace(small, quality=quality), (), decision=section, **more)
         verdict, _, step = document.verdict.partition(" Next step: ")
         assert [each.title for each in document.sections[:2]] == ["Decision", "Summary"]
         return verdict, step, dict(document.sections[1].facts)["Data"]
@@ -329,6 +339,9 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
         "Decision: PASS. Use the data with care (instruments); U takes this into account."
     )
     assert step == "none for the decision."
+    verdict, _, _ = made("instruments", complete_u="U of friction")
+    assert "U of friction takes this into account, that of the other quantities does" in verdict
+    assert made("instruments", complete_u="")[0].endswith("U does not take this into account.")
     assert "make friction uncertain by" in data and "Calibrate the sensors" in data
     verdict, step, _ = made("instruments", "trials_per_point")
     assert verdict.endswith("instruments); U takes only a part of this into account.")
@@ -465,6 +478,40 @@ def test_rejected_runs_stand_with_their_reasons_and_fold_when_many(stribeck):
     assert "<details open>" not in page_html(many, ())
 
 
+def test_more_reasons_than_rejected_runs_are_explained(small):
+    def text(*reasons_of_runs):
+        runs = tuple(replace(run, reasons=()) for run in small.runs)
+        rejected = [replace(run, reasons=reasons)
+                    for run, reasons in zip(runs, reasons_of_runs, strict=False)]  # fmt: skip
+        results = replace(small, runs=(*rejected, *runs[len(rejected) :]))
+        return ordinary_spaces(page_html(results, ()))
+
+    assert "reasons belong" not in text()
+    assert "reasons belong" not in text(("stalled: x",), ("gapped: z",))
+    several = text(("stalled: x", "not_steady: y"), ("gapped: z",))
+    assert "The 3 reasons belong to 2 runs: a run counts under each" in several
+
+
+def test_the_best_law_is_one_conclusion_over_all_curves(small):
+    """1.5 N against 18.9 N in each of two curves, whose differences are not significant alone."""
+    laws = HeldOut("tustin", 1.47), HeldOut("marton_lantos", 18.9)
+    found = Selection(laws, 354.0, 180.0, False, 6)
+    both = tuple(replace(curve, selection=found) for curve in small.curves[:2])
+
+    def words(*curves):
+        return selection_words(replace(small, curves=curves, joint_fits=()))
+
+    assert words(*both) == (
+        "Tustin predicts best in all 2 curves: RMS error 1.47 N, that of the next law 18.9 N. "
+        "This is significant in no single curve: with 6 held-out speeds, one large error can "
+        "decide."
+    )
+    sure = replace(both[0], selection=replace(found, distinguishable=True))
+    assert words(sure, both[1]).endswith("This is significant in 1 of them.")
+    other = replace(both[0], selection=replace(found, laws=laws[::-1]))
+    assert words(other, both[1]).startswith("No law predicts best in all 2 curves: ")
+
+
 def test_a_campaign_without_a_single_good_run_still_has_a_page(small, undrawn):
     runs = tuple(replace(run, reasons=("truncated: x",), means=None) for run in small.runs)
     results = replace(small, runs=runs, curves=(), efficiency=())
@@ -504,7 +551,8 @@ def test_points_without_enough_trials_are_in_the_order_of_series_and_speed():
 
 def test_bands_have_their_table_where_too_few_speeds_have_no_figure(seals):
     """The tile of the half band is a number of this table."""
-    document = report_document(seals, ())
+    usable = replace(seals, quality=replace(seals.quality, grade="with care"))
+    document = report_document(usable, ())
     text = Parsed(page_of(document)).text
     assert any("half of the friction band" in tile.more for tile in document.sections[0].tiles)
     assert "Too few speeds for a curve" in text and "Half band (N)" in text
@@ -600,7 +648,7 @@ def test_held_out_errors_and_laws_of_all_loads_have_their_tables(small):
     html = page_html(replace(small, curves=curves, joint_fits=(joint,)), ())
     text = Parsed(html).text
     assert f"{FRICTION_LAWS['marton_lantos'].title} (13.9 N)" in text
-    assert "difference significant with 13 speeds" in text
+    assert "RMS error 3.21 N, that of the next law 13.9 N. This is significant." in text
     assert "1.50 (1.30 to 1.80)" in text  # N/bar
     assert 'id="laws"' in html and 'id="laws"' not in page_html(small, ())
 

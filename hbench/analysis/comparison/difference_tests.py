@@ -78,6 +78,7 @@ def tested(
         p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
         u95_a=own[0],
         u95_b=own[1],
+        dof=dof,
     )
 
 
@@ -89,6 +90,21 @@ def _own_u95(
         return None
     parts = [StandardUncertainty(*error), StandardUncertainty(drift), *contributions.values()]
     return combined(parts).expanded()
+
+
+def tested_mean(differences: Sequence[Difference]) -> tuple[float, float] | None:
+    """Return the half-width of the mean of independent differences, and its p value.
+
+    Half-width of its 95 % interval, and p of no difference: both by the trials alone. None where a
+    difference has no standard error.
+    """
+    known = [(each.se, each.dof) for each in differences if each.se and each.dof]
+    if len(known) < len(differences):
+        return None
+    variances = [(se / len(known)) ** 2 for se, _ in known]
+    se, dof = satterthwaite(variances, [dof for _, dof in known])
+    value = sum(each.value for each in differences) / len(differences)
+    return float(student_factor(dof) * se), float(2 * stdtr(dof, -abs(value) / se))
 
 
 def untested(a: float, b: float, reason: str) -> Difference:

@@ -12,11 +12,12 @@ same order of runs, c_A = c_B nearly, and a drift common to both cancels. Over a
 s_i is zero, so that a drift cancels within each campaign.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import hypot
 from statistics import fmean
 
+from hbench.analysis.comparison.difference_tests import tested_mean
 from hbench.analysis.comparison.differences import Weights, mean_weights
 from hbench.analysis.summary.drift import RunClock, campaign_place
 from hbench.records import (
@@ -25,10 +26,12 @@ from hbench.records import (
     CurveDifference,
     Drift,
     DriftEffect,
+    MeanAtSpeed,
     MeanOfCurves,
     Results,
 )
 
+_SAME_SPEED = 0.02  # relative, as of two points that are compared
 Sides = Sequence[tuple[Curve, Weights]]  # a curve of one campaign, and its points' weights
 
 
@@ -86,7 +89,22 @@ def _mean_of_curves(
     if len(means) < 2 or len(known) < len(means):
         return None
     value, a_n = fmean(mean.value for mean in means), fmean(mean.a for mean in means)
-    return MeanOfCurves(value, fmean(known), a_n, len(means), drift_n)
+    ci95_n, p_value = tested_mean(means) or (None, None)
+    speeds = tuple(_at_speeds(curves))
+    return MeanOfCurves(value, fmean(known), a_n, len(means), drift_n, ci95_n, p_value, speeds)
+
+
+def _at_speeds(curves: Sequence[CurveDifference]) -> Iterator[MeanAtSpeed]:
+    """Yield the mean over the curves at each speed; none where their speeds are not the same."""
+    if len({len(curve.points) for curve in curves}) > 1:
+        return
+    for points in zip(*(curve.points for curve in curves), strict=True):
+        speeds = [abs(point.v_m_s) for point in points]
+        mean = tested_mean([point.friction_n for point in points])
+        if mean is None or max(speeds) > (1 + _SAME_SPEED) * min(speeds):
+            return
+        value = fmean(point.friction_n.value for point in points)
+        yield MeanAtSpeed(fmean(speeds), value, mean[0])
 
 
 def _is_steady(curve: Curve) -> bool:

@@ -7,7 +7,7 @@ G.6.4), or 2 where the instruments' file says so (``expansion: k_2``).
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from statistics import median_low
-from typing import Literal, get_args
+from typing import Literal
 
 from hbench.analysis.conformity.measured import measurements
 from hbench.analysis.statistics.student import student_factor
@@ -15,10 +15,8 @@ from hbench.config.sensors import Instruments
 from hbench.records import Results
 from hbench.records.conformity.acceptance import Measurement, Requirement
 from hbench.records.conformity.certified import Certified
-from hbench.records.motions import Leak
 
 MOST_POINTS = 16  # steady points on a certificate; of more, three speeds of each series
-_UNIT_LEAK_PA = 1.0  # difference of pressure at which the leak is its coefficient
 
 
 def certified_values(
@@ -95,11 +93,19 @@ def _factor(measured: Measurement, instruments: Instruments | None) -> float | N
 
 
 def _leaks(results: Results) -> Iterator[Certified]:
-    """Yield the leak coefficients. Their intervals are those of a fit: no factor is stated."""
-    for leak in get_args(Leak):
-        asked = Requirement("leakage", "ml/min", None, None, leak=leak, pressure_pa=_UNIT_LEAK_PA)
-        for measured in measurements(results, asked):
-            yield Certified("leakage", measured, None, leak=leak)
+    """Yield the leak coefficients, at the reference pressure where leaks are not laminar.
+
+    No factor is stated: their intervals are those of a fit, or the resolution of the converter.
+    """
+    for leakage in results.motions.leakages:
+        for leak in leakage.coefficients:
+            at = leakage.reference_pa or 1.0
+            if flow := leakage.flow_m3_s(leak, at):
+                runs = tuple(decay.run for decay in leakage.decays)
+                measured = Measurement(
+                    flow[0] / at, flow[1] / at, len(runs) - 1, leakage.label, runs=runs
+                )
+                yield Certified("leakage", measured, None, leak=leak.name)
 
 
 def _fewer(points: list[Certified], working_m_s: float | None, kept: set[tuple]) -> list[Certified]:

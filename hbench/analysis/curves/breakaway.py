@@ -40,6 +40,7 @@ class _Peak(NamedTuple):
 
     friction_n: float  # against the motion
     displacement_m: float
+    v_m_s: float
     f_test_n: float
     f_applied_n: float
     p_tp_pa: float
@@ -111,6 +112,7 @@ def _peak(run: Run) -> _Peak | None:
     return _Peak(
         friction_n=end_of_line(friction) if at else float(friction[0]),
         displacement_m=sign * float(run.x_m[at] - run.x_m[0]),
+        v_m_s=sign * float(np.polyfit(run.t_s[line], run.x_m[line], 1)[0]) if at else 0.0,
         f_test_n=float(f_test[at]),
         f_applied_n=float(f_applied[at]),
         p_tp_pa=np.nan if run.p_tp_pa is None else float(run.p_tp_pa[at]),
@@ -165,6 +167,7 @@ def _mean(
         kind=plan.kind,
         breakaway_pa=mean.friction_n / area if area else None,
         u95_pa=point.u95_n / area if area and point.u95_n is not None else None,
+        v_m_s=mean.v_m_s,
     )
 
 

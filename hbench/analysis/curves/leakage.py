@@ -81,7 +81,11 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
             rounded.append(name)
         coefficients.append(
             LeakCoefficient(
-                name, None if found.unknown[i] else value, se if known else None, interval
+                name,
+                None if found.unknown[i] else value,
+                se if known else None,
+                interval,
+                by_resolution=bool(known and found.by_rounding[i]),
             )
         )
     if none:

@@ -7,7 +7,7 @@ steady if the reference has been constant for 0.3 s, at rest if it has been zero
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,9 +18,10 @@ from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
 from hbench.records import Curve, CurvePoint, Fit, ModelErrors, Run
-from hbench.records.identification import PARTS
+from hbench.records.identification import PARTS, SteadyParts
 
 SETTLE_S = 0.3  # as in the steady window
+_OSCILLATES = 3.0  # simulated friction scatters by more than this times the measured friction
 
 
 def unchanged(v_ref_m_s: np.ndarray, dt_s: float) -> np.ndarray:
@@ -39,13 +40,46 @@ def model_errors(
     ``mass_kg`` is the test side's. Raises ``DataError``.
     """
     errors = _SectionErrors()
+    for v_ref, dt_s, log, simulation in _pairs(measured, simulated, mass_kg):
+        errors.add(v_ref, dt_s, simulation - log)
+    return errors.rms()
+
+
+def steady_parts(measured: Sequence[Run], simulated: Sequence[Run], mass_kg: float) -> SteadyParts:
+    """Return the errors of the ``steady`` section, apart for parts that oscillate in simulation.
+
+    A part is a time of constant reference. It oscillates if the standard deviation of the
+    simulated friction is more than three times that of the measured one: where friction falls with
+    speed, a static law damps no oscillation. Arguments and errors as of ``model_errors``.
+    """
+    differences: dict[bool, list[np.ndarray]] = {False: [], True: []}
+    speeds = []
+    for v_ref, dt_s, log, simulation in _pairs(measured, simulated, mass_kg):
+        steady = unchanged(v_ref, dt_s) & (v_ref != 0)
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], steady, [False]))))
+        for part in map(slice, edges[::2], edges[1::2]):
+            oscillates = bool(simulation[0, part].std() > _OSCILLATES * log[0, part].std())
+            differences[oscillates].append((simulation - log)[:, part].T)
+            if oscillates:
+                speeds.append(abs(float(v_ref[part][0])))
+    return SteadyParts(
+        smooth=_rms(differences[False]) if differences[False] else None,
+        oscillating=_rms(differences[True]) if differences[True] else None,
+        parts=len(differences[False]) + len(differences[True]),
+        speeds_m_s=tuple(speeds),
+    )
+
+
+def _pairs(
+    measured: Sequence[Run], simulated: Sequence[Run], mass_kg: float
+) -> Iterator[tuple[np.ndarray, float, np.ndarray, np.ndarray]]:
+    """Yield reference (n,), time step, and measured and simulated signals (4, n) of each run."""
     for real, model in zip(measured, simulated, strict=True):
         if real.v_ref_m_s is None or real.plan.motion != model.plan.motion:
             raise DataError(f"run {real.plan.run}: its model followed another profile")
         n = min(len(real.t_s), len(model.t_s))
         log, simulation = logged_motion(real, mass_kg), logged_motion(model, mass_kg)
-        errors.add(real.v_ref_m_s[:n], log.dt_s, _signals(simulation, n) - _signals(log, n))
-    return errors.rms()
+        yield real.v_ref_m_s[:n], log.dt_s, _signals(log, n), _signals(simulation, n)
 
 
 def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErrors]:
@@ -120,13 +154,15 @@ class _SectionErrors(dict[str, list[np.ndarray]]):
 
     def rms(self) -> dict[str, ModelErrors]:
         """Return the root mean square in each section; nan without samples."""
-        errors = {}
-        for name, pieces in self.items():
-            d = np.concatenate(pieces)
-            means = np.sqrt(np.mean(d**2, axis=0)).tolist() if len(d) else [float("nan")] * 4
-            friction, v, p_p, p_r = means
-            errors[name] = ModelErrors(friction, v, p_p, p_r, samples=len(d))
-        return errors
+        return {name: _rms(pieces) for name, pieces in self.items()}
+
+
+def _rms(pieces: Sequence[np.ndarray]) -> ModelErrors:
+    """Return the root mean square of differences (n, 4); nan without samples."""
+    d = np.concatenate(pieces)
+    means = np.sqrt(np.mean(d**2, axis=0)).tolist() if len(d) else [float("nan")] * 4
+    friction, v, p_p, p_r = means
+    return ModelErrors(friction, v, p_p, p_r, samples=len(d))
 
 
 def _point(

@@ -2,7 +2,8 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -10,8 +11,8 @@ from hbench.records import Fit, FitParameter, Results, Selection
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who, who_text
-from hbench.report.render.numbers import NONE, half_width, number, significant, with_ends
-from hbench.report.render.symbols import capital
+from hbench.report.render.numbers import NONE, half_width, number, significant, span, with_ends
+from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -130,7 +131,7 @@ def selection_table(results: Results) -> Table:
     rows = [
         (*columns, *_selected(selection)) for columns, selection in chosen if selection is not None
     ]
-    head = ("Best law", "Next", "Difference (N²)", "s.e. (N²)", "Remark")
+    head = ("Best law", "Next", "Difference (N²)", "s.e. (N²)", "Difference is")
     return table((*WHO, *head), rows, words=("Best law", "Next"))
 
 
@@ -144,8 +145,50 @@ def _selected(selection: Selection) -> tuple[str, ...]:
         following,
         significant(selection.difference_n2, 3),
         significant(selection.difference_se_n2, 2),
-        f"difference {verdict} with {selection.speeds} speeds",
+        verdict,
     )
+
+
+def selection_words(results: Results) -> str:
+    """Return which law predicts best in the curves, and over all of them together."""
+    of_curves = [curve.selection for curve in results.curves if curve.selection is not None]
+    parts = [_best_of(of_curves)] if of_curves else []
+    for joint in results.joint_fits:
+        if joint.selection is not None:
+            first, second = joint.selection.laws[:2]
+            sizes = [f"{law_words(law.law)} ({significant(law.rmse_n, 3)} N)"
+                     for law in (first, second)]  # fmt: skip
+            parts.append(
+                f"Over all curves together, {sizes[0]} predicts better than {sizes[1]}."
+                if joint.selection.distinguishable
+                else f"Over all curves together, {listed(sizes)} are not distinguishable."
+            )
+    return " ".join(parts)
+
+
+def _best_of(selections: Sequence[Selection]) -> str:
+    best = Counter(selection.laws[0].law for selection in selections)
+    every = len(selections)
+    if len(best) > 1:
+        counts = listed([f"{law_words(law)} in {n}" for law, n in best.most_common()])
+        words = f"No law predicts best in all {every} curves: {counts}."
+    else:
+        first, second = (
+            span([selection.laws[place].rmse_n for selection in selections]) for place in (0, 1)
+        )
+        where = f"all {every} curves" if every > 1 else "the only curve"
+        words = (
+            f"{law_words(*best)} predicts best in {where}: RMS error {first} N, that of the next "
+            f"law {second} N."
+        )
+    sure = sum(selection.distinguishable for selection in selections)
+    if sure == every:
+        return f"{words} This is significant{' in each of them' if every > 1 else ''}."
+    speeds = max(selection.speeds for selection in selections)
+    if sure:
+        return f"{words} This is significant in {sure} of them."
+    where = "significant in no single curve" if every > 1 else "not significant"
+    return f"{words} This is {where}: with {speeds} held-out speeds, one large error can decide."
 
 
 def law_words(law: str) -> str:

@@ -9,6 +9,7 @@ from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import decision_reserve, quality_verdict
+from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
 from hbench.report.campaign.summary import (
@@ -70,13 +71,15 @@ def report_document(
     folder: str = "",
     decision: Section | None = None,
     step: str = "",
+    complete_u: str = "U",
 ) -> Document:
     """Return the report, with the sections ``more`` before the rejected runs.
 
     The rejected runs of poor data come before the results. ``folder`` is the name of the campaign's
     folder, which distinguishes campaigns of one schedule. ``decision`` is the section of an
     acceptance and comes first; its paragraphs begin the verdict and are not repeated. ``step`` is
-    the next step after it; the summary then has the verdict on the data.
+    the next step after it; the summary then has the verdict on the data. ``complete_u`` names the
+    U of the decision that contain the instruments.
     """
     label, results = common_label(results), without_common_label(results)
     figures: dict[str, tuple[Drawing, ...]] = {}
@@ -112,7 +115,7 @@ def report_document(
         provenance.name,
         " · ".join(filter(None, subtitle)),
         sections,
-        _verdict(results, decision, step),
+        _verdict(results, decision, step, complete_u),
         BANNERS[provenance.source],
         provenance.source,
         folder,
@@ -121,10 +124,10 @@ def report_document(
     )
 
 
-def _verdict(results: Results, decision: Section | None, step: str) -> str:
+def _verdict(results: Results, decision: Section | None, step: str, complete_u: str) -> str:
     """Return the decision with what it rests on, or else the first quantity; and the next step."""
     if decision:
-        rests = decision_reserve(results.quality)
+        rests = decision_reserve(results.quality, complete_u)
         parts = (*decision.paragraphs, rests, decided_step_words(results, step))
     else:
         parts = (
@@ -183,6 +186,7 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             "Breakaway",
             (_BREAKAWAY,),
             drawings=drawings,
+            facts=page_motions.creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
                 *titled(page_motions.dwell_table(results), "Laws over the time at rest"),
@@ -273,8 +277,20 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     if remarks.rows:
         title = f"Remarks on accepted runs ({len(remarks.rows)})"
         subsections.append(Section(title, tables=(remarks,), folded=True))
-    none = () if has_rejected(results) else ("None.",)
-    return Section("Rejected runs", none, parts=tuple(subsections), anchor="rejected")
+    words = _cause_words(results) if has_rejected(results) else "None."
+    return Section(
+        "Rejected runs", (words,) if words else (), parts=tuple(subsections), anchor="rejected"
+    )
+
+
+def _cause_words(results: Results) -> str:
+    """Return how many reasons the rejected runs have, where it is more than one each."""
+    runs = sum(not run.accepted for run in results.runs)
+    reasons = sum(reason_counts(results).values())
+    if reasons == runs:
+        return ""
+    of = "1 run" if runs == 1 else f"{runs} runs"
+    return f"The {reasons} reasons belong to {of}: a run counts under each of its reasons."
 
 
 def _points(results: Results) -> tuple[Section, ...]:

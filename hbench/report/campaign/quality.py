@@ -67,18 +67,23 @@ def _step(check: QualityCheck) -> str:
     return _NO_TOLERANCES if unknown else STEPS[check.name]
 
 
-def decision_reserve(quality: Quality) -> str:
-    """State a reservation on the data, and whether U contains it; empty without one."""
+def decision_reserve(quality: Quality, complete_u: str) -> str:
+    """State a reservation on the data, and which U contain it; empty without one.
+
+    ``complete_u`` names the U that contain the instruments; empty if none does.
+    """
     worst = _worst(quality)
     if quality.grade == "good" or not worst:
         return ""
     outside = [check for check in worst if not _is_in_u(check)]
-    if not outside:
-        in_u = "U takes this into account"
-    elif len(outside) == len(worst):
+    if not complete_u or len(outside) == len(worst):
         in_u = "U does not take this into account"
+    elif outside:
+        in_u = f"{complete_u} takes only a part of this into account"
     else:
-        in_u = "U takes only a part of this into account"
+        in_u = f"{complete_u} takes this into account"
+    if complete_u not in ("", "U") and len(outside) < len(worst):
+        in_u += ", that of the other quantities does not ([[decision]])"
     if quality.grade == "poor":
         return f"The data is poor ({weak_checks(quality)}); do not rely on the decision. {in_u}."
     return f"Use the data with care ({weak_checks(quality)}); {in_u}."

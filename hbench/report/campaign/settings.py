@@ -35,15 +35,13 @@ def provenance_facts(
     """Return ``identity_facts`` of a campaign; ``sizes`` are those if it states none itself."""
     specimen, test = (provenance.settings.get(name, {}) for name in ("specimen", "test"))
     stated = ", ".join(f"{name} {specimen[name]}" for name in _SIZES if specimen.get(name))
-    where = "hbench run --specimen"
     bench, when = provenance.bench, {"Measured": _period(provenance.started, provenance.stopped)}
     if provenance.source == "imported":
         bench = f"{bench} (name in the map of the import)"
-        where = "specimen.serial in the map"
         measured = test.get("date", "") or "date not recorded (test.date in the map)"
         when = {"Measured": measured, "Imported": _time(provenance.started)}
     facts = {
-        "Cylinder": specimen.get("serial", "") or f"no serial number recorded ({where})",
+        "Cylinder": specimen.get("serial", "") or "no serial number recorded",
         "Dimensions": stated or sizes,
         **{_name(name): specimen.get(name, "") for name in ("maker", "order", "seals", "wear")},
         "Label of the runs": label,

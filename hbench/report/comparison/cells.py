@@ -49,7 +49,7 @@ def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[st
         with_interval(scale * difference.value, half),
         NONE if u95 is None else significant(u95, 2),
         difference.untested or (real if difference.real else NOT_SIGNIFICANT),
-        NONE if difference.p_holm is None else _p(difference.p_holm),
+        NONE if difference.p_holm is None else p_words(difference.p_holm),
         _with_u95(scale * difference.a, difference.u95_a, scale),
         _with_u95(scale * difference.b, difference.u95_b, scale),
     )
@@ -65,7 +65,8 @@ def _with_u95(value: float, u95: float | None, scale: float) -> str:
     return text if u95 is None else f"{text} ± {half_width(scale * u95)}"
 
 
-def _p(value: float) -> str:
+def p_words(value: float) -> str:
+    """Write a p value with two significant digits."""
     return "< 0.0001" if value < 1e-4 else significant(value, 2)
 
 

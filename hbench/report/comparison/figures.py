@@ -24,10 +24,16 @@ from hbench.report.render.series import behind
 from hbench.units import from_si
 
 _CAPTION = (
-    "Above: friction of A and B, means of the trials. Below: B minus A. Filled: significant at "
-    "this speed alone, with p corrected for the number of points{drift}. Hollow: not significant."
+    "Above: friction of A and B, means of the trials. Below: B minus A, on the same axis in all "
+    "figures. {marks}"
 )
+_FILLED = (
+    "Filled: significant at this speed alone, with p corrected for the number of points{drift}. "
+    "Hollow: not significant."
+)
+_HOLLOW = "No difference at a single speed is significant{drift}."
 _NOT_DRIFT = ", and not explained by a drift"
+_OR_DRIFT = " beyond a possible drift"
 _BANDS_CAPTION = (
     "Above: half bands of A and B, (F extending − F retracting) / 2. Lines: least squares over "
     "pressure. Below: B minus A. Filled: the difference is significant. Hollow: not significant."
@@ -45,16 +51,31 @@ def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
             figure = draw_bands(bands, differences)
         title = ", ".join(filter(None, (label_of(bands[0]), "Half band over pressure")))
         sketches.append(Sketch(f"bands-{number}", "bands", title, _BANDS_CAPTION, figure))
+    pairs = []
     for number, curve in enumerate(differences.curves):
         if len(curve.points) < 2:
             continue
         with rc_context(style.RC):
             figure = draw_pair(curve, differences)
         title = figure.axes[0].get_title("left")
-        drift = _NOT_DRIFT if hidden_curves(differences) else ""
-        caption = _CAPTION.format(drift=drift)
-        sketches.append(Sketch(f"pair-{number + 1}", "comparison", title, caption, figure))
-    return draw_sketches(sketches)
+        caption = _CAPTION.format(marks=_marks(curve, differences))
+        pairs.append(Sketch(f"pair-{number + 1}", "comparison", title, caption, figure))
+    style.share_limits(pair.figure.axes[1] for pair in pairs)
+    return draw_sketches(sketches + pairs)
+
+
+def _marks(curve: CurveDifference, differences: CampaignDifferences) -> str:
+    """Explain the marks of B less A that the figure of a curve has."""
+    significant = any(point.friction_n.real for point in curve.points)
+    hidden = _is_hidden(curve, differences)
+    if significant and not hidden:
+        return _FILLED.format(drift=_NOT_DRIFT if hidden_curves(differences) else "")
+    return _HOLLOW.format(drift=_OR_DRIFT if significant else "")
+
+
+def _is_hidden(curve: CurveDifference, differences: CampaignDifferences) -> bool:
+    """Return whether a drift may account for the difference of a curve."""
+    return any(each.a is curve.a for each in hidden_curves(differences))
 
 
 def _series(differences: CampaignDifferences) -> Iterable[list[BandDifference]]:
@@ -122,7 +143,7 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
         bars = above.errorbar(*_columns(curve), label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
     v = 1e3 * np.abs([point.v_m_s for point in difference.points])
-    hidden = any(curve.a is difference.a for curve in hidden_curves(differences))
+    hidden = _is_hidden(difference, differences)
     points = [point.friction_n for point in difference.points]
     _draw_differences(below, v, points, [point.real and not hidden for point in points])
     above.set_ylabel("Friction |F| (N)")

@@ -1,7 +1,8 @@
 """What the tables of a comparison contain, and how it was computed."""
 
 from hbench.records import CampaignDifferences
-from hbench.report.comparison.tables import has_drift_column, hidden_curves
+from hbench.report.comparison.tables import has_drift_column, hidden_curves, unseparated
+from hbench.report.render.numbers import number, with_interval
 
 READ = (
     ("± trials", "Half-width of the 95 % interval of the trials alone."),
@@ -11,6 +12,10 @@ READ = (
     ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They have "
      "more digits than it allows, as the difference needs them."),
 )  # fmt: skip
+_MEAN = (
+    "Its interval and p, which is of a single test, are those of independent trials. Its U is the "
+    "mean of those of the curves, as if their errors were the same."
+)
 _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
      "trials do not exclude. Where it exceeds the difference less U, the verdict on friction and "
@@ -48,6 +53,24 @@ _BANDS = (
     "Compared at equal loads, or at pressures within 5 %. Half bands, middles and energies are "
     f"tested by their trials, slopes by their standard errors. {SET_UP}"
 )
+
+
+def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
+    """Return how the mean over the curves is tested, and its size at each speed."""
+    mean = differences.mean_of_curves
+    if mean is None:
+        return ()
+    facts = []
+    if mean.p_value is not None:
+        facts.append(("Mean over all curves", _MEAN))
+    if mean.speeds:
+        sizes = "; ".join(
+            f"{number(1e3 * each.v_m_s, 1)} mm/s: {with_interval(each.value_n, each.ci95_n)} N"
+            for each in mean.speeds
+        )
+        drift = " A drift may be part of these differences." if unseparated(differences) else ""
+        facts.append(("By speed", f"Mean over all curves of B − A ± trials: {sizes}.{drift}"))
+    return tuple(facts)
 
 
 def drift_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:

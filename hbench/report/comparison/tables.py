@@ -19,6 +19,7 @@ from hbench.report.comparison.cells import (
     cells,
     difference_table,
     label_of,
+    p_words,
 )
 from hbench.report.render.numbers import NONE, half_width, number, significant, with_interval
 from hbench.units import from_si
@@ -98,11 +99,14 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
     if mean is None:
         return []
     drift = "cancels" if mean.drift_cancels else _largest_drift(mean.drift_n)
-    value = with_interval(mean.value_n, mean.half_n).partition(" ± ")[0]
+    value = with_interval(mean.value_n, mean.ci95_n)
+    if mean.ci95_n is None:
+        value = with_interval(mean.value_n, mean.half_n).partition(" ± ")[0]
+    p = NONE if mean.p_value is None else p_words(mean.p_value)
     verdict = mean_verdict(differences)
     a, b = (significant(each, 4) for each in (mean.a_n, mean.a_n + mean.value_n))
     name = (f"mean over all {mean.curves} curves", *([drift] if drift_too else []))
-    return [(*name, value, half_width(mean.half_n), verdict, NONE, a, b)]
+    return [(*name, value, half_width(mean.half_n), verdict, p, a, b)]
 
 
 def mean_verdict(differences: CampaignDifferences) -> str:

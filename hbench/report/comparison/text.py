@@ -20,7 +20,7 @@ from hbench.report.comparison.cells import (
     numbers,
     with_names,
 )
-from hbench.report.comparison.method import READ, SET_UP, drift_facts, method_facts
+from hbench.report.comparison.method import READ, SET_UP, drift_facts, mean_facts, method_facts
 from hbench.report.comparison.settings import (
     SERIAL,
     plants_words,
@@ -159,7 +159,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Differences of mean friction and efficiency",
             tables=means_tables(differences),
-            facts=READ + drift_facts(differences),
+            facts=mean_facts(differences) + READ + drift_facts(differences),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),

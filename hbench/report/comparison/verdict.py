@@ -67,12 +67,26 @@ def _over_curves(differences: CampaignDifferences) -> str:
         f"Friction of {b} is {size} N{share} {way} than that of {a}, in the mean over all "
         f"{mean.curves} curves."
     )
+    words += _by_speed(mean, bool(unseparated(differences)))
     if unseparated(differences):
         return words
     if not real:
         return f"{words} The difference of no single curve is significant."
     sizes = alike([abs(each.value) for each in real])
     return f"{words} It is significant in {len(real)} of {len(means)} curves, by {sizes} N."
+
+
+def _by_speed(mean: MeanOfCurves, drift: bool) -> str:
+    """State the difference at the slowest and the fastest speed; empty where it is not known."""
+    if len(mean.speeds) < 2:
+        return ""
+    slow, fast = mean.speeds[0], mean.speeds[-1]
+    sizes = [
+        f"{with_interval(each.value_n, each.ci95_n)} N at {number(1e3 * each.v_m_s, 0)} mm/s"
+        for each in (slow, fast)
+    ]
+    reserve = "; a drift may be part of this change with speed" if drift else ""
+    return f" It is {sizes[0]} and {sizes[1]}{reserve}."
 
 
 def _drift(differences: CampaignDifferences, bands: bool) -> str:

@@ -38,6 +38,11 @@ RULES = {
 }
 CONFORMS = "conforms: probability that the true value is within its limit"
 _TRIALS_ALONE: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
+_OF_LEAKAGE = (
+    "of the holds alone. It assumes that the bulk modulus and the dead volumes of the bench file "
+    "are exact, that the transducers do not drift during a hold, and that the valves close "
+    "tightly: a bulk modulus that is 10 % too low makes the leakage 11 % too high"
+)
 _STEPS: dict[Conformity, str] = {
     "FAIL": "check the zeros and the calibration of the instruments, then repeat the test; "
     "if it fails again, do not deliver the cylinder",
@@ -94,6 +99,8 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
     alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
     if alone:
         yield f"U of {listed([QUANTITIES[q] for q in alone])}: of the trials alone"
+    if any(_measured(check, "leakage") for check in checks):
+        yield f"U of {QUANTITIES['leakage']}: {_OF_LEAKAGE}"
     if any(check.at_worst_speed for check in checks):
         yield (
             "speed: where a limit states none, each series is decided at the speed with the lowest "
@@ -101,6 +108,18 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
         )
     if any("P_Lr" in series_words(c.requirement, c.measurement) for c in checks):
         yield "P_Lr: set pressure on the rod side of the load cylinder"
+
+
+def complete_u(checks: Sequence[ConformityCheck]) -> str:
+    """Name the U that contain the instruments, such as ``U of friction``; empty if none does.
+
+    Of speed ripple, drift and leakage they do not; where no such check exists it is just ``U``.
+    """
+    decided = [q for q in QUANTITIES if any(_measured(check, q) for check in checks)]
+    complete = [q for q in decided if q not in (*_TRIALS_ALONE, "leakage")]
+    if complete == decided:
+        return "U"
+    return f"U of {listed([QUANTITIES[q] for q in complete])}" if complete else ""
 
 
 def _measured(check: ConformityCheck, quantity: LimitQuantity) -> bool:

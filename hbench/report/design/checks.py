@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 
 from hbench.records import Check
-from hbench.report.design.loops import TextRows, decay_s, margin, seconds
+from hbench.report.design.loops import TextRows, margin
 from hbench.report.render.numbers import number, short, significant
 
 LIMITS = (
@@ -35,11 +35,11 @@ _VARIANT = re.compile(r"^(softer|stiffer): ")
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
-def check_rows(checks: Sequence[Check], tick_s: float) -> TextRows:
-    """Return a row for each check, as ``CHECK_HEAD``; ``tick_s`` is the sampling period [s]."""
+def check_rows(checks: Sequence[Check]) -> TextRows:
+    """Return a row for each check, as ``CHECK_HEAD``."""
     return [
         (
-            *shown(check, tick_s),
+            *shown(check),
             "yes" if check.holds else "NO",
             _where(check),
         )
@@ -75,12 +75,9 @@ def unstable(checks: Sequence[Check]) -> bool:
     return any("modulus" in check.what and not check.holds for check in checks)
 
 
-def shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
+def shown(check: Check) -> tuple[str, str, str, str]:
     """Return what a check is of, its value, its limit and their unit."""
     if "modulus" in check.what:
-        if check.holds:
-            slowest = seconds(decay_s(check.value, tick_s))
-            return "all loops together: time constant of the slowest pole", slowest, "stable", "s"
         return "all loops together: largest |z|", f"{check.value:.6f}", "< 1", ""
     least = "≥ " if "margin" in check.what else "≤ " if check.limit else ""
     what = _VARIANT.sub(r"\1 bench: ", check.what)

@@ -39,10 +39,10 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         checks = (*proposal.margins, *proposal.closed_loop)
         sections += [
             _proposal(design, proposal),
-            _checks(checks, check_words.LIMITS, design.tick_s, design.checks),
+            _checks(checks, check_words.LIMITS, design.checks),
         ]
     elif design.checks:
-        sections.append(_checks(design.checks, check_words.POINT_LIMITS, design.tick_s))
+        sections.append(_checks(design.checks, check_words.POINT_LIMITS))
     sections.append(Section("Operating point", facts=_facts(text.point_facts(design))))
     drawn = tuple(drawings)
     by_gains = loop_words.loops_by_gains(design)
@@ -63,6 +63,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         "Computed from the bench file, and simulated. Nothing here was measured.",
         tuple(sections),
         _minus(_typeset(_verdict(design))),
+        identity=tuple((name, _minus(text)) for name, text in text.basis_facts(design)),
     )
 
 
@@ -106,16 +107,14 @@ def _facts(lines: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     return tuple((_typeset(capital(name)), f"{capital(_typeset(text))}.") for name, text in lines)
 
 
-def _checks(
-    checks: Sequence[Check], words: str, tick_s: float, present: Sequence[Check] = ()
-) -> Section:
+def _checks(checks: Sequence[Check], words: str, present: Sequence[Check] = ()) -> Section:
     """Return a table of the checks that fail, and one of those that pass.
 
     ``present`` are the checks of the present gains, of which those that fail have a table too.
     """
-    rows = _rows(checks, tick_s)
+    rows = _rows(checks)
     failing, passing = (_check_table(rows[holds], holds) for holds in (False, True))
-    if failed := _rows(present, tick_s)[False]:
+    if failed := _rows(present)[False]:
         failing += (replace(_check_table(failed, False)[0], title=_PRESENT),)
     notes = (words, check_words.UNSTABLE) if check_words.unstable(checks) else (words,)
     few = len(rows[True]) <= _FEW_CHECKS
@@ -124,10 +123,10 @@ def _checks(
     return Section("Checks", notes, tables=(*failing, *(passing if few else ())), parts=folded)
 
 
-def _rows(checks: Sequence[Check], tick_s: float) -> dict[bool, list[tuple[Cell, ...]]]:
+def _rows(checks: Sequence[Check]) -> dict[bool, list[tuple[Cell, ...]]]:
     """Return a row for each check, by whether it holds."""
     rows: dict[bool, list[tuple[Cell, ...]]] = {False: [], True: []}
-    for check, row in zip(checks, check_words.check_rows(checks, tick_s), strict=True):
+    for check, row in zip(checks, check_words.check_rows(checks), strict=True):
         what, value, limit, unit, _, where = row
         sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
         limit += sign if any(map(str.isdigit, limit)) else ""

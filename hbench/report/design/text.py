@@ -140,16 +140,50 @@ def point_facts(design: Design) -> tuple[tuple[str, str], ...]:
     )
 
 
+def basis_facts(design: Design) -> tuple[tuple[str, str], ...]:
+    """Return what the design was computed from, and when, as names and values."""
+    basis = design.basis
+    if basis is None:
+        return ()
+    sizes = (basis.bore_m, basis.rod_m, basis.stroke_m)
+    bore, rod, stroke = (short(1e3 * each) for each in sizes)
+    low, high = (short(1e3 * each) for each in basis.travel_m)
+    supply, most = (
+        short(from_si(each, "bar")) for each in (basis.supply_pa, basis.pressure_max_pa)
+    )
+    return (
+        ("Computed", basis.day),
+        ("Bench file", basis.file),
+        ("Test cylinder", f"bore {bore} mm, rod {rod} mm, stroke {stroke} mm"),
+        ("Supply", f"{supply} bar"),
+        (
+            "Limits of the board",
+            f"position {low} to {high} mm, pressure {most} bar, speed "
+            f"{short(1e3 * basis.speed_max_m_s)} mm/s",
+        ),
+    )
+
+
+def _feedforward_words(design: Design) -> str:
+    """Write the feedforward at the operating point, and that of the bench file beside it."""
+    rod, piston = design.feedforward
+    words = f"rod side C_ffLr {rod:.3g} V s/m, piston side C_ffLp {piston:.3g} V s/m"
+    if design.basis is None:
+        return words
+    of_rod, of_piston = design.basis.feedforward
+    state = "enabled" if design.basis.feedforward_enabled else "not enabled"
+    return (
+        f"{words}, at this operating point. The bench file has {of_rod:.3g} and {of_piston:.3g} "
+        f"V s/m ({state}): the values depend on the operating point"
+    )
+
+
 def facts(design: Design) -> tuple[tuple[str, str], ...]:
     """Return the further results beside the loops as names and values."""
-    rod, piston = design.feedforward
     slowest = decay_s(design.coupled_modulus, design.tick_s)
     together = "unstable" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
     return (
-        (
-            "feedforward of the load valves",
-            f"rod side C_ffLr {rod:.3g} V s/m, piston side C_ffLp {piston:.3g} V s/m",
-        ),
+        ("feedforward of the load valves", _feedforward_words(design)),
         (
             "velocity error on a ramp of 100 mm/s^2",
             f"{significant(1e3 * design.ramp_error_m_s, 3)} mm/s",
@@ -226,10 +260,10 @@ def design_text(design: Design) -> str:
         lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
         lines += [*_table(LOOP_HEAD, loop_rows(proposal.loops, design.tick_s)), ""]
         checks = (*proposal.margins, *proposal.closed_loop)
-        lines += _table(CHECK_HEAD, check_rows(checks, design.tick_s))
+        lines += _table(CHECK_HEAD, check_rows(checks))
         lines += [f"verdict: {proposal_verdict(proposal, design)}"]
     elif design.checks:
-        lines += ["", *_table(CHECK_HEAD, check_rows(design.checks, design.tick_s))]
+        lines += ["", *_table(CHECK_HEAD, check_rows(design.checks))]
         lines += [f"verdict: {loops_verdict(design)}"]
     text = "\n".join(lines).replace("−", "-").replace("–", "-")
     return text.replace("≥", ">=").replace("≤", "<=").replace("∞", "inf")

@@ -25,7 +25,7 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
     causes = causes_of(failed)
     stopped = sum(map(bool, map(cause_of, failed)))
     stops = f"{stopped} of them fail because the board stopped itself: {'; '.join(causes)}."
-    worst = _worst([check for check in failed if not cause_of(check)], design.tick_s)
+    worst = _worst([check for check in failed if not cause_of(check)])
     others = f"{'The worst of the others' if stopped else 'The worst'}: {', '.join(worst)}."
     return " ".join(
         (
@@ -45,7 +45,7 @@ def _present(design: Design) -> str:
     if not failed:
         return ""
     count = f"{len(failed)} of {len(design.checks)} checks at the operating point"
-    worst = ", ".join(_worst(failed, design.tick_s))
+    worst = ", ".join(_worst(failed))
     return f"The present gains fail {count}: {worst}. "
 
 
@@ -63,12 +63,12 @@ def _next_step(proposal: Proposal) -> str:
     )
 
 
-def _worst(failed: Sequence[Check], tick_s: float) -> list[str]:
+def _worst(failed: Sequence[Check]) -> list[str]:
     """Return the worst failed check of each quantity, the first of equals, with its limit."""
     words: dict[str, str] = {}
     for check in sorted(failed, key=_excess, reverse=True):
         place, _, quantity = check.what.rpartition(": ")
-        _, value, limit, unit = shown(check, tick_s)
+        _, value, limit, unit = shown(check)
         unit = "" if unit == "runs" else f" {unit}".rstrip()
         where = _BENCHES.get(place, f" in the {place} loop" if place else "")
         text = f"{quantity} {value}{unit} (limit {limit.lstrip('≥≤ ')}{unit}){where}"

@@ -59,8 +59,8 @@ def because_of_step(fleet: Fleet) -> str:
     return ", which the change may explain: the limits assume a constant mean"
 
 
-def limit_and_wear_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield the campaigns beyond the control limits, and significant wear."""
+def limit_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield the campaigns beyond the control limits, with the sides on which they are."""
     beyond: dict[str, list[str]] = {}
     for chart in fleet.charts:
         for name in chart.outside:
@@ -69,6 +69,10 @@ def limit_and_wear_sentences(fleet: Fleet) -> Iterator[str]:
         names = [f"{name} ({'; '.join(sides)})" for name, sides in beyond.items()]
         which = named(tuple(names)[:_NAMED], len(beyond))
         yield f"Campaigns beyond the control limits: {which}{because_of_step(fleet)}."
+
+
+def wear_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield significant wear."""
     for trend in fleet.wear:
         if trend.real:
             yield (

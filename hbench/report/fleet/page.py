@@ -38,8 +38,8 @@ from hbench.report.fleet.text import (
 )
 from hbench.report.fleet.verdict import (
     decision_words,
-    finding_sentences,
     fleet_verdict,
+    further_sentences,
     steady_trends,
     stepped_numbers,
 )
@@ -107,10 +107,13 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     yield Section(
         "Summary",
         remark,
-        items=tuple(finding_sentences(fleet)),
+        items=tuple(further_sentences(fleet)),
         tiles=tuple(_tiles(fleet)),
         tables=_protocols(fleet),
     )
+    changed = bool(stepped_numbers(fleet))
+    if changed:
+        yield _charts(fleet, drawings)
     if fleet.precision:
         yield _precision(fleet, drawings)
     if fleet.rows:
@@ -132,10 +135,8 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         table = _untitled(capability_table(fleet))
         known = (table,) if table.rows else ()
         yield Section("Capability", tuple(capability_notes(fleet)), tables=known)
-    if fleet.charts:
-        tables = (_untitled(chart_table(fleet)), signal_table(fleet), step_table(fleet))
-        shown = tuple(table for table in tables if table.rows)
-        yield Section("Control charts", drawings=_of(drawings, CHARTS), tables=shown)
+    if fleet.charts and not changed:
+        yield _charts(fleet, drawings)
     if fleet.wear:
         table = _untitled(wear_table(fleet))
         yield Section("Wear", drawings=_of(drawings, WEAR), tables=(table,))
@@ -144,6 +145,13 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.failed:
         yield _failures(fleet)
     yield Section("How it was computed", facts=tuple(fleet_method(fleet)), anchor="method")
+
+
+def _charts(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
+    """Return the control charts with their steps; directly below the summary if one is real."""
+    tables = (step_table(fleet), _untitled(chart_table(fleet)), signal_table(fleet))
+    shown = tuple(table for table in tables if table.rows)
+    return Section("Control charts", drawings=_of(drawings, CHARTS), tables=shown)
 
 
 def _deviations(fleet: Fleet) -> Section:

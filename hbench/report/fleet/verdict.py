@@ -6,10 +6,11 @@ from hbench.records import FEWEST_CAMPAIGNS, Fleet, Quantity, Side, Spread, Susp
 from hbench.report.fleet.charts import (
     CHECK_WHAT,
     because_of_step,
-    limit_and_wear_sentences,
+    limit_sentences,
     named,
     step_sentences,
     step_size,
+    wear_sentences,
 )
 from hbench.report.fleet.names import (
     WORKING_SPEED,
@@ -26,13 +27,9 @@ from hbench.report.fleet.names import (
 from hbench.report.render.numbers import alike, half_width, significant, with_ends
 from hbench.report.render.symbols import capital
 
-_NO_OUTLIER = (
-    "No campaign is an outlier: no deviation from the fleet's median is significant after the "
-    "correction for the number of values."
-)
 _LIMITS_ARE_NARROWER = (
-    " Control limits are narrower: they follow from the differences of successive campaigns, "
-    "without this correction."
+    "Control limits are narrower than those of outliers: they follow from the differences of "
+    "successive campaigns, without a correction for the number of values."
 )
 _NAMED = 3  # steps, outliers and drifts in a sentence
 
@@ -151,19 +148,28 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
 
 def finding_sentences(fleet: Fleet) -> Iterator[str]:
     """Yield steps, wear, outliers and drifts with their numbers."""
+    if fleet.spreads:
+        yield from step_sentences(fleet)
+        yield from limit_sentences(fleet)
+    yield from further_sentences(fleet)
+
+
+def further_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield the findings that neither the verdict nor the table of change points contains."""
     if not fleet.spreads:
         return
-    yield from step_sentences(fleet)
     yield from _drift_sentences(fleet)
-    yield from limit_and_wear_sentences(fleet)
+    yield from wear_sentences(fleet)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         names = [_outlier_words(suspect) for suspect in fleet.worst[: fleet.outliers]]
         more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
         some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}: "
         some += f"{'; '.join(names[:_NAMED])}{more}."
-        narrower = _LIMITS_ARE_NARROWER if any(chart.outside for chart in fleet.charts) else ""
-        yield some if fleet.outliers else _NO_OUTLIER + narrower
+        if fleet.outliers:
+            yield some
+        elif any(chart.outside for chart in fleet.charts):
+            yield _LIMITS_ARE_NARROWER
     else:
         yield "Outliers are not identified: that takes at least 10 campaigns of the same kind."
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from hbench.records import Identification, WordTable
+from hbench.records import Identification, IdentifiedLaw, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.campaign.settings import provenance_facts
@@ -23,7 +23,7 @@ from hbench.report.identification.text import (
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike
+from hbench.report.render.numbers import alike, number, span
 
 _SOURCE = (
     "Laws and verification profile",
@@ -40,7 +40,8 @@ _SUMMARY = (
 )  # fmt: skip
 _HELD_OUT = ("RMS error of friction", "Along the motion of runs left out of the fits.")
 _PARTS = (
-    ("Steady", "The reference has been constant for 0.3 s."),
+    ("Steady", "The reference has been constant for 0.3 s. It is oscillating where simulated "
+     "friction has more than three times the standard deviation of the measured one, else smooth."),
     ("Rest", "The reference has been zero for 0.3 s; there friction is the force that holds the "
      "piston. Laws of speed and pressure alone (Tustin, Marton and Lantos, pressure-based) do not "
      "determine it."),
@@ -156,26 +157,51 @@ def _folded(title: str, tables: Sequence[WordTable]) -> tuple[Section, ...]:
 
 def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...]:
     """Return the errors of dynamic laws and of the others, which explain most of the order."""
-    verified = [law for law in identification.laws if law.errors]
+    verified = [law for law in ranked_laws(identification) if law.errors]
     kinds = [
         [law for law in verified if FRICTION_LAWS[law.law].dynamic is dynamic]
         for dynamic in (True, False)
     ]
     if not all(kinds):
         return ()
-    unsteady, steady = (
-        [error_range([law.errors[part].friction_n for law in laws]) for laws in kinds]
-        for part in ("unsteady", "steady")
-    )
+    unsteady = [error_range([law.errors["unsteady"].friction_n for law in laws]) for laws in kinds]
     names = [", ".join(law_words(law.law) for law in laws) for laws in kinds]
     words = (
         f"Dynamic laws ({names[0]}) contain the deflection of the seals before they slide, and so "
         f"the course of friction at a start or a reversal; static laws ({names[1]}) depend on "
-        f"speed and pressure alone. RMS errors: {unsteady[0]} N against {unsteady[1]} N "
-        f"while the speed changes, {steady[0]} N against {steady[1]} N at steady speeds."
+        f"speed and pressure alone. RMS errors while the speed changes: {unsteady[0]} N against "
+        f"{unsteady[1]} N."
     )
     simulated = identification.provenance.source == "simulated"
-    return ("Kinds of laws", words), *([("Simulated", _SIMULATED)] if simulated else [])
+    return (
+        ("Kinds of laws", words),
+        ("Constant speeds", _steady_words(verified)),
+        *([("Simulated", _SIMULATED)] if simulated else []),
+    )
+
+
+def _steady_words(laws: Sequence[IdentifiedLaw]) -> str:
+    """State each law's RMS error at constant speeds, apart from where its simulation oscillates."""
+    errors, oscillations = [], []
+    for law in laws:
+        name, steady = law_words(law.law), law.steady
+        if steady is None or steady.oscillating is None:
+            errors.append(f"{name} {number(law.errors['steady'].friction_n, 1)} N")
+            continue
+        if steady.smooth:
+            errors.append(f"{name} {number(steady.smooth.friction_n, 1)} N")
+        oscillations.append(
+            f"{name} {number(steady.oscillating.friction_n, 1)} N in {len(steady.speeds_m_s)} of "
+            f"{steady.parts} parts at {span([1e3 * v for v in steady.speeds_m_s])} mm/s"
+        )
+    smooth = f"RMS errors where the simulation does not oscillate: {', '.join(errors)}."
+    if not oscillations:
+        return f"RMS errors: {', '.join(errors)}."
+    return (
+        f"{smooth} RMS errors where it oscillates: {'; '.join(oscillations)}. Where friction falls "
+        "with speed, a static law damps no oscillation; the measured motion does not oscillate "
+        "there. An error there does not measure the law's friction at that speed."
+    )
 
 
 def _ramp_words(identification: Identification) -> tuple[str, ...]:

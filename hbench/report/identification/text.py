@@ -132,6 +132,7 @@ def _law(law: IdentifiedLaw) -> dict[str, Any]:
         "runs": law.runs,
         "friction": law.section or None,
         "errors": _errors(law.errors),
+        "steady_parts": asdict(law.steady) if law.steady else None,
         "not_verified": law.not_verified or None,
         "held_out_n": law.held_out_n,
         "held_out_runs": law.held_out_runs,
@@ -198,7 +199,11 @@ def _symbol(name: str) -> str:
 def _error_rows(identification: Identification) -> list[tuple[str, ...]]:
     rows = []
     for law in identification.laws:
-        rows += [_error_row(law.law, part, law.errors[part]) for part in PARTS if law.errors]
+        for part in PARTS if law.errors else ():
+            rows.append(_error_row(law.law, part, law.errors[part]))
+            if part == "steady" and law.steady and law.steady.oscillating:
+                split = (("smooth", law.steady.smooth), ("oscillating", law.steady.oscillating))
+                rows += [_error_row(law.law, f"steady, {kind}", e) for kind, e in split if e]
     if rows:
         rows += [
             _error_row(_FLOOR, part, identification.scatter[part])

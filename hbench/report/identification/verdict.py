@@ -45,7 +45,11 @@ def _closest(identification: Identification) -> str:
     others = f"The errors of the other laws are {error_range(worse.values())} N." if worse else ""
     if len(worse) == 1:
         others = f"The error of {law_words(*worse)} is {error_range(worse.values())} N."
-    return " ".join(filter(None, (words, _as_good(identification, best), others)))
+    steady = {law.law: law.steady for law in identification.laws}
+    oscillating = [law_words(law) for law, parts in steady.items() if parts and parts.oscillating]
+    if oscillating:
+        others += f" Simulations with {listed(oscillating)} oscillate at some constant speeds."
+    return " ".join(filter(None, (words, _as_good(identification, best), others.strip())))
 
 
 def _range(identification: Identification) -> str:
@@ -92,13 +96,17 @@ def _next_step(identification: Identification) -> str:
 
 def _reserve(identification: Identification, unknown: Sequence[str]) -> str:
     """State what is not determined of the law, and for which motions it was verified."""
-    if not unknown:
-        return ""
-    verified = _verified_range(identification) or "motions like the verification runs"
-    return (
-        f" These runs do not determine its {listed(unknown)}, so the law is verified for "
-        f"{verified} only: verify it again before you use it for other motions."
-    )
+    parts = []
+    if unknown:
+        parts.append(
+            f" These runs do not determine its {listed(unknown)}: motions that depend on "
+            f"{'it' if len(unknown) == 1 else 'them'} can differ from the simulation."
+        )
+    if verified := _verified_range(identification):
+        parts.append(
+            f" The law is verified for {verified}: verify it again before you exceed them."
+        )
+    return "".join(parts)
 
 
 def _verified_range(identification: Identification) -> str:

@@ -6,7 +6,7 @@ browser.
 """
 
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from struct import unpack
 
@@ -45,7 +45,8 @@ _PALETTE = 250  # colours of an image
 _BESIDE = 24.0  # of a caption beside its figure, from the top
 _FLAG = 16  # letters of a flag that is not broken, such as (not determined)
 _LABEL = 0.22  # share of a fact's name
-_ALARM = "#9b1111"
+_ALARM, _BANNER = "#9b1111", "#8a3a00"
+_INSET = 10.0  # of a text inside a frame
 _HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
 _HEADER = 34.0  # base of the running header and, from below, of the footer
 
@@ -68,13 +69,11 @@ def sheets(document: Document) -> list[Figure]:
     pen.space(3)
     pen.words(document.subtitle, _BODY, color=QUIET)
     lead, more = document.headline
-    for text, color in ((document.alarm, _ALARM), (document.banner, INK), (lead, INK)):
+    for text, color in ((document.alarm, _ALARM), (document.banner, _BANNER)):
         if text:
-            pen.space(6)
-            pen.words(text, _BODY + 1, weight="bold", color=color)
-    if more:
-        pen.space(2)
-        pen.words(more, _BODY + 1)
+            _emphasised(pen, text, "", color, pen.frame)
+    if lead:
+        _emphasised(pen, lead, more, INK, pen.bar)
     if document.identity:
         pen.space(6)
         pen.rule()
@@ -92,6 +91,24 @@ def sheets(document: Document) -> list[Figure]:
         set_text(sheet, LEFT, foot, f"Written by hbench {version('hbench')}", _SMALL, color=QUIET)
         set_text(sheet, right, foot, page, _SMALL, color=QUIET, ha="right")
     return pen.done
+
+
+def _emphasised(
+    pen: Pen, bold: str, more: str, color: str, mark: Callable[[float, float, str], None]
+) -> None:
+    """Set a text inside a frame or beside a bar, as on the page; over two sheets without it."""
+    pen.space(8)
+    top, sheet = pen.y, len(pen.done)
+    pen.x, pen.width = LEFT + _INSET, INNER - 2 * _INSET
+    pen.space(2)
+    pen.words(bold, _BODY + 1, weight="bold", color=color)
+    if more:
+        pen.space(2)
+        pen.words(more, _BODY + 1)
+    pen.space(5)
+    pen.x, pen.width = LEFT, INNER
+    if len(pen.done) == sheet:
+        mark(top, pen.y, color)
 
 
 def _shortened(text: str) -> str:

@@ -7,6 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.textpath import TextToPath
 
 from hbench.report.render.numbers import unit_kept
@@ -67,6 +68,25 @@ class Pen:
         y = 1 - self.y / SHEET_HEIGHT
         ends = self.x / SHEET_WIDTH, (self.x + self.width) / SHEET_WIDTH
         self.done[-1].add_artist(Line2D(ends, (y, y), color=color, linewidth=width))
+
+    def frame(self, top: float, bottom: float, color: str, width: float = 1.5) -> None:
+        """Frame the column between two heights of this sheet."""
+        box = Rectangle(
+            (self.x / SHEET_WIDTH, 1 - bottom / SHEET_HEIGHT),
+            self.width / SHEET_WIDTH,
+            (bottom - top) / SHEET_HEIGHT,
+            fill=False,
+            edgecolor=color,
+            linewidth=width,
+        )
+        self.done[-1].add_artist(box)
+
+    def bar(self, top: float, bottom: float, color: str, width: float = 4.0) -> None:
+        """Draw a bar at the left of the column between two heights of this sheet."""
+        x, ends = (self.x + width / 2) / SHEET_WIDTH, (top, bottom)
+        y = [1 - end / SHEET_HEIGHT for end in ends]
+        line = Line2D((x, x), y, color=color, linewidth=width, solid_capstyle="butt")
+        self.done[-1].add_artist(line)
 
 
 @cache

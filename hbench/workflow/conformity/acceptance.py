@@ -13,13 +13,6 @@ from hbench.report.conformity.text import junit_xml
 from hbench.store.campaign.folder import load_campaign, write_results
 from hbench.workflow.results import derive
 
-_OF_LEAKAGE = (
-    "U of leakage is that of the holds alone. It assumes that the bulk modulus and the dead "
-    "volumes of the bench file are exact, that the transducers do not drift during a hold, and "
-    "that the valves close tightly: a bulk modulus that is 10 % too low makes the leakage 11 % too "
-    "high"
-)
-
 
 def accept(folder: Path, limits_file: Path) -> Acceptance:
     """Decide whether a campaign's cylinder conforms; write ``acceptance.json`` and ``.xml``."""
@@ -47,8 +40,6 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
         limits.rule,
         limits.largest_uncertainty,
     )
-    if any(check.requirement.quantity == "leakage" and check.measurement for check in checks):
-        notes.append(_OF_LEAKAGE)
     return Acceptance(
         provenance=results.provenance,
         serial=str((settings.get("specimen") or {}).get("serial", "")),

@@ -1,5 +1,7 @@
 """Efficiency over speed, with its expanded uncertainty and the trials' spread."""
 
+from math import floor
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -16,6 +18,8 @@ from hbench.report.campaign.figures.friction import (
 from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.series import behind
+
+_STEP = 10.0  # %: the axis begins at a multiple of it, below all bands
 
 
 def efficiency(results: Results) -> dict[str, Figure]:
@@ -47,7 +51,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Efficiency (%)")
         style.start_at_zero(axes)
         low, high = axes.get_ylim()
-        axes.set_ylim(min(low, 0), max(high, 100))
+        axes.set_ylim(_STEP * floor(low / _STEP), max(high, 100))
         style.head(axes, f"Efficiency, {TITLES[direction].lower()}", results)
         style.read_as(figure, _read(chosen))
         load_legend(figure, axes, "Load $F_L$", chosen)

@@ -97,8 +97,11 @@ ENGLISH = {
     "divided by that taken up; leakage is not part of it.",
     "method_breakaway": "Breakaway is the largest friction while a slowly rising force{rate} "
     "pushes the piston after the longest rest under load.",
-    "method_leakage": "Leakage is laminar and follows from the decay of the chamber pressures "
-    "with all valves closed, with the bulk modulus of the bench file{bulk_modulus}.",
+    "method_leakage": "Leakage follows from the decay of the chamber pressures with all valves "
+    "closed, with the bulk modulus of the bench file{bulk_modulus}. {leak_law}",
+    "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure.",
+    "leak_power": "It was found to be proportional to the pressure to the power {exponent}; the "
+    "values stated are those at {pressure} bar.",
     "method_speed_ripple": "The speed ripple is the standard deviation of the mean speeds over "
     "0.1 s, divided by the mean speed. Its U is that of the trials alone.",
     "method_drift": "The drift is the relative change of friction from the first run to the "
@@ -143,10 +146,18 @@ ENGLISH = {
     "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
-    "leak_interval": "U of the leakage is the half-width of the 95 % confidence interval of "
-    "its fit; no coverage factor is stated for it. It does not contain the uncertainties of "
-    "the bulk modulus and of the dead volumes: a bulk modulus that is 10 % too low in the "
-    "bench file makes the leakage 11 % too high.",
+    "leak_interval": "{what}; no coverage factor is stated for it. It does not contain the "
+    "uncertainties of the bulk modulus and of the dead volumes: a bulk modulus that is 10 % too "
+    "low in the bench file makes the leakage 11 % too high. It assumes that the pressure "
+    "transducers do not drift during a hold and that the valves close tightly.",
+    "leak_of_fit": "U of the leakage is the half-width of the 95 % confidence interval of the fit "
+    "to all holds",
+    "leak_of_resolution": "U of the leakage is the resolution of the pressure converter: the leak "
+    "that changes the pressure by one code during a hold. The 95 % confidence interval of the fit "
+    "to all holds is narrower",
+    "leak_of_both": "U of the leakage is the half-width of the 95 % confidence interval of the fit "
+    "to all holds or, where this is narrower ({leaks}), the resolution of the pressure converter: "
+    "the leak that changes the pressure by one code during a hold",
     # Conformity
     "overall": "Decision on the specimen: {decision} (limits of {limits}).",
     "of_product": "Product: {product}.",

@@ -93,8 +93,11 @@ GERMAN = {
     "mechanische Leistung geteilt durch die aufgenommene, ohne Leckage.",
     "method_breakaway": "Die Losbrechkraft ist die größte Reibung, während nach der "
     "längsten Ruhezeit unter Last eine langsam steigende Kraft{rate} den Kolben schiebt.",
-    "method_leakage": "Die Leckage ist laminar und folgt aus dem Abfall der Kammerdrücke bei "
-    "geschlossenen Ventilen, mit dem Kompressionsmodul der Prüfstandsdatei{bulk_modulus}.",
+    "method_leakage": "Die Leckage folgt aus dem Abfall der Kammerdrücke bei geschlossenen "
+    "Ventilen, mit dem Kompressionsmodul der Prüfstandsdatei{bulk_modulus}. {leak_law}",
+    "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck.",
+    "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
+    "die Werte bei {pressure} bar.",
     "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der mittleren "
     "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit. Ihr U ist das "
     "der Wiederholungen allein.",
@@ -139,10 +142,19 @@ GERMAN = {
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
-    "leak_interval": "U der Leckage ist die halbe Breite des 95-%-Vertrauensintervalls der "
-    "Anpassung; ein Erweiterungsfaktor wird dafür nicht angegeben. Die Unsicherheiten des "
-    "Kompressionsmoduls und der Totvolumina sind nicht enthalten: Ein in der Prüfstandsdatei "
-    "um 10 % zu niedriger Kompressionsmodul macht die Leckage um 11 % zu hoch.",
+    "leak_interval": "{what}; ein Erweiterungsfaktor wird dafür nicht angegeben. Die "
+    "Unsicherheiten des Kompressionsmoduls und der Totvolumina sind nicht enthalten: Ein in der "
+    "Prüfstandsdatei um 10 % zu niedriger Kompressionsmodul macht die Leckage um 11 % zu hoch. "
+    "Angenommen ist, dass die Druckaufnehmer während des Haltens nicht driften und die Ventile "
+    "dicht schließen.",
+    "leak_of_fit": "U der Leckage ist die halbe Breite des 95-%-Vertrauensintervalls der "
+    "Anpassung an alle Halteversuche",
+    "leak_of_resolution": "U der Leckage ist die Auflösung der Druckwandlung: die Leckage, die den "
+    "Druck während des Haltens um eine Stufe ändert. Das 95-%-Vertrauensintervall der Anpassung an "
+    "alle Halteversuche ist schmaler",
+    "leak_of_both": "U der Leckage ist die halbe Breite des 95-%-Vertrauensintervalls der "
+    "Anpassung an alle Halteversuche oder, wo dieses schmaler ist ({leaks}), die Auflösung der "
+    "Druckwandlung: die Leckage, die den Druck während des Haltens um eine Stufe ändert",
     "overall": "Entscheidung über den Prüfling: {decision} (Grenzwerte aus {limits}).",
     "of_product": "Produkt: {product}.",
     "decision_rule": "Entscheidungsregel: {rule}",

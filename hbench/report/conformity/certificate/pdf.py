@@ -11,7 +11,6 @@ from matplotlib import rc_context
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from matplotlib.patches import Rectangle
 
 from hbench.errors import ConfigError
 from hbench.report.conformity.certificate.certificate import Certificate
@@ -140,15 +139,7 @@ def _mark(pen: Pen, mark: str, text: str) -> None:
     height = 10 + 11 * LINE + len(lines) * (_BODY + 0.5) * LINE
     pen.space(7)
     pen.room(height)
-    frame = Rectangle(
-        (LEFT / SHEET_WIDTH, 1 - (pen.y + height) / SHEET_HEIGHT),
-        INNER / SHEET_WIDTH,
-        height / SHEET_HEIGHT,
-        fill=False,
-        edgecolor=_MARK,
-        linewidth=1.5,
-    )
-    pen.done[-1].add_artist(frame)
+    pen.frame(pen.y, pen.y + height, _MARK)
     pen.space(1)
     pen.write(mark, 11, x=LEFT + 10, color=_MARK, weight="bold")
     for line in lines:
