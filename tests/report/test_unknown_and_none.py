@@ -48,8 +48,8 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "It is not named: its size of 0.22 times a typical one is too small" in text
     assert "Take it as a hint" in text and "chance" not in text
     hint = (
-        "A hint: load friction would explain 80 % of the deviation in the quantities that it "
-        "changes, but is too small to be named."
+        "A hint: load friction, too small to be named, would explain 80 % of the deviation in the "
+        "quantities that it changes."
     )
     assert ordinary_spaces(verdict_words(compared)).endswith(hint)
     line = (
@@ -93,9 +93,9 @@ def test_each_deviation_that_is_not_explained_has_its_name_and_its_probability(c
     assert "; also the flow to the load rod side." in text
     lead = ordinary_spaces(verdict_words(found))
     assert (
-        "from the model: the force of the test cylinder, the force of the load cylinder, "
+        "the deviation: the force of the test cylinder, the force of the load cylinder, "
         "position against velocity, the supply pressure and the flow to the load rod side "
-        "(significant, p below 0.1)."
+        "(p below 0.1)."
     ) in lead
     assert "p = " not in lead and "matters above" not in lead  # that is in the row on residuals
 

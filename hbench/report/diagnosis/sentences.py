@@ -149,10 +149,10 @@ def hint(diagnosis: Diagnosis) -> str:
     best = diagnosis.ranking[0]
     if best.score <= best.threshold or best.explained < LEAST_EXPLAINED:
         return ""
-    small = ", but is too small to be named" if best.size < LEAST_SIZE else ""
+    small = ", too small to be named," if best.size < LEAST_SIZE else ""
     return (
-        f"A hint: {in_words(best.name)} would explain {share(best.explained)} of the deviation in "
-        f"the quantities that it changes{small}."
+        f"A hint: {in_words(best.name)}{small} would explain {share(best.explained)} of the "
+        "deviation in the quantities that it changes."
     )
 
 

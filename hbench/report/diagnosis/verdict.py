@@ -311,13 +311,13 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     every, part = len(diagnosis.where), ""
     if len(gaps) < every:
         part = f" in {len(gaps)} of the {every} quantities compared"
-    no_effect = f"No known effect explains how the measurement deviates from the model{part}"
     if gaps[1:]:
         names = all_in_sentence([gap.name for gap in gaps])
-        yield f"{no_effect}: {names} (significant, p below {SIGNIFICANT_P:g})."
+        yield f"No known effect explains the deviation{part}: {names} (p below {SIGNIFICANT_P:g})."
     else:
         limit = f"significant is a p below {SIGNIFICANT_P:g}"
-        yield f"{no_effect}. {capital(deviations(gaps, probable=True))}; {limit}."
+        yield f"No known effect explains how the measurement deviates from the model{part}."
+        yield f"{capital(deviations(gaps, probable=True))}; {limit}."
     yield change_of_errors(diagnosis)
     yield next_step(diagnosis)
     yield sensors_words(diagnosis, gaps)

@@ -69,10 +69,7 @@ def sensors_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
         return (
             f"Sensor errors within the tolerances may cause as much in {names}: check these first."
         )
-    return (
-        "Sensor errors within the tolerances are no explanation: they are fitted, and the "
-        f"{'deviations remain' if gaps[1:] else 'deviation remains'}."
-    )
+    return "Sensor errors within the tolerances are fitted, and do not explain this deviation."
 
 
 def _repeats(gap: Gap) -> str:

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from hbench.records import Diagnosis
-from hbench.report.diagnosis.names import all_in_sentence, parts_of
+from hbench.report.diagnosis.names import parts_of
 from hbench.report.diagnosis.words.place import (
     CLEARLY_LARGER,
     edge_gaps,
@@ -57,10 +57,9 @@ def pattern_words(diagnosis: Diagnosis, pattern: EdgePattern) -> str:
         name: rms_words(diagnosis, name, edge_gaps(diagnosis, name)[edge])
         for name in pattern.valves
     }
-    first, *others = (f"{pattern.valves[name]} ({size}" for name, size in sizes.items())
-    valves = listed([f"{first} at this edge)", *(f"{other})" for other in others)])
+    valves = [f"{pattern.valves[name]} ({size})" for name, size in sizes.items()]
     return (
-        f"{capital(all_in_sentence(list(sizes)))} show the same pattern: they deviate most where "
-        f"the valve opens to {edge}{f', {pattern.speed}' if pattern.speed else ''}. A cause common "
-        f"to the valves is likely. Inspect {valves}, and {_LINES[edge]}, which they share."
+        f"{capital(listed(valves))} show the same pattern, the largest deviation at the edge to "
+        f"{edge}{f' and {pattern.speed}' if pattern.speed else ''}: a common cause is likely. "
+        f"Inspect these edges and {_LINES[edge]}, which the valves share."
     )
