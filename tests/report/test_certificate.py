@@ -207,6 +207,21 @@ def test_the_method_states_the_rate_of_the_force_and_the_bulk_modulus(certificat
         assert "N/s)" not in text and "(700 bar)" not in text and "{" not in text
 
 
+def test_each_result_has_the_number_of_its_runs_in_both_languages(certificate):
+    measured = Measurement(412.3, 27.8, direction="extend", v_m_s=0.08, runs=("1", "2", "3"))
+    values = (
+        Certified("friction", measured, 2.0),
+        Certified("breakaway", replace(measured, v_m_s=None, dwell_s=60.0, runs=("4", "5")), 2.0),
+    )
+    for language, head in (("en", "Runs"), ("de", "Läufe")):
+        parts = content(replace(certificate(language=language), values=values)).parts
+        counts = []
+        for name in ("friction", "breakaway"):
+            table = parts[name].tables[0]
+            counts.append(table.rows[0][table.head.index(head)])
+        assert counts == ["3", "2"]
+
+
 def leak(name, by_resolution):
     return LeakCoefficient(name, 1e-20, 1e-19, (-8.4e-18, 8.4e-18), by_resolution)
 

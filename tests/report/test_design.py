@@ -86,7 +86,7 @@ def test_the_page_begins_with_what_it_was_computed_from(design):
 
 def test_the_check_of_stability_compares_a_modulus_with_its_limit():
     (row,) = check_rows((Check("all loops: largest modulus", 0.999923, 1.0, "", True),))
-    assert row[:3] == ("all loops together: largest |z|", "0.999923", "< 1")
+    assert row[:3] == ("all loops together: largest pole |z|", "0.999923", "< 1")
 
 
 def test_present_gains_pass_or_fail_with_the_check_first(design):

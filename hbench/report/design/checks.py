@@ -78,7 +78,7 @@ def unstable(checks: Sequence[Check]) -> bool:
 def shown(check: Check) -> tuple[str, str, str, str]:
     """Return what a check is of, its value, its limit and their unit."""
     if "modulus" in check.what:
-        return "all loops together: largest |z|", f"{check.value:.6f}", "< 1", ""
+        return "all loops together: largest pole |z|", f"{check.value:.6f}", "< 1", ""
     least = "≥ " if "margin" in check.what else "≤ " if check.limit else ""
     what = _VARIANT.sub(r"\1 bench: ", check.what)
     return what, check_value(check), f"{least}{short(check.limit)}", check.unit

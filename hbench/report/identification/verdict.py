@@ -6,7 +6,12 @@ import numpy as np
 
 from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
-from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
+from hbench.report.identification.ranking import (
+    best_law,
+    equally_good,
+    errors_in_motion,
+    ranked_laws,
+)
 from hbench.report.identification.text import error_range, undetermined_words
 from hbench.report.render.numbers import alike, number, significant, span
 from hbench.report.render.symbols import listed
@@ -45,8 +50,11 @@ def _closest(identification: Identification) -> str:
     others = f"The errors of the other laws are {error_range(worse.values())} N." if worse else ""
     if len(worse) == 1:
         others = f"The error of {law_words(*worse)} is {error_range(worse.values())} N."
-    steady = {law.law: law.steady for law in identification.laws}
-    oscillating = [law_words(law) for law, parts in steady.items() if parts and parts.oscillating]
+    oscillating = [
+        law_words(law.law)
+        for law in ranked_laws(identification)
+        if law.steady and law.steady.oscillating
+    ]
     if oscillating:
         others += f" Simulations with {listed(oscillating)} oscillate at some constant speeds."
     return " ".join(filter(None, (words, _as_good(identification, best), others.strip())))

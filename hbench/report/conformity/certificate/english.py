@@ -125,6 +125,7 @@ ENGLISH = {
     "breakaway_u": "Breakaway ± U (N)",
     "dwell": "Rest (s)",
     "k": "k",
+    "n": "Runs",
     "leak": "Leak",
     "leakage_u": "Leakage ± U (ml/min per 100 bar)",
     "across_piston": "across the piston",

@@ -122,6 +122,7 @@ GERMAN = {
     "breakaway_u": "Losbrechkraft ± U (N)",
     "dwell": "Ruhe (s)",
     "k": "k",
+    "n": "Läufe",
     "leak": "Leckage",
     "leakage_u": "Leckage ± U (ml/min je 100 bar)",
     "across_piston": "über den Kolben",

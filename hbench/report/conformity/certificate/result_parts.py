@@ -96,12 +96,13 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
             (
                 word(value.leak or ""),
                 certificate.named(value.measurement.label),
+                _runs(value),
                 _interval(certificate, value, 100 * from_si(1.0, "ml/min") / from_si(1.0, "bar")),
             )
             for value in certificate.of("leakage")
         )
-        head = tuple(map(word, ("leak", "series", "leakage_u")))
-        table = without_empty(GridTable(head, rows, frozenset({2})))
+        head = tuple(map(word, ("leak", "series", "n", "leakage_u")))
+        table = without_empty(GridTable(head, rows, frozenset({2, 3})))
         yield Part("leakage", word("leakage"), tables=(table,))
 
 
@@ -118,6 +119,7 @@ def _steady(certificate: Certificate) -> GridTable:
         row = (
             *_series(certificate, series),
             localized(certificate, number(None if speed is None else 1e3 * speed)),
+            _runs(force),
             _interval(certificate, force),
             _factor(certificate, force),
             _pressure(certificate, force),
@@ -126,7 +128,7 @@ def _steady(certificate: Certificate) -> GridTable:
         )
         rows.append(row)
     words = (
-        *("series", "direction", "load", "back_pressure", "speed"),
+        *("series", "direction", "load", "back_pressure", "speed", "n"),
         *("friction_u", "k", "pressure_u", "efficiency_u", "k"),
     )
     head = tuple(map(certificate.word, words))
@@ -141,6 +143,7 @@ def _breakaways(certificate: Certificate) -> GridTable:
                 (each.label, each.direction, each.f_load_n, each.p_lr_ref_pa),
             ),
             localized(certificate, short(each.dwell_s)),
+            _runs(value),
             _interval(certificate, value),
             _factor(certificate, value),
             _pressure(certificate, value),
@@ -148,7 +151,7 @@ def _breakaways(certificate: Certificate) -> GridTable:
         for value in certificate.of("breakaway")
         for each in (value.measurement,)
     )
-    words = ("series", "direction", "load", "back_pressure", "dwell", "breakaway_u", "k")
+    words = ("series", "direction", "load", "back_pressure", "dwell", "n", "breakaway_u", "k")
     head = tuple(map(certificate.word, (*words, "pressure_u")))
     return without_empty(GridTable(head, rows, frozenset(range(2, len(head)))))
 
@@ -181,6 +184,11 @@ def _pressure(certificate: Certificate, value: Certified | None) -> str:
     return localized(
         certificate, with_interval(bar, None if half is None else from_si(half, "bar"))
     )
+
+
+def _runs(value: Certified | None) -> str:
+    """Write how many accepted runs a value is the mean of; empty where that is not known."""
+    return str(len(value.measurement.runs)) if value and value.measurement.runs else ""
 
 
 def _factor(certificate: Certificate, value: Certified | None) -> str:
