@@ -2,6 +2,7 @@
 
 import json
 from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,7 @@ from hbench.analysis.comparison.differences import campaign_differences
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
 
+CERTIFICATE = Path(__file__).parents[1] / "configs" / "certificate.yaml"
 RATE_HZ = 200
 COULOMB_N, VISCOUS_N_S_M, OFFSET_N, MASS_KG = 18.0, 70.0, 3.0, 6.0
 
@@ -250,6 +252,8 @@ def test_a_rotary_actuator_has_angles_and_torques(tmp_path, hydraulic, imported)
     assert [run.means.friction_n for run in results.runs] == pytest.approx([8, -8], abs=0.05)
     assert [run.means.v_m_s for run in results.runs] == pytest.approx([0.4, -0.4], rel=1e-3)
     assert any("rad" in note for note in summary.notes)
+    with pytest.raises(DataError, match="gets no certificate: its actuator is rotary"):
+        workflow.certify(tmp_path / "out", CERTIFICATE, tmp_path / "c.html")
 
 
 @pytest.mark.parametrize(
@@ -310,3 +314,11 @@ def test_a_unit_that_the_files_name_contradicts_is_refused(tmp_path, hydraulic, 
     hydraulic["series"][0]["files"] = "a_{load}kN_{trial}.csv"
     with pytest.raises(ConfigError, match=r"\{load\} .*kN.*load_unit"):
         imported()
+
+
+def test_what_is_no_cylinder_gets_no_certificate_of_one(tmp_path, imported):
+    """Its areas, forces and efficiency would be those of a hydraulic cylinder."""
+    axis_log(tmp_path / "logs/axis_20C_1.csv", (0.02, 0.06, 0.15), 1)
+    imported()
+    with pytest.raises(DataError, match="gets no certificate: a drive without hydraulics"):
+        workflow.certify(tmp_path / "out", CERTIFICATE, tmp_path / "c.html")

@@ -94,7 +94,7 @@ def made_up(chamber=0, leak=0.0, drag_test=0.0, drag_load=0.0, lag=LAG, sag=0.0)
         x_m=logged(x),
         v_m_s=logged(board),
         **{f"p_{name}_pa": logged(own) for name, own in zip(NAMES, p, strict=True)},
-        p_s_pa=np.full(len(t) // RECORD, P_S - sag),
+        p_s_pa=P_S - sag + 0.5 * (-1.0) ** np.arange(len(t) // RECORD),  # no constant: measured
         f_applied_n=logged(f_applied),
         u_t_v=logged(u[1] if chamber == 1 else u[0]),
         u_l1_v=logged(u[3]),
@@ -150,9 +150,16 @@ def test_a_missing_channel_leaves_out_what_needs_it(known):
     found = residuals(replace(run, p_lp_pa=None), known)
     seen = dict(zip(BALANCES, np.isfinite(found.values).any(axis=0).tolist(), strict=True))
     assert seen == dict.fromkeys(BALANCE_UNITS, False) | dict.fromkeys(
-        ("force_test", "kinematics", "supply"), True
+        ("flow_tp", "flow_tr", "force_test", "kinematics", "supply"), True
     )
     assert np.isnan(found.load_n).all()
+
+
+def test_a_supply_pressure_that_is_a_known_constant_is_not_compared(known):
+    run, _ = made_up()
+    found = residuals(replace(run, p_s_pa=np.full(len(run.t_s), P_S)), known)
+    seen = dict(zip(BALANCES, np.isfinite(found.values).any(axis=0).tolist(), strict=True))
+    assert seen == dict.fromkeys(BALANCES, True) | {"supply": False}
 
 
 def test_uneven_samples_are_refused(known):

@@ -45,7 +45,8 @@ def runs(bench_data):
         start = initial_state(par, 0.12 + 0.03 * number, 15e5, (18 + number) * 1e5)
         log, _ = logged(f"{number:04d}", par, start, smooth_strokes(seconds), trial=number)
         noisy = log.p_tp_pa + 1e4 * rng.standard_normal(len(log.t_s))
-        made.append(replace(log, p_tp_pa=noisy, t_s=log.t_s + 7.0 * number))
+        supply = log.p_s_pa + 10 * rng.standard_normal(len(log.t_s))
+        made.append(replace(log, p_tp_pa=noisy, p_s_pa=supply, t_s=log.t_s + 7.0 * number))
     return tuple(made)
 
 
@@ -111,7 +112,7 @@ def test_a_missing_channel_is_missing_in_its_own_run_alone(model, runs):
     values = balance_values(found, model)
     compared = [np.isfinite(values[found.run_of_window == i]).all(axis=0) for i in range(3)]
     whole = np.array([name != "kinematics" for name in BALANCES])  # the board is unknown
-    needs_none_of_it = np.isin(BALANCES, ("force_test", "supply"))
+    needs_none_of_it = np.isin(BALANCES, ("flow_tp", "flow_tr", "force_test", "supply"))
     assert np.array_equal(compared, [whole, needs_none_of_it, whole])
     load = operating_conditions(found, model)[3]
     assert np.array_equal(np.isnan(load), found.run_of_window == 1)

@@ -25,6 +25,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from hbench.analysis.rounding import is_constant
 from hbench.config.bench import Bench, Controllers, Plant
 from hbench.config.sensors import Sensors
 from hbench.errors import DataError
@@ -222,6 +223,8 @@ def _compared(session: Session, model: BalanceModel) -> np.ndarray:
             for each in BALANCES
         ]
     )
+    known = [run.p_s_pa is not None and is_constant(run.p_s_pa) for run in session.runs]
+    has[:, BALANCES.index("supply")] &= ~np.array(known)  # a constant of the map, not measured
     if model.velocity_lag_s is None:
         has[:, BALANCES.index("kinematics")] = False
     if model.par.supply.has_pump:  # its flow is compared with that of the valves

@@ -12,12 +12,13 @@ from hbench.config.conformity.certificate import (
     read_template,
 )
 from hbench.config.files.loading import read_yaml
+from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
 from hbench.report.campaign.results_document import results_json
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.dcc import dcc_xml
 from hbench.report.conformity.certificate.page import certificate_page
-from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.folder import StoredCampaign, load_campaign
 from hbench.store.campaign.raw_logs import raw_data
 from hbench.store.exporting.printed_page import printed_page
 from hbench.store.exporting.ro_crate import Described, write_crate
@@ -80,15 +81,31 @@ def certify(folder: Path, file: Path, output: Path, today: date | None = None) -
     return certificate
 
 
+def _refuse_other_specimens(campaign: StoredCampaign) -> None:
+    """Raise ``DataError`` unless the specimen is a cylinder: a certificate has its quantities."""
+    content = (campaign.header.get("map") or {}).get("content")
+    if content and parse_import_map(content, "map").rotary:
+        what = "its actuator is rotary; a certificate states forces in N and speeds in mm/s"
+    elif content and "f_drive_n" in content["columns"]:
+        what = "a drive without hydraulics moves its specimen; a certificate is of a cylinder"
+    else:
+        return
+    raise DataError(
+        f"{campaign.folder}: gets no certificate: {what}", "Use the report of `hbench report`."
+    )
+
+
 def _certificate(folder: Path, path: Path, today: date) -> Certificate:
     file = parse_certificate(read_yaml(path), str(path))
     campaign = load_campaign(folder)
     results = derive(campaign)
+    _refuse_other_specimens(campaign)
     reasons = why_not_certified(results)
     if reasons:
+        resume = "" if campaign.imported else "; continue an interrupted campaign with --resume"
         raise DataError(
             f"{folder}: gets no certificate: {'; '.join(reasons)}",
-            "`hbench report` shows the data; continue an interrupted campaign with --resume.",
+            f"`hbench report` shows the data{resume}.",
         )
     specimen, test = completed(file, results.provenance.settings, str(path))
     instruments = campaign.setup().instruments
