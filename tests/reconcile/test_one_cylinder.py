@@ -28,8 +28,12 @@ def leaking(tmp_path_factory):
     return campaign(tmp_path_factory.mktemp("leaking"), 0.006, seed=1)
 
 
-def test_the_test_valves_command_and_pressures_show_a_leak(leaking):
-    found = reconciled(leaking)
+@pytest.fixture(scope="module")
+def found(leaking):
+    return reconciled(leaking)
+
+
+def test_the_test_valves_command_and_pressures_show_a_leak(found):
     effects = {effect.name: effect.parameters for effect in found.effects}
     assert found.verdict == "named" and set(effects) == {"internal_leakage"}
     assert effects["internal_leakage"]["test"].value == pytest.approx(0.006, rel=0.25)
@@ -38,6 +42,7 @@ def test_the_test_valves_command_and_pressures_show_a_leak(leaking):
     assert "oil" in text and "changes nothing" not in text
 
 
+@pytest.mark.slow
 def test_a_tight_cylinder_has_no_effect(tmp_path):
     assert not reconciled(campaign(tmp_path, 0.0, seed=2)).effects
 
@@ -64,7 +69,7 @@ def test_strokes_are_compared_where_the_model_has_no_valve(leaking):
     assert "loads or pressures with two or more strokes" in found.why
 
 
-def test_uneven_times_give_the_same_verdict(leaking, tmp_path):
+def test_uneven_times_give_the_same_verdict(leaking, found, tmp_path):
     (tmp_path / "logs").mkdir()
     for path in (leaking / "logs").iterdir():
         head, *rows = path.read_text().splitlines()
@@ -75,11 +80,12 @@ def test_uneven_times_give_the_same_verdict(leaking, tmp_path):
     workflow.import_runs(
         tmp_path / "logs", tmp_path / "campaign", tmp_path / "map.yaml", lambda: AT
     )
-    found, whole = reconciled(tmp_path), reconciled(leaking)
-    assert not found.left_out and found.verdict == whole.verdict == "named"
-    assert [one.name for one in found.effects] == [one.name for one in whole.effects]
+    uneven = reconciled(tmp_path)
+    assert not uneven.left_out and uneven.verdict == found.verdict == "named"
+    assert [one.name for one in uneven.effects] == [one.name for one in found.effects]
 
 
+@pytest.mark.slow
 def test_a_supply_pressure_that_is_a_constant_of_the_map_is_not_compared(leaking, tmp_path):
     rules = yaml.safe_load((leaking / "map.yaml").read_text())
     del rules["columns"]["p_s_pa"]
