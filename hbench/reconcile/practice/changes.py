@@ -91,6 +91,7 @@ def _changes(
     return tuple(
         change(quantity, UNITS[quantity], here[quantity], half[quantity], values[moving])
         for quantity, values in along_logs.items()
+        if np.isfinite([here[quantity], *values[moving]]).any()  # else its channels are not logged
     )
 
 
