@@ -122,7 +122,7 @@ def fleet_station_and_comparison(folder: Path) -> None:
         picture(address, DOCUMENTS / "station.png", height=1100)
     comparison = workflow.compare(line / "HC-0001", line / f"HC-{CYLINDERS:04d}")
     workflow.write_comparison(folder / "comparison", comparison)
-    picture(folder / "comparison" / "comparison.html", DOCUMENTS / "comparison.png")
+    picture(folder / "comparison" / "comparison.html", DOCUMENTS / "comparison.png", height=1400)
 
 
 def design(folder: Path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.comparison.difference_tests import tested_mean
+from hbench.analysis.comparison.difference_tests import mean_with_test
 from hbench.analysis.comparison.differences import campaign_differences, welch
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.summary.headline import headline
@@ -28,17 +28,17 @@ def test_the_mean_of_independent_differences_is_tested_by_welch_and_satterthwait
         se = (of_b.mean() - of_a.mean()) / test.statistic
         one = Difference(of_a.mean(), of_b.mean(), se, None, None, test.pvalue, dof=test.df)
         differences.append(one)
-        half, p = tested_mean([one])
+        half, p = mean_with_test([one])
         low, high = test.confidence_interval()
         assert half == pytest.approx((high - low) / 2) and p == pytest.approx(test.pvalue)
-    half, p = tested_mean(differences)
+    half, p = mean_with_test(differences)
     squares = np.array([one.se**2 for one in differences])
     dof = squares.sum() ** 2 / np.sum(squares**2 / [one.dof for one in differences])
     se = np.sqrt(squares.sum()) / 2
     assert half == pytest.approx(stats.t.ppf(0.975, dof) * se)
     mean = np.mean([one.value for one in differences])
     assert p == pytest.approx(2 * stats.t.sf(abs(mean) / se, dof))
-    assert tested_mean([*differences, replace(differences[0], se=None)]) is None
+    assert mean_with_test([*differences, replace(differences[0], se=None)]) is None
 
 
 SPEEDS = np.array([0.005, 0.02, 0.05, 0.1, 0.19])

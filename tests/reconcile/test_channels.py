@@ -31,7 +31,8 @@ def run(*lacking):
         ((), set(), FLOW | FRICTION | ON_THE_TEST_SIDE | {"supply_droop"}, ""),
         (("f_applied_n",), FRICTION | ON_THE_TEST_SIDE | {"load_cell_gain"}, FLOW, "force_test"),
         (("p_s_pa",), FLOW | {"supply_droop"}, FRICTION | {"load_cell_gain"}, ""),
-        (("p_lp_pa", "p_lr_pa"), FLOW, FRICTION | ON_THE_TEST_SIDE | {"supply_droop"}, "flow_lp"),
+        (("p_lp_pa", "p_lr_pa"), set(), FLOW | FRICTION | ON_THE_TEST_SIDE | {"supply_droop"}, ""),
+        (("u_t_v",), FLOW, FRICTION | ON_THE_TEST_SIDE | {"supply_droop"}, "flow_tp"),
         (("v_m_s",), {"velocity_filter_lag"}, FLOW | FRICTION, "kinematics"),
     ],
 )

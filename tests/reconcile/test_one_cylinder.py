@@ -71,6 +71,7 @@ def test_strokes_are_compared_where_the_model_has_no_valve(leaking):
     assert "loads or pressures with two or more strokes" in found.why
 
 
+@pytest.mark.slow
 def test_uneven_times_give_the_same_verdict(leaking, found, tmp_path):
     (tmp_path / "logs").mkdir()
     for path in (leaking / "logs").iterdir():

@@ -92,7 +92,7 @@ def _own_u95(
     return combined(parts).expanded()
 
 
-def tested_mean(differences: Sequence[Difference]) -> tuple[float, float] | None:
+def mean_with_test(differences: Sequence[Difference]) -> tuple[float, float] | None:
     """Return the half-width of the mean of independent differences, and its p value.
 
     Half-width of its 95 % interval, and p of no difference: both by the trials alone. None where a

@@ -17,7 +17,7 @@ from dataclasses import replace
 from math import hypot
 from statistics import fmean
 
-from hbench.analysis.comparison.difference_tests import tested_mean
+from hbench.analysis.comparison.difference_tests import mean_with_test
 from hbench.analysis.comparison.differences import Weights, mean_weights
 from hbench.analysis.summary.drift import RunClock, campaign_place
 from hbench.records import (
@@ -89,7 +89,7 @@ def _mean_of_curves(
     if len(means) < 2 or len(known) < len(means):
         return None
     value, a_n = fmean(mean.value for mean in means), fmean(mean.a for mean in means)
-    ci95_n, p_value = tested_mean(means) or (None, None)
+    ci95_n, p_value = mean_with_test(means) or (None, None)
     speeds = tuple(_at_speeds(curves))
     return MeanOfCurves(value, fmean(known), a_n, len(means), drift_n, ci95_n, p_value, speeds)
 
@@ -100,7 +100,7 @@ def _at_speeds(curves: Sequence[CurveDifference]) -> Iterator[MeanAtSpeed]:
         return
     for points in zip(*(curve.points for curve in curves), strict=True):
         speeds = [abs(point.v_m_s) for point in points]
-        mean = tested_mean([point.friction_n for point in points])
+        mean = mean_with_test([point.friction_n for point in points])
         if mean is None or max(speeds) > (1 + _SAME_SPEED) * min(speeds):
             return
         value = fmean(point.friction_n.value for point in points)
