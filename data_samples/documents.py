@@ -139,7 +139,7 @@ def identification(folder: Path) -> None:
     measure(CONFIGS / "dynamics.yaml", folder / "dynamics", START)
     found = workflow.identify(folder / "dynamics", lambda progress: None)
     workflow.write_identification(folder / "laws", found)
-    picture(folder / "laws" / "identification.html", DOCUMENTS / "identification.png")
+    picture(folder / "laws" / "identification.html", DOCUMENTS / "identification.png", height=1460)
 
 
 def measure(
