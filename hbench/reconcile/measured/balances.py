@@ -223,8 +223,8 @@ def _compared(session: Session, model: BalanceModel) -> np.ndarray:
             for each in BALANCES
         ]
     )
-    known = [run.p_s_pa is not None and is_constant(run.p_s_pa) for run in session.runs]
-    has[:, BALANCES.index("supply")] &= ~np.array(known)  # a constant of the map, not measured
+    if is_constant(session.channels["p_s_pa"]):  # of the map in all runs, not measured
+        has[:, BALANCES.index("supply")] = False
     if model.velocity_lag_s is None:
         has[:, BALANCES.index("kinematics")] = False
     if model.par.supply.has_pump:  # its flow is compared with that of the valves
