@@ -404,7 +404,7 @@ def explained_share(
         if large:
             yield float(np.mean([_share(excess[g].sum(), left[g].sum()) for g in large]))
 
-    return max((*shares(~change), *shares(change)))
+    return float(max((*shares(~change), *shares(change))))
 
 
 def _share(total: float, left: float) -> float:
