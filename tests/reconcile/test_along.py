@@ -210,6 +210,23 @@ def test_spools_are_at_rest_at_their_first_command(plant_with):
     assert found == pytest.approx(np.full(20, 2.0))
 
 
+def test_a_return_line_behind_valves_that_nearly_close_stays_at_rest(plant_with):
+    """Its pressure and the lag of the openings are states of their own, at steps of any length."""
+    line = {"resistance": "0.004 bar min^2/l^2", "lag": "8 ms", "exponent": 1.7}
+    par = plant_with({"tank_back_pressure": line, "valve_lag": {"time": "0.15 ms"}}).par
+    signals = np.zeros((10, 200))
+    signals[0] = 0.15
+    signals[2:6] = 50 * BAR
+    signals[6] = 120 * BAR
+    signals[7:] = 0.5 * np.exp(-np.arange(200) * RECORD_S / 0.05) + 0.01
+    made = [
+        along(signals, RECORD_S, par, single_start(200, par), np.ones((2, 1)), step_s)
+        for step_s in (STEP_S, STEP_S / 50)
+    ]
+    coarse, fine = (each.per_volume for each in made)
+    assert coarse == pytest.approx(fine, rel=2e-3, abs=1e-6)
+
+
 def test_compression_and_volume_are_their_integrals(plant_with):
     """Of a pressure that rises linearly: dP / beta, and the logarithm of the geometric volume."""
     model, n = plant_with({}), 50

@@ -21,7 +21,7 @@ from hbench.analysis.identification.driven_law import parabola
 from hbench.model.compiled import compiled, inlined
 from hbench.model.cylinders import extending_volumes, retracting_volumes
 from hbench.model.effects.applied import flow_effects, friction_effects, oil, openings
-from hbench.model.effects.couplings import ChamberFlows, OilProperties
+from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
 from hbench.model.friction.laws import deflection_under, exact_step
 from hbench.model.parameters import PlantParameters, ValveParameters
 from hbench.model.plant import n_states, valve_flows
@@ -130,6 +130,7 @@ class _Laws(NamedTuple):
 
 @inlined
 def _laws(
+    opened: Openings,
     supply: float,
     state: np.ndarray,
     par: PlantParameters,
@@ -137,12 +138,11 @@ def _laws(
     level_l: float,
     rates: np.ndarray,
 ) -> _Laws:
-    """Evaluate the laws at a state; write the rates of the effects and of the source.
+    """Evaluate the laws behind the valves' openings; write the rates of their states.
 
     Valves have the measured supply pressure in ``state``, the source its own, ``supply``.
     """
     measured, rates[P_S] = state[P_S], 0.0
-    opened = openings(state, par, par.effects, rates)
     fluid = oil(state, par, par.effects, rates)
     q = valve_flows(state, opened, fluid.tank_pa, par)
     friction = friction_effects(level_t, level_l, state, par, par.effects, rates)
@@ -241,14 +241,18 @@ def _integrate(
                 spools[j, 0] = command + a[0, 0] * off + a[0, 1] * rate
                 spools[j, 1] = a[1, 0] * off + a[1, 1] * rate
                 state[SPOOL_T + j] = 0.5 * (off + command + spools[j, 0])
-            q, fluid, friction = _laws(supply, state, par, levels[0, k], levels[1, k], rates)
+            opened = openings(state, par, par.effects, rates)
+            q, fluid, friction = _laws(
+                opened, supply, state, par, levels[0, k], levels[1, k], rates
+            )
             if i == 0:  # slopes of the rates, from a small step of all own states
                 moving = False
                 for j in range(first, end):
                     slopes[j] = _NUDGE * max(1.0, abs(state[j]))
                     state[j] += slopes[j]
                 step = _NUDGE * supply
-                _laws(supply + step, state, par, levels[0, k], levels[1, k], others)
+                openings(state, par, par.effects, others)  # the laws keep theirs, a state or not
+                _laws(opened, supply + step, state, par, levels[0, k], levels[1, k], others)
                 for j in range(first, end):
                     state[j] -= slopes[j]
                     slopes[j] = (others[j] - rates[j]) / slopes[j]
@@ -260,7 +264,10 @@ def _integrate(
                 mean += _mean_change(rates[P_S], slopes[P_S], h)
                 for j in range(first, end):
                     state[j] += _mean_change(rates[j], slopes[j], h)
-                q, fluid, friction = _laws(mean, state, par, levels[0, k], levels[1, k], others)
+                opened = openings(state, par, par.effects, others)
+                q, fluid, friction = _laws(
+                    opened, mean, state, par, levels[0, k], levels[1, k], others
+                )
             level_t, level_l, more_t, more_l = friction
             v, p_tp, p_tr, p_lp, p_lr = state[V], state[P_TP], state[P_TR], state[P_LP], state[P_LR]
             f_t = exact_step(v, z_t, p_tp, p_tr, level_t, h, par.test.friction, work_t) + more_t
