@@ -5,13 +5,19 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.special import fdtri
 
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import intervals, maximum_likelihood
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
+from hbench.reconcile.hypothesis import (
+    CoefficientKey,
+    Hypothesis,
+    effect_coefficients,
+    typical_size,
+)
 from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
@@ -68,6 +74,19 @@ class ParameterEstimates:
             ends = (value - half_width, value + half_width)
             parameters[key] = self._parameter(i, value, se, ends, unit)
         return parameters
+
+    def may_be_zero(self, name: str) -> bool:
+        """Return whether an effect's coefficients together do not differ from 0 (95 %).
+
+        Wald's test, with F for k coefficients, also where each of k intervals contains 0.
+        """
+        known = effect_coefficients(name)
+        keys = [which for which in self.model.coefficients_of([name]) if which in known]
+        rows = [self.chosen.index(self.model.column(which)) for which in keys]
+        off = np.array([self.model.hypothesis.coefficient(w) / typical_size(w) for w in keys])
+        off += self.beta[rows]
+        square = off @ np.linalg.solve(self.covariance[np.ix_(rows, rows)], off)
+        return bool(square <= len(rows) * fdtri(len(rows), self.dof[rows].min(), 0.95))
 
     def degrees_of_freedom(self, which: CoefficientKey) -> float:
         """Return the degrees of freedom of a coefficient."""

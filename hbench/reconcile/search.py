@@ -30,7 +30,7 @@ the refitted model without it loses at most 5 nats in cross-validation, and it n
 criteria about that model. At the end the effects found are refined: refitted with the nuisances,
 now with the deviations below what is material, which a search for names leaves out, and with the
 shape of each law that cross-validation supports. An effect that is then smaller than these criteria
-ask for is left out again.
+ask for, or whose coefficients together do not differ from 0 (95 %), is left out again.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -50,6 +50,7 @@ from hbench.reconcile.candidates import (
     is_close,
 )
 from hbench.reconcile.diagnosis_fields import gap_of_balances
+from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.evidence import log_likelihood
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
@@ -113,21 +114,24 @@ class CampaignSearch(CandidateEvaluator):
         while names:
             self.stage(f"refining {', '.join(names)}")
             refined = self.refined(model, names)
-            small = [name for name in names if self._size(refined, names, name) < CRITERIA.size]
-            if not small:
+            gone = [name for name in names if not self._remains(refined, names, name)]
+            if not gone:
                 return refined, vanished
-            names = tuple(name for name in names if name not in small)
-            model, vanished = self.without(refined, small, names), (*vanished, *small)
+            names = tuple(name for name in names if name not in gone)
+            model, vanished = self.without(refined, gone, names), (*vanished, *gone)
         return model, vanished
 
-    def _size(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> float:
-        """Return the largest coefficient of one of the effects, in typical sizes.
+    def _remains(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
+        """Return whether one of the effects of a refined model is large enough, and not 0.
 
-        That of the model or of the linear fit about it, which the diagnosis states: the smaller.
+        Its size is that of the model or of the linear fit about it, which the diagnosis states: the
+        smaller.
         """
-        fitted = self._values(model, name, model.index(names), self._fit(model, names))
+        estimates = fit_coefficients(self.measured.plant, model, names, self.train)
+        fitted = self._values(model, name, estimates.chosen, estimates.beta)
         both = (self._own_values(model, name), fitted)
-        return min(self._candidate(name, 0.0, 0.0, each, "full").size for each in both)
+        sizes = [self._candidate(name, 0.0, 0.0, each, "full").size for each in both]
+        return min(sizes) >= CRITERIA.size and not estimates.may_be_zero(name)
 
     def without_superfluous(
         self, model: LinearisedModel, names: tuple[str, ...]

@@ -9,6 +9,7 @@ import pytest
 from hbench.config.bench import Plant, parse_plant
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS, read_effects
+from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import (
@@ -499,6 +500,31 @@ def test_steps_are_taken_in_priors_and_typical_sizes(measured):
     some = hypothesis_at(model, measured.plant, [len(paths)], np.array([2.0]))
     assert some.factors == {paths[0]: 1.2} and DROOP[0] not in some.effects
     assert some.coefficient(LEAK) == pytest.approx(1e-12 + 2 * typical_size(LEAK))
+
+
+@pytest.mark.parametrize(
+    ("values", "correlation", "may_be_zero"),
+    [
+        ((1.5, 1.5), 0.0, True),
+        ((1.5, 1.5), -0.9, False),  # their sum is known well
+        ((1.5, 1.5), 0.9, True),
+        ((3.0, 0.0), 0.0, False),
+    ],
+)
+def test_whether_coefficients_together_may_be_0(measured, values, correlation, may_be_zero):
+    """Two leaks in standard errors, of which one is already in the model."""
+    keys = [("internal_leakage", "test"), ("internal_leakage", "load")]
+    shape = ".".join(("internal_leakage", "exponent"))
+    at = Hypothesis().with_coefficients({keys[0]: typical_size(keys[0])})
+    model = model_of(measured, [*map(".".join, keys), shape], at)
+    covariance = np.diag([1.0, 1.0, 1e-4])
+    covariance[0, 1] = covariance[1, 0] = correlation
+    beta = np.array([values[0] - 1.0, values[1], 5.0])
+    none = np.full(3, np.inf)
+    estimates = ParameterEstimates(
+        measured.plant, model, (0, 1, 2), beta, covariance, np.full(3, 40.0), -none, none
+    )
+    assert estimates.may_be_zero("internal_leakage") == may_be_zero
 
 
 @pytest.mark.parametrize(("step", "ms"), [(0.02, 0.1), (1.0, 3.0), (50.0, 100.0), (0.0, 0.0)])
