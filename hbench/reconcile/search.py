@@ -12,7 +12,8 @@ cross-validation over operating points,
 
 Candidates whose scores are close to the best one are rivals. Where each would be accepted beside
 the best one, and the best one beside each, they are all present and the best one is added.
-Otherwise they form an ambiguous set, and none is added.
+Otherwise they form an ambiguous set, and none is added. An effect that would be accepted beside
+each of them is present whichever is right: it is added, and the search continues.
 
 Refitted nuisances may have taken the part of an effect that is still missing, such as a level of
 friction that of friction under load: then no step from their refitted values leads to it. Where
@@ -58,6 +59,7 @@ from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, shape_c
 from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.search_result import SearchResult, SearchStep, added_names
+from hbench.records import Candidate
 
 _MOST_IN_FULL = 6  # candidates
 _MOST_AFRESH = 3  # candidates; their columns are far from the fit, so a score says little
@@ -98,6 +100,9 @@ class CampaignSearch(CandidateEvaluator):
             if so_far and not (step.added or step.ambiguous) and self._has_gaps(current):
                 self.stage(f"searching again from the given values{so_far}")
                 step, with_effect = self._step_afresh(current, added_names(steps), step)
+            if step.ambiguous and len(steps) < _MOST_EFFECTS - 1:
+                self.stage(f"searching beside each of {', '.join(_names(step.ambiguous))}")
+                step, with_effect = self._step_beside_each(current, added_names(steps), step)
             if with_effect is None:
                 steps.append(step)
                 break
@@ -282,6 +287,27 @@ class CampaignSearch(CandidateEvaluator):
         again_step, with_effect = self._decided(model, added, known)
         return (step, None) if with_effect is None else (again_step, with_effect)
 
+    def _step_beside_each(
+        self, model: LinearisedModel, added: tuple[str, ...], step: SearchStep
+    ) -> tuple[SearchStep, LinearisedModel | None]:
+        """Return a step that adds an effect missing beside each rival, or ``step``."""
+        names = _names(step.ambiguous)
+        first, *others = (
+            ((*added, each.candidate.name), self._refitted_with(each, added))
+            for each in step.evaluated
+            if each.candidate.name in names
+        )
+        found = self._step(first[1], first[0])[0].added
+        if not found or found in names:
+            return step, None
+        if not all(self._is_missing(rival, joined, found) for joined, rival in others):
+            return step, None
+        evaluated = self._evaluate_in_full(model, added, found)
+        if evaluated.model is None:
+            return step, None
+        known = _replaced(step.evaluated, [evaluated])
+        return SearchStep(model, known, found, ()), self._refitted_with(evaluated, added)
+
     def _linear(
         self, model: LinearisedModel, added: tuple[str, ...]
     ) -> tuple[EvaluatedCandidate, ...]:
@@ -366,6 +392,10 @@ def _distinct(first: float, second: float) -> tuple[str, str]:
     """Write two gaps with two decimals, or as many as distinguish them."""
     pairs = [(f"{first:.{digits}f}", f"{second:.{digits}f}") for digits in _DIGITS]
     return next((pair for pair in pairs if pair[0] != pair[1]), pairs[-1])
+
+
+def _names(candidates: Iterable[Candidate]) -> list[str]:
+    return [each.name for each in candidates]
 
 
 def _columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:

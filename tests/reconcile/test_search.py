@@ -195,6 +195,48 @@ def test_close_candidates_are_both_present_if_each_is_accepted_beside_the_other(
     assert [each.name for each in step.ambiguous] == ([] if added else [c.name for c in close])
 
 
+@pytest.mark.parametrize(
+    ("best", "missing", "added"),
+    [
+        ("supply_droop", True, "supply_droop"),
+        ("supply_droop", False, None),  # beside the second rival it is not
+        ("load_friction", True, None),  # the second rival itself
+        (None, True, None),
+    ],
+)
+def test_what_is_missing_whichever_rival_is_right_is_added(best, missing, added):
+    """``best``: what a step beside the first rival adds."""
+
+    class Rivals(CampaignSearch):
+        def _step(self, model, added):
+            assert (model, added) == ("with load_cell_gain", ("valve_lag", "load_cell_gain"))
+            return SearchStep(model, (), best, ()), model
+
+        def _refitted_with(self, evaluated, added):
+            return f"with {evaluated.candidate.name}"
+
+        def _is_missing(self, model, added, name):
+            assert (model, added) == ("with load_friction", ("valve_lag", "load_friction"))
+            return missing
+
+        def _evaluate_in_full(self, model, added, name):
+            return EvaluatedCandidate(replace(close[0], name=name, score=9.0), model)
+
+    close = [Candidate("load_cell_gain", 50.0, 0.9, 1.0, {}, "full", 5.0)]
+    close.append(replace(close[0], name="load_friction", score=48.0))
+    droop = replace(close[0], name="supply_droop", score=1.0)
+    evaluated = tuple(EvaluatedCandidate(each, "model") for each in (*close, droop))
+    step = SearchStep("model", evaluated, None, tuple(close))
+    search = Rivals(SimpleNamespace(), np.arange(40), ())
+    found, model = search._step_beside_each("model", ("valve_lag",), step)
+    assert (found.added, model) == (added, f"with {added}" if added else None)
+    if added:
+        assert [each.candidate.score for each in found.evaluated] == [50.0, 48.0, 9.0]
+        assert not found.ambiguous
+    else:
+        assert found is step
+
+
 def test_a_fresh_start_keeps_what_was_fitted_and_needs_no_coefficients_of_what_was_not():
     """An effect may have been added at its linear fit, without a step in its coefficients."""
     started = []

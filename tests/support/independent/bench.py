@@ -73,10 +73,11 @@ def _chamber_flow(u, p, p_s, p_t, gain):
 
 @njit
 def _opening(u, overlap, gain, null):
-    if overlap > 0.0:
+    u = gain * u + null
+    if overlap > 0.0:  # about the spool's middle
         beyond = 0.5 * (abs(u) - overlap + math.sqrt((abs(u) - overlap) ** 2 + 0.05**2))
         u = math.copysign(beyond, u)
-    return gain * u + null
+    return u
 
 
 @njit
