@@ -21,6 +21,7 @@ from hbench.analysis.fitting.joint import fitted
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.config.fitting import Fitting
 from hbench.config.setup import Setup
+from hbench.parallel.forked import map_forked
 from hbench.records import (
     KINDS,
     Breakaway,
@@ -119,7 +120,7 @@ def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting
 def _steady_curves(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
     reach = settings.setup.reach
     return AnalysisProducts(
-        curves=tuple(fitted(curve, settings.fitting, reach) for curve in curves(runs))
+        curves=tuple(map_forked(lambda curve: fitted(curve, settings.fitting, reach), curves(runs)))
     )
 
 
