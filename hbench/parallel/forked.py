@@ -1,5 +1,6 @@
 """Parallel map on two forked processes, for arguments that can't be pickled."""
 
+import gc
 import os
 import signal
 import sys
@@ -28,8 +29,12 @@ def map_forked(work: Callable[[Argument], Result], arguments: Sequence[Argument]
     if no_fork or len(arguments) < _PROCESSES:
         return [work(argument) for argument in arguments]
     job = work, arguments, os.getpid()
-    with ProcessPoolExecutor(_PROCESSES, get_context("fork"), _start_worker, job) as pool:
-        return list(pool.map(_result, range(len(arguments))))
+    gc.freeze()  # a collection in a fork would copy this process's memory
+    try:
+        with ProcessPoolExecutor(_PROCESSES, get_context("fork"), _start_worker, job) as pool:
+            return list(pool.map(_result, range(len(arguments))))
+    finally:
+        gc.unfreeze()
 
 
 _job: tuple[Callable[[Any], Any], Sequence[Any]]  # of a forked process
