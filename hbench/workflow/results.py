@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from hbench.report.render.document import Document
 
 _DEFAULT_FITTING = Fitting()
-_AT_ONCE = 32  # runs that a process screens before it takes the next ones
+_AT_ONCE = 100  # runs that a process screens; a fork takes as long as some 60
 
 
 def analyze(folder: Path, fit_file: Path | None = None, *, monte_carlo: bool = False) -> Results:

@@ -70,7 +70,7 @@ experiments:
     p_lr: 15 bar
     loads: [500 N, 2000 N]
     velocities: {{first: 20 mm/s, last: 200 mm/s, count: 8}}
-    trials: 3
+    trials: 7
     travel: {{start: 40 mm, end: 340 mm}}
     acceleration: 1 m/s^2
     hold: 0.1 s
@@ -87,7 +87,7 @@ def test_a_campaign_is_analyzed_as_by_one_process(tmp_path):
         command = [sys.executable, "-m", "hbench", *map(str, arguments)]
         subprocess.run(command, check=True, capture_output=True)
     campaign = load_campaign(folder)
-    assert len(campaign.latest) == 50
+    assert len(campaign.latest) == 114
     results = derive(campaign)
     assert (folder / "results" / "results.json").read_text() == results_json(results)
     one_by_one = [screened.means for screened in screened_runs(campaign)]
