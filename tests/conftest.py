@@ -101,11 +101,11 @@ def unflushed():
 
 @pytest.fixture(scope="session", autouse=True)
 def unforked():
-    """Draw figures in the test's process: xdist has one on each core, and forks cost a tenth more.
+    """Work in the test's process: xdist has one on each core, and forks cost a tenth more.
 
     Programs that tests start do fork.
     """
-    with mock.patch("hbench.report.render.figures.map_forked", lambda *job: list(map(*job))):
+    with mock.patch("hbench.parallel.forked._PROCESSES", sys.maxsize):
         yield
 
 

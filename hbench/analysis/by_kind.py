@@ -21,6 +21,7 @@ from hbench.analysis.fitting.joint import fitted
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.config.fitting import Fitting
 from hbench.config.setup import Setup
+from hbench.parallel.forked import map_forked
 from hbench.records import (
     KINDS,
     Breakaway,
@@ -38,6 +39,7 @@ _SHARED_STROKES = (
 )
 _UNKNOWN_MASS = "the test side's mass is not known: friction of moving runs includes its inertia"
 _NO_BENCH = "leakage needs a bench file: volumes and bulk modulus are not known"
+_MANY_RUNS = 100  # the fits of fewer take less time than a fork
 _WITH_INERTIA = {"ramp_curve", "hysteresis", "step_levels"}  # analyses that subtract m_T a
 
 
@@ -118,8 +120,9 @@ def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting
 
 def _steady_curves(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
     reach = settings.setup.reach
+    apply = map_forked if len(runs) > _MANY_RUNS else map
     return AnalysisProducts(
-        curves=tuple(fitted(curve, settings.fitting, reach) for curve in curves(runs))
+        curves=tuple(apply(lambda curve: fitted(curve, settings.fitting, reach), curves(runs)))
     )
 
 

@@ -138,9 +138,9 @@ class Recorder:
             if not self._words and piece[0, _INDEX]:
                 self._lost = self._gap  # which held this run's first records
             self._gap = 0
-            marks = (piece[:, _FLAGS] & _LAST) != 0
-            self._false_end |= self._marked or bool(marks[:-1].any())
-            self._marked = bool(marks[-1])
+            *earlier, newest = (flags & _LAST != 0 for flags in piece[:, _FLAGS].tolist())
+            self._false_end |= self._marked or any(earlier)
+            self._marked = newest
             self._words.append(piece)
             self._records += len(piece)
             self._check_length()
@@ -235,8 +235,9 @@ class Recorder:
 def _split(words: np.ndarray) -> Sequence[np.ndarray]:
     """Return the records of each run: mostly all records are of one."""
     runs = words[:, _RUN]
-    if len(runs) == 0 or (runs == runs[0]).all():
-        return [words] if len(runs) else []
+    numbers = len(set(runs.tolist()))  # faster than numpy for a few records
+    if numbers < 2:
+        return [words] * numbers
     return np.split(words, np.flatnonzero(np.diff(runs)) + 1)
 
 

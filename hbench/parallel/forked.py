@@ -1,12 +1,14 @@
 """Parallel map on two forked processes, for arguments that can't be pickled."""
 
+import gc
 import os
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing import get_context
 from typing import Any, TypeVar
 
@@ -21,15 +23,32 @@ def map_forked(work: Callable[[Argument], Result], arguments: Sequence[Argument]
     """Return ``work(argument)`` for each argument, in their order.
 
     Two forked processes share the arguments without copying or importing; results must be
-    picklable. They end with this process, however it ends. A fork copies the locks of other
-    threads, so with several threads, or on systems other than Linux, this process does the work.
+    picklable. They end with this process, however it ends. Where it can't be forked, this process
+    does the work.
     """
-    no_fork = threading.active_count() > 1 or sys.platform != "linux"
-    if no_fork or len(arguments) < _PROCESSES:
+    if not can_fork() or len(arguments) < _PROCESSES:
         return [work(argument) for argument in arguments]
     job = work, arguments, os.getpid()
-    with ProcessPoolExecutor(_PROCESSES, get_context("fork"), _start_worker, job) as pool:
+    with (
+        uncollected(),
+        ProcessPoolExecutor(_PROCESSES, get_context("fork"), _start_worker, job) as pool,
+    ):
         return list(pool.map(_result, range(len(arguments))))
+
+
+def can_fork() -> bool:
+    """Return whether a fork of this process is safe: it would copy the locks of other threads."""
+    return sys.platform == "linux" and threading.active_count() == 1
+
+
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Leave present objects out of garbage collections, which in a fork would copy their memory."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 _job: tuple[Callable[[Any], Any], Sequence[Any]]  # of a forked process

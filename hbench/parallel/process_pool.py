@@ -14,6 +14,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from hbench.errors import DeviceError
+from hbench.parallel.forked import can_fork, uncollected
 from hbench.parallel.one_thread import ONE_THREAD
 
 _QUEUED = 2  # arguments per process, so that no process waits for the next one
@@ -36,19 +37,23 @@ class ProcessDied(DeviceError):
 def map_on_cores(work: Callable[[Any], Any], arguments: Iterable[Any]) -> Iterator[Any]:
     """Call ``work`` with each argument, one process per core, and yield results as they come.
 
-    ``work``, arguments and results must be picklable. Arguments are taken on demand, and a process
-    has one thread for linear algebra. The end of this generator or of its process kills the workers
+    ``work``, arguments and results must be picklable. The processes are forks where that is safe,
+    which need not import anything. Arguments are taken on demand, and a process has one thread for
+    linear algebra. The end of this generator or of its process kills the workers
     at once, as by ``kill -9``, so ``work`` must leave data from which it can continue.
     Raises the errors of ``work``, and ``ProcessDied`` if a process has died.
     """
-    spawn = get_context("spawn")  # a fork would copy the locks of other threads
-    watched, held = spawn.Pipe(duplex=False)  # no data: the pipe ends when ``held`` is closed
+    forks = can_fork()
+    context = get_context("fork" if forks else "spawn")
+    watched, held = context.Pipe(duplex=False)  # no data: the pipe ends when ``held`` is closed
     processes = usable_cores()
-    pool = ProcessPoolExecutor(processes, spawn, _start_worker, (watched, pickle.dumps(work)))
+    job = watched, held if forks else None, pickle.dumps(work)
+    pool = ProcessPoolExecutor(processes, context, _start_worker, job)
     taken = iter(arguments)
     running: dict[Future, Any] = {}
     last: list[Any] = []  # taken, not submitted yet
-    with pool, held:  # exit in reverse order: workers end before the pool waits for them
+    # Exit in reverse order: workers end before the pool waits for them.
+    with uncollected(), pool, held:
         try:
             while True:
                 for argument in islice(taken, _QUEUED * processes - len(running)):
@@ -154,8 +159,13 @@ def _single_threaded() -> Iterator[None]:
 _work: Callable[[Any], Any]  # of a worker
 
 
-def _start_worker(watched: Connection, pickled_work: bytes) -> None:
+def _start_worker(watched: Connection, held: Connection | None, pickled_work: bytes) -> None:
+    """Begin a worker; ``held`` is the parent's end of the pipe, of which a fork has a copy."""
     global _work
+    if held is not None:
+        held.close()
+        for number in _INTERRUPTS[1:]:  # Ctrl-C is blocked
+            signal.signal(number, signal.SIG_DFL)
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
     _work = pickle.loads(pickled_work)  # imports for a second, in which the parent may end
 

@@ -7,7 +7,7 @@ while a zero check is on the board.
 """
 
 from llvmlite import ir
-from numba import types
+from numba import typeof, types
 from numba.extending import intrinsic
 
 from hbench.config.bench import Bench, Plant
@@ -88,6 +88,9 @@ class VirtualRig:
         self._board = HostFirmware(boots=1, baud=baud)
         self._poll_ticks = 1 if baud else POLL_TICKS
         self._tick = 0
+        # Called directly: a dispatcher looks at each of the bench's hundred numbers at each call.
+        arguments = 0, self._poll_ticks, self._tick, self._board.addresses, self._bench
+        self._advance = _advance.compile(tuple(map(typeof, arguments)))
 
     def write(self, data: bytes) -> None:
         """Send octets to the board."""
@@ -96,12 +99,9 @@ class VirtualRig:
     def read(self, timeout_s: float) -> bytes:
         """Simulate until the board sends octets or the timeout is over; return the octets."""
         self._switch_supply(on=not self._board.needs_supply_off)
-        self._tick = _advance(
-            max(1, round(timeout_s / TICK_S)),
-            self._poll_ticks,
-            self._tick,
-            self._board.addresses,
-            self._bench,
+        ticks = max(1, round(timeout_s / TICK_S))
+        self._tick = self._advance(
+            ticks, self._poll_ticks, self._tick, self._board.addresses, self._bench
         )
         return self._board.transmit()
 

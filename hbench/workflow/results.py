@@ -1,7 +1,8 @@
 """Analysis of a campaign, and its report."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,11 +39,13 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import DataError
 from hbench.experiment.staged_plan import planned_runs
+from hbench.parallel.forked import map_forked
 from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun, ZeroCheck
 from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_results
+from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision, stored_rule
 from hbench.store.campaign.stored_diagnosis import diagnoses
 from hbench.untrusted_text import printable
@@ -51,6 +54,7 @@ if TYPE_CHECKING:
     from hbench.report.render.document import Document
 
 _DEFAULT_FITTING = Fitting()
+_AT_ONCE = 100  # runs that a process screens; a fork takes as long as some 60
 
 
 def analyze(folder: Path, fit_file: Path | None = None, *, monte_carlo: bool = False) -> Results:
@@ -125,11 +129,13 @@ def calibrated_runs(campaign: StoredCampaign) -> Iterator[Run]:
 
     The zeros that the campaign's own checks found are subtracted from all but these checks.
     """
-    return _corrected(campaign, zero_checks(campaign))
+    return _corrected(campaign, zero_checks(campaign), campaign.start_times_s())
 
 
-def _corrected(campaign: StoredCampaign, checks: Sequence[ZeroCheck]) -> Iterator[Run]:
-    zeros, times_s = zeros_over_time(checks), campaign.start_times_s()
+def _corrected(
+    campaign: StoredCampaign, checks: Sequence[ZeroCheck], times_s: Mapping[str, float]
+) -> Iterator[Run]:
+    zeros = zeros_over_time(checks)
     for run in _uncorrected(campaign):
         is_check = KINDS[run.plan.kind].needs_supply_off
         yield run if is_check else corrected(run, zeros, times_s.get(run.plan.run))
@@ -157,12 +163,14 @@ def _uncorrected(campaign: StoredCampaign) -> Iterator[Run]:
 
 def screened_runs(campaign: StoredCampaign) -> Iterator[ScreenedRun]:
     """Yield the runs of a campaign with their verdicts, read one at a time."""
-    return _screened(campaign, zero_checks(campaign))
+    return _screened(campaign, zero_checks(campaign), campaign.start_times_s())
 
 
-def _screened(campaign: StoredCampaign, checks: Sequence[ZeroCheck]) -> Iterator[ScreenedRun]:
+def _screened(
+    campaign: StoredCampaign, checks: Sequence[ZeroCheck], times_s: Mapping[str, float]
+) -> Iterator[ScreenedRun]:
     rules = campaign.screening()
-    return (screen(run, rules) for run in _corrected(campaign, checks))
+    return (screen(run, rules) for run in _corrected(campaign, checks, times_s))
 
 
 def derive(
@@ -175,7 +183,15 @@ def derive(
     checks_of_zero = zero_checks(campaign)
     setup = campaign.setup()
     setup = replace(setup, instruments=with_zero_checks(setup.instruments, checks_of_zero))
-    screened = tuple(map(_without_samples, _screened(campaign, checks_of_zero)))
+    times_s = campaign.start_times_s()
+
+    def screened_part(entries: tuple[Entry, ...]) -> list[ScreenedRun]:
+        part = replace(campaign, entries=entries)
+        return list(map(_without_samples, _screened(part, checks_of_zero, times_s)))
+
+    latest = campaign.latest
+    parts = [latest[first : first + _AT_ONCE] for first in range(0, len(latest), _AT_ONCE)]
+    screened = tuple(chain.from_iterable(map_forked(screened_part, parts)))
     if not screened:
         raise DataError(
             f"{campaign.folder}: contains no runs", "Continue it with `hbench run --resume`."
@@ -187,7 +203,7 @@ def derive(
     checks: tuple[str, ...] = ()
     if monte_carlo:
         steady, efficiencies, checks = checked_by_monte_carlo(steady, efficiencies, instruments)
-    clock = RunClock.of(screened, campaign.start_times_s())
+    clock = RunClock.of(screened, times_s)
     temperature = oil_temperature(steady, screened, setup, how, clock)
     drift = friction_drift(steady, screened, clock)
     steady = with_drift(steady, drift, clock, how.weights)

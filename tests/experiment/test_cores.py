@@ -98,8 +98,8 @@ class Host:
             text=True,
             timeout=LIMIT_S,
         ).stdout.splitlines()
-        mine = [line.split() for line in lines if "spawn_main" in line]
-        return [int(pid) for pid, parent, *_ in mine if int(parent) == self.pid]
+        others = [line.split() for line in lines if "resource_tracker" not in line]
+        return [int(pid) for pid, parent, *_ in others if int(parent) == self.pid]
 
     def leaves_nobody(self, within_s: float = AT_ONCE_S) -> bool:
         deadline = time.monotonic() + within_s
