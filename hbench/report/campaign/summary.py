@@ -115,7 +115,7 @@ def decided_step_words(results: Results, step: str) -> str:
     if aborted_words(results):
         return next_step_words(results)
     beyond = "" if step else _next_step(results, beyond_u=True)
-    return _step_words(f"{step}." if step else beyond or "none for the decision.")
+    return _step_words(f"{step}." if step else beyond)
 
 
 def _next_step(results: Results, beyond_u: bool = False) -> str:

@@ -97,12 +97,6 @@ def _decimals(half_width: float, more: int = 0) -> int:
     return min(1 + more - math.floor(math.log10(rounded)), 6)
 
 
-def as_written(value: float, half_width: float) -> tuple[float, float]:
-    """Return value and half-width as ``with_interval`` rounds them."""
-    decimals = _decimals(half_width)
-    return round(value, decimals), round(half_width, decimals)
-
-
 def finer(value: float, half_width: float) -> str:
     """Write with one decimal more than ``with_interval``, so that differences agree with it."""
     return _to_half(value, half_width, 1)
@@ -116,6 +110,11 @@ def half_width(value: float) -> str:
 def short(value: float | None) -> str:
     """Write with three significant digits and no zeros at the end: 5, 1.2, 49.1, 5000."""
     return _without_end_zeros(significant(value, 3))
+
+
+def unbroken(text: str) -> str:
+    """Return a text that is not broken over lines, such as a number with its uncertainty."""
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def unit_kept(text: str) -> str:

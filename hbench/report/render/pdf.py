@@ -22,6 +22,7 @@ from hbench.records import WordTable
 from hbench.report.render.document import Document, Section, numbered, numeric
 from hbench.report.render.figures import Drawing
 from hbench.report.render.markdown import words
+from hbench.report.render.numbers import unbroken
 from hbench.report.render.pdf_pen import (
     INK,
     INNER,
@@ -34,7 +35,7 @@ from hbench.report.render.pdf_pen import (
     width_of,
     wrapped,
 )
-from hbench.report.render.pdf_table import CELLS, QUIET, least_height, set_table, unbroken
+from hbench.report.render.pdf_table import CELLS, QUIET, least_height, set_table
 from hbench.report.render.style import RC
 from hbench.report.render.word_tables import Cell, Table
 

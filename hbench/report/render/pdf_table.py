@@ -9,12 +9,6 @@ SMALLEST = 5.0  # of a table with many columns
 QUIET = "#444444"
 _GAP = 8.0  # between columns
 _WHOLE = SHEET_HEIGHT / 6  # height up to which a table is not divided
-_NO_BREAK = "\N{NO-BREAK SPACE}"
-
-
-def unbroken(text: str) -> str:
-    """Return a text that is not broken over lines, such as a number with its uncertainty."""
-    return text.replace(" ", _NO_BREAK)
 
 
 def set_table(

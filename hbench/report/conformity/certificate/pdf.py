@@ -16,6 +16,7 @@ from hbench.errors import ConfigError
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.layout import Content, GridTable, Part
+from hbench.report.render.numbers import unbroken
 from hbench.report.render.pdf_pen import (
     INK,
     INNER,
@@ -27,7 +28,7 @@ from hbench.report.render.pdf_pen import (
     set_text,
     wrapped,
 )
-from hbench.report.render.pdf_table import QUIET, set_table, unbroken
+from hbench.report.render.pdf_table import QUIET, set_table
 
 _ACCENT, _MARK = "#1d4e6f", "#9b1c1c"
 _GAP = 20.0  # between parts side by side
@@ -201,7 +202,7 @@ def _part(pen: Pen, part: Part) -> None:
         pen.words(part.verdict, _VERDICT, weight="bold")
         pen.space(2)
     if part.lead:
-        pen.words(part.lead, _BODY, weight="bold")
+        pen.words(part.lead, _BODY)
         pen.space(3)
     _facts(pen, part.facts, _LABEL if pen.width < INNER else 0.22)
     for table in part.tables:
