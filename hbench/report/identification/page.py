@@ -32,8 +32,9 @@ _SOURCE = (
 )
 _SUMMARY = (
     ("RMS error", "Root mean square of simulated less measured friction over the verification "
-     "runs. The laws are in the order of the error in motion. At rest friction is the force that "
-     "holds the piston, which laws of speed and pressure alone do not determine."),
+     "runs, which were not used for the identification. Each law was simulated in a model of the "
+     "bench, with the firmware in closed loop. At rest friction is the force that holds the "
+     "piston, which laws of speed and pressure alone do not determine."),
     ("Not determined", "The half-width of the 95 % interval exceeds a tenth of the parameter's "
      "typical size, and exceeds the value too or is cut off by a bound of the fit; or the value is "
      "at a bound. Other parameters may take its place."),
