@@ -52,8 +52,8 @@ def test_valves_that_deviate_at_the_same_edge_are_listed_together_with_the_line_
     lead = ordinary_spaces(verdict_words(found()))
     assert "significantly (p below 0.1): the flows to the load piston side and the test" in lead
     assert (
-        "First inspect the test valve and load valve L2 at their edges to tank, and the return "
-        "line that they share: their flows deviate most there, by 0.070 l/min RMS and 0.044 "
+        "First inspect the test valve and load valve L2 at their metering edges to tank, and the "
+        "return line that they share: their flows deviate most there, by 0.070 l/min RMS and 0.044 "
         "l/min RMS, at a speed of 100 to 150 mm/s, so that a common cause is likely."
     ) in lead
     text = ordinary_spaces(summary(found()))

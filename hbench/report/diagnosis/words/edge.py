@@ -58,7 +58,7 @@ def pattern_words(diagnosis: Diagnosis, pattern: EdgePattern) -> str:
     ]
     speed = f", {pattern.speed}" if pattern.speed else ""
     return (
-        f"First inspect {listed(list(pattern.valves.values()))} at their edges to {edge}, and "
-        f"{_LINES[edge]} that they share: their flows deviate most there, by "
-        f"{listed(sizes)}{speed}, so that a common cause is likely."
+        f"First inspect {listed(list(pattern.valves.values()))} at their metering edges to {edge}, "
+        f"and {_LINES[edge]} that they share: their flows deviate most there, by {listed(sizes)}"
+        f"{speed}, so that a common cause is likely."
     )
