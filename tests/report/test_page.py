@@ -671,11 +671,14 @@ def test_rejected_runs_of_poor_data_are_before_the_results_and_remarks_on_fits_a
 
 def test_a_rejected_run_has_its_main_reason_apart_from_further_ones(small):
     one, two, *others = small.runs
-    runs = (replace(one, reasons=("stalled: a", "gapped: b")), replace(two, reasons=("gapped: c",)))
+    runs = (
+        replace(one, reasons=("stalled: a", "gapped: b", "gapped: d")),
+        replace(two, reasons=("gapped: c",)),
+    )
     table = rejected_table(replace(small, runs=(*runs, *others)))
     assert table.head[-2:] == ("Main reason", "Further reasons")
     first, second = ([cell.text for cell in row[-2:]] for row in table.rows[:2])
-    assert (first, second) == (["Stalled: a.", "Gapped: b."], ["Gapped: c.", ""])
+    assert (first, second) == (["Stalled: a.", "gapped"], ["Gapped: c.", ""])
     table = rejected_table(replace(small, runs=(runs[1], *others)))
     assert table.head[-1] == "Reason" and table.rows[0][-1].text == "Gapped: c."
 

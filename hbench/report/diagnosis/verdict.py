@@ -246,17 +246,19 @@ def _cases(diagnosis: Diagnosis) -> str:
 
 def _none(diagnosis: Diagnosis) -> Iterator[str]:
     _, _, finding = verdict_sentence(diagnosis).partition(": ")
+    agreement, dot, sizes = keys_in_words(finding).partition(". ")
     if diagnosis.errors:
         yield "No missing effect is found."
         yield change_of_errors(diagnosis)
     else:
-        yield f"No missing effect is found: {keys_in_words(finding)}"
-    yield _largest_gap(diagnosis)
-    yield _largest(diagnosis)
+        yield f"No missing effect is found: {agreement}{dot}".rstrip()
     yield beyond_balances(diagnosis)
     yield "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+    yield "" if diagnosis.errors else sizes
+    yield _largest_gap(diagnosis)
+    yield _largest(diagnosis)
 
 
 def _largest_gap(diagnosis: Diagnosis) -> str:
