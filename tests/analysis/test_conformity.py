@@ -334,7 +334,9 @@ def test_the_decisions_on_leakage_state_what_its_u_leaves_out():
 def test_a_load_that_all_series_have_is_stated_once():
     def section(*loads):
         checks = [
-            ConformityCheck(HIGHEST, Measurement(8.0, 1.0, "", "extend", load), 0.99, "PASS")
+            ConformityCheck(
+                HIGHEST, Measurement(8.0, 1.0, direction="extend", f_load_n=load), 0.99, "PASS"
+            )
             for load in loads
         ]
         made = decision_section("PASS", checks)

@@ -11,6 +11,7 @@ _WITH_UNIT = re.compile(
     r"|\((?:N s/m|Pa s|ml/min per bar)\)"
 )
 _OF_SYMBOL = re.compile(r"\b(P_[TLS][pr]?) (?=−?\d)")  # a pressure before its value
+_RELATION = re.compile(r"(\bp )?([=<>≥≤]) (?=[−\d])")  # before a number, such as p = 0.01
 _NEGATIVE = re.compile(r"(?<![\w.)-])-(?=\d)")
 _EXPONENT = re.compile(r"(?<=\d)[eE]([+-]?\d+)(?!\w)")
 _TEN = re.compile(r"·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
@@ -120,6 +121,7 @@ def unbroken(text: str) -> str:
 def unit_kept(text: str) -> str:
     """Return a text that is not broken over lines between a symbol, its number and the unit."""
     text = _OF_SYMBOL.sub("\\1\N{NO-BREAK SPACE}", text)
+    text = _RELATION.sub(lambda match: unbroken(match[0]), text)
     return _WITH_UNIT.sub(lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
 
 
