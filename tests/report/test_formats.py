@@ -148,7 +148,7 @@ def test_markdown_has_every_section_table_and_figure(made, drawings):
     assert heads == [section.title for section in made.sections]
     for one in drawings:
         assert f"](figures/{one.name}.svg)" in text and f"[Data](figures/{one.name}.csv)" in text
-    assert "| extending | 500 |" in text and "(extrapolated)" in text
+    assert "| extending | 500 |" in text and "Breakaway ± U (N), extrapolated" in text
 
 
 @pytest.mark.parametrize(

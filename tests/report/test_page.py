@@ -389,6 +389,16 @@ def test_the_next_step_of_poor_data_is_that_of_its_poor_checks_and_refers_to_the
     assert f"Table {number}. Reasons, and what to look for" in text
 
 
+def test_how_breakaway_was_determined_is_in_the_head_if_all_series_share_it(small):
+    assert "Breakaway ± U (N), extrapolated" in summary_table_of(small).head
+    first, *others = small.headline.series
+    measured = replace(first, breakaway_dwell_s=120.0)
+    mixed = replace(small, headline=replace(small.headline, series=(measured, *others)))
+    table = summary_table_of(mixed)
+    cells = [row[table.head.index("Breakaway ± U (N)")] for row in table.rows]
+    assert cells[0].text.endswith(" after 120 s at rest") and cells[1].flag == "extrapolated"
+
+
 def test_a_quantity_that_no_series_has_has_no_column(small):
     assert "Breakaway ± U (N)" in Parsed(page_html(small, ())).text
     series = tuple(
@@ -398,9 +408,13 @@ def test_a_quantity_that_no_series_has_has_no_column(small):
     assert "Breakaway" not in summary_table_head(replace(small, headline=headline))
 
 
+def summary_table_of(results):
+    summary = report_document(results, ()).sections[0]
+    return (summary.tables or summary.parts[0].tables)[0]  # a long one is folded
+
+
 def summary_table_head(results):
-    part, *_ = report_document(results, ()).sections[0].parts
-    return " ".join(part.tables[0].head)
+    return " ".join(summary_table_of(results).head)
 
 
 def test_a_label_that_all_runs_share_is_in_the_identity_and_in_no_table(small):

@@ -100,7 +100,8 @@ def _decision_row(
         text = f"{with_interval(from_si(measured.value, unit), half)} {unit}"
     if check.probability is not None:
         shown = 100 * check.probability
-        percent = "> 99.9" if shown > 99.9 else "< 0.1" if shown < 0.1 else significant(shown, 3)
+        size = "> 99.9" if shown > 99.9 else "< 0.1" if shown < 0.1 else significant(shown, 3)
+        percent = f"{size} %"
     return (
         quantity_words(certificate, check),
         on_a_line(", ".join(where), 20),

@@ -178,7 +178,7 @@ ENGLISH = {
     "quantity": "Quantity",
     "measured": "Measured ± U",
     "limit": "Limit",
-    "conforms": "Conforms (%)",
+    "conforms": "Conforms",
     "decision": "Decision",
     "PASS": "PASS",
     "FAIL": "FAIL",

@@ -174,7 +174,7 @@ GERMAN = {
     "quantity": "Größe",
     "measured": "Messwert ± U",
     "limit": "Grenzwert",
-    "conforms": "Konform (%)",
+    "conforms": "Konform",
     "decision": "Entscheidung",
     "PASS": "BESTANDEN",
     "FAIL": "NICHT BESTANDEN",
