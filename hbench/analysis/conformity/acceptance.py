@@ -86,7 +86,7 @@ def _why_not(results: Results, requirement: Requirement) -> str:
         return _NOT_MEASURED[requirement.quantity]
     if not measured:
         return "only other series were measured"
-    return f"not measured within {100 * TOLERANCE:g} %; measured: {'; '.join(measured)}"
+    return f"nothing was measured within {100 * TOLERANCE:g} % of it, only {'; '.join(measured)}"
 
 
 def _listed(values: Iterable[float | None], unit: str) -> str:
