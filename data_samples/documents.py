@@ -28,7 +28,7 @@ HERE = Path(__file__).parent
 CONFIGS = HERE.parent / "configs"
 DOCUMENTS = HERE / "documents"
 CYLINDERS = 14
-WIDTH, HEIGHT = 1160, 1560  # of a page's picture, pixels
+WIDTH = 1160  # of a page's picture, pixels
 COLOURS = 96
 START = datetime(2026, 1, 5, 8, 0, tzinfo=UTC)
 LIMITS = {
@@ -62,7 +62,7 @@ def report(folder: Path) -> None:
     shutil.copytree(HERE / "stribeck-small", folder / "stribeck-small")
     workflow.report(folder / "stribeck-small", form="pdf")
     shutil.copy(folder / "stribeck-small" / "results" / "report.pdf", DOCUMENTS)
-    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1780)
+    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1700)
 
 
 def diagnosis(folder: Path) -> None:
@@ -70,7 +70,7 @@ def diagnosis(folder: Path) -> None:
     campaign, model = HERE / "blind" / "internal_leakage-clear-1", CONFIGS / "bench-aau.yaml"
     found = workflow.reconcile(campaign, model, lambda done, total: None)
     workflow.write_diagnosis(folder / "diagnosis", found)
-    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png", height=1340)
+    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png", height=1200)
 
 
 def acceptance_and_certificate(folder: Path) -> None:
@@ -117,7 +117,7 @@ def fleet_station_and_comparison(folder: Path) -> None:
         note=lambda _: None,
     )
     workflow.write_fleet(folder / "fleet", fleet)
-    picture(folder / "fleet" / "fleet.html", DOCUMENTS / "fleet.png")
+    picture(folder / "fleet" / "fleet.html", DOCUMENTS / "fleet.png", height=1520)
     with served(line) as address:
         picture(address, DOCUMENTS / "station.png", height=1100)
     comparison = workflow.compare(line / "HC-0001", line / f"HC-{CYLINDERS:04d}")
@@ -131,7 +131,7 @@ def design(folder: Path) -> None:
     subprocess.run(
         [sys.executable, "-m", "hbench", *map(str, command)], check=True, stdout=subprocess.DEVNULL
     )
-    picture(folder / "design" / "design.html", DOCUMENTS / "design.png")
+    picture(folder / "design" / "design.html", DOCUMENTS / "design.png", height=1690)
 
 
 def identification(folder: Path) -> None:
@@ -139,7 +139,7 @@ def identification(folder: Path) -> None:
     measure(CONFIGS / "dynamics.yaml", folder / "dynamics", START)
     found = workflow.identify(folder / "dynamics", lambda progress: None)
     workflow.write_identification(folder / "laws", found)
-    picture(folder / "laws" / "identification.html", DOCUMENTS / "identification.png", height=1460)
+    picture(folder / "laws" / "identification.html", DOCUMENTS / "identification.png", height=1390)
 
 
 def measure(
@@ -176,7 +176,7 @@ def served(folder: Path) -> Iterator[str]:
         thread.join()
 
 
-def picture(page: Path | str, target: Path, height: int = HEIGHT) -> None:
+def picture(page: Path | str, target: Path, height: int) -> None:
     """Write a picture of the top of a page, with few colours so that the file is small."""
     with tempfile.TemporaryDirectory() as name:
         shot = Path(name) / "shot.png"

@@ -79,7 +79,7 @@ def test_without_a_bench_the_source_is_reproduced(design):
 def test_a_proposal_that_fails_says_so_and_is_no_error_by_itself(design, slow_valve):
     done = design(slow_valve, "--propose")
     assert done.returncode == 0
-    assert re.match(r"verdict: FAIL\..* [1-9]\d* of \d+ checks", done.stdout.splitlines()[-1])
+    assert re.match(r"verdict: FAIL: .* [1-9]\d* of \d+ checks", done.stdout.splitlines()[-1])
     assert "runs, " in done.stderr and "runs, " not in done.stdout  # progress
 
 
@@ -94,7 +94,7 @@ def test_fail_turns_a_negative_verdict_into_exit_code_6(monkeypatch, holds, code
 
 def test_proposed_gains_can_be_pasted_into_the_bench_file(design, tmp_path):
     done = design(BENCH, "--propose", "--fail")
-    assert done.returncode == 0 and "verdict: PASS." in done.stdout
+    assert done.returncode == 0 and "verdict: PASS: " in done.stdout
     lines = done.stdout.splitlines()
     start = lines.index("controllers:")
     gains = yaml.safe_load("\n".join(lines[start : lines.index("", start)]))["controllers"]

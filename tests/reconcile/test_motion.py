@@ -188,7 +188,7 @@ def test_an_unknown_law_has_the_parts_of_a_driven_mass_to_inspect():
     found = diagnosis(axis.axis_runs(axis.no_effect), soft)
     assert found.verdict == "unknown" and not found.effects
     words = diagnosis_text(found)
-    assert "Start with the guide and its seals" in words and "P_Tp" not in words
+    assert "First inspect the guide and its seals" in words and "P_Tp" not in words
     assert "inspect the drive, the factor of its force and the moving mass." in words
 
 

@@ -53,10 +53,10 @@ CLAUSES = {
     "7.8.4.1 b": "Oil temperature",
     "7.8.4.1 c": "Traceability to the SI is not stated",
     "7.8.4.1 d": "no adjustment of the item are recorded",
-    "7.8.4.1 e": "Decision on the specimen",
+    "7.8.4.1 e": "Statement of conformity",
     "7.8.6.1": "Decision rule: guard band (JCGM 106, 8.3.2; ILAC-G8)",
     "7.8.6.2 a": "The statement applies to the quantities in the table",
-    "7.8.6.2 b": "limits of limits.yaml, SHA-256",
+    "7.8.6.2 b": "Limits: limits.yaml (SHA-256",
     "7.8.6.2 c": "Decision rule",
     "7.8.8.3": "L-16",
 }
@@ -265,7 +265,7 @@ def test_a_leak_that_is_not_laminar_is_certified_at_the_pressure_of_its_holds(sm
 def test_what_a_probability_of_conformity_rests_on_is_beside_it(certificate):
     plain = page_text(checks(certificate(), ("breakaway", "PASS", None)))
     leak = page_text(checks(certificate(), ("leakage", "PASS", None)))
-    assert "That of a leakage holds for the bulk modulus" in leak and "That of a" not in plain
+    assert "For leakage it assumes the bulk modulus" in leak and "For leakage" not in plain
     ripple = page_text(checks(certificate(), ("speed_ripple", "PASS", 0.02)))
     assert "at the speed with the lowest probability" in ripple
     assert "divided by the mean speed. Its U is that of the trials alone." in ripple
@@ -370,8 +370,8 @@ def test_names_of_files_are_printed_as_the_certificate_file_has_them(certificate
     for text in (page_text(named), pdf_text(named)):
         assert all(printed in text for printed in names.values())
         assert not [name for name in names if re.search(rf"\b{re.escape(name)}\b", text)]
-        assert "wie in ihren Dateien" not in text
-    assert "wie in ihren Dateien" in page_text(made)
+        assert "sind die des Labors" not in text
+    assert "sind die des Labors" in page_text(made)
 
 
 def test_german_results_have_decimal_commas(certificate):
@@ -544,7 +544,7 @@ def test_a_reservation_of_the_data_stands_beside_the_decision(certificate):
             quality, grade=grade, checks=(replace(quality.checks[0], grade=grade), *checks)
         )
         shown = replace(made, results=replace(made.results, quality=graded))
-        lead = flat(page_text(shown)).partition("Decision on the specimen: ")[2][:300]
+        lead = flat(page_text(shown)).partition("Limits: ")[2][:300]
         assert ("“with care”" in lead) == (grade == "with care")
         alone = flat(page_text(replace(shown, acceptance=None)))
         assert ("“with care”" in alone) == (grade == "with care")

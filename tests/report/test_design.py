@@ -28,7 +28,7 @@ def test_the_terminal_gets_numbers_verdict_and_reasons_in_ascii(design):
     text = design_text(design)
     assert text.isascii()
     assert "-110.76" in text and "-148.40" in text and "+34.00" in text and "NO" in text
-    assert re.search(r"FAIL\. .* 1 of 2 checks\. .*ratio", text.splitlines()[-1])
+    assert re.search(r"FAIL: .* 1 of 2 checks in .*ratio", text.splitlines()[-1])
     assert "gain: 1500 V/m" in text and "time_constant: 18 ms" in text
 
 
@@ -95,12 +95,16 @@ def test_present_gains_pass_or_fail_with_the_check_first(design):
         Check("velocity: gain margin", 5.7, 6.0, "dB", False),
     )
     page = ordinary_spaces(design_page(replace(design, proposal=None, checks=checks), ()))
-    first, _, rest = page[page.index('class="verdict"') :].partition(". ")[2].partition(". ")
-    assert "velocity loop from 800 to 772 V/m" in first  # 800 V/m less 0.3 dB
-    assert "5.7 dB" in first and "6 dB" in first and "--propose" in rest[: rest.index("</p>")]
+    verdict = page[page.index('class="verdict"') :].partition("</p>")[0]
+    assert (
+        "FAIL: the present gains fail 1 of 2 checks at this operating point: gain margin 5.7 dB "
+        "(limit 6 dB) in the velocity loop."
+    ) in verdict
+    assert "velocity loop from 800 to 772 V/m" in verdict  # 800 V/m less 0.3 dB
+    assert "--propose" in verdict and page.index(">FAIL<") < page.index(">PASS<")
     assert page.index("Velocity: gain margin") < page.index("Velocity: phase margin")
     passing = replace(design, proposal=None, checks=checks[:1])
-    assert "PASS. The present gains pass all 1 checks" in design_page(passing, ())
+    assert "PASS: the present gains pass all 1 checks" in design_page(passing, ())
     assert json.loads(design_json(passing))["checks"][0]["holds"] is True
 
 
@@ -117,7 +121,10 @@ def test_the_page_explains_that_limits_of_speed_depend_on_the_speed(design):
 def test_the_verdict_emphasises_what_passes_or_fails_with_the_word_itself():
     rest = "A sentence on the method follows here. " * 9
     for verdict, emphasised in (
-        (f"FAIL. Do not use the gains. {rest}", "FAIL. Do not use the gains."),
+        (
+            f"FAIL. Do not use the gains. {rest}",
+            "FAIL. Do not use the gains.",
+        ),  # one word has the next
         (f"Friction is 4 N. {rest}", "Friction is 4 N."),
     ):
         first, others = Document("t", "", (), verdict.strip()).headline
@@ -130,7 +137,7 @@ def test_a_proposal_states_that_the_present_gains_fail(design):
         "The present gains fail 1 of 1 checks at the operating point: gain margin 5.7 dB (limit "
         "6 dB) in the velocity loop."
     )
-    for closed_loop, verdict in ((design.proposal.closed_loop, "FAIL."), ((), "PASS.")):
+    for closed_loop, verdict in ((design.proposal.closed_loop, "FAIL:"), ((), "PASS:")):
         proposal = replace(design.proposal, closed_loop=closed_loop)
         made = replace(design, checks=(failed,), proposal=proposal)
         assert stated in design_text(made)

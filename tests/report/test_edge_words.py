@@ -50,11 +50,11 @@ def test_valves_that_deviate_at_the_same_edge_are_listed_together_with_the_line_
         return replace(compared, where=flows, rest=flows, regions=(*directions, *speeds))
 
     lead = ordinary_spaces(verdict_words(found()))
-    assert "deviation: the flows to the load piston side and the test piston side (p below" in lead
+    assert "significantly (p below 0.1): the flows to the load piston side and the test" in lead
     assert (
-        "The test valve (0.070 l/min RMS) and load valve L2 (0.044 l/min RMS) show the same "
-        "pattern, the largest deviation at the edge to tank and at a speed of 100 to 150 mm/s: a "
-        "common cause is likely. Inspect these edges and the return line, which the valves share."
+        "First inspect the test valve and load valve L2 at their metering edges to tank, and the "
+        "return line that they share: their flows deviate most there, by 0.070 l/min RMS and 0.044 "
+        "l/min RMS, at a speed of 100 to 150 mm/s, so that a common cause is likely."
     ) in lead
     text = ordinary_spaces(summary(found()))
     assert (
@@ -66,13 +66,18 @@ def test_valves_that_deviate_at_the_same_edge_are_listed_together_with_the_line_
         "At a speed of 100 to 150 mm/s, the flow to the load piston side deviates by 0.052 l/min "
         "RMS and the flow to the test piston side by 0.092 l/min RMS."
     ) in text
-    assert "at the edge to tank: a common" in verdict_words(found(fast=(2.0, 10.0)))
+    assert "RMS, so that a common" in verdict_words(found(fast=(2.0, 10.0)))
     other_edge = verdict_words(found(flow_tp=(7.6, 2.8)))
-    assert "pattern" not in other_edge and "Start with load valve L2, at its edge" in other_edge
+    assert (
+        "common cause" not in other_edge
+        and "First inspect load valve L2, at its edge" in other_edge
+    )
     same_valve = replace(flows[1], name="flow_tr"), flows[1]  # tank while extending, retracting
     regions = found(flow_tr=(9.0, 2.0)).regions
     one = replace(compared, where=same_valve, rest=same_valve, regions=regions)
-    assert "pattern" not in verdict_words(one) and "Start with the test valve" in verdict_words(one)
+    assert "common cause" not in verdict_words(
+        one
+    ) and "First inspect the test valve" in verdict_words(one)
 
 
 def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first(compared):
@@ -87,12 +92,12 @@ def test_a_flow_that_is_wrong_at_one_metering_edge_has_that_edge_inspected_first
         return ordinary_spaces(verdict_words(found))
 
     begin = (
-        "Start with the test valve, at its edge to tank: the flow to the test rod side deviates by "
-        "about 0.018 l/min RMS where that edge meters it, and by 0.0086 l/min RMS where the edge "
-        "to supply does."
+        "First inspect the test valve, at its edge to tank: the flow to the test rod side deviates "
+        "by about 0.018 l/min RMS where that edge meters it, and by 0.0086 l/min RMS where the "
+        "edge to supply does."
     )
     assert begin in of_flow(17.8, 8.6)  # while the piston extends, oil leaves the rod side
-    assert "Start with the test valve." in of_flow(8.6, 8.0)
+    assert "First inspect the test valve." in of_flow(8.6, 8.0)
 
 
 def test_a_flow_that_depends_on_the_position_has_the_bore_inspected_first(compared):
@@ -106,6 +111,6 @@ def test_a_flow_that_depends_on_the_position_has_the_bore_inspected_first(compar
     )
     bore = replace(compared, where=(gap,), rest=(gap,), regions=regions)
     text = ordinary_spaces(verdict_words(bore))
-    assert "Start with the bore and the piston seal of the load cylinder: the flow" in text
+    assert "First inspect the bore and the piston seal of the load cylinder: the flow" in text
     assert "and a valve does not depend on the position." in text
     assert "of the load cylinder, inspect load valve L1, the rod side" in summary(bore)

@@ -82,15 +82,43 @@ def test_each_sheet_of_a_pdf_has_the_documents_name_and_its_number():
         assert ("Table 1. s (continued)" in texts) == (number > 1)
 
 
-def test_a_table_of_up_to_half_a_sheet_is_not_divided_nor_apart_from_its_heading():
-    def of_rows(name, count):
-        rows = tuple((f"{name}{i}", str(i)) for i in range(count))
-        return Section(f"Section {name}", tables=(WordTable("", ("row", "value (N)"), rows),))
+def of_rows(name, count):
+    rows = tuple((f"{name}{i}", str(i)) for i in range(count))
+    return Section(f"Section {name}", tables=(WordTable("", ("row", "value (N)"), rows),))
 
+
+def texts_of(sheet):
+    return [text.get_text() for text in sheet.texts]
+
+
+def test_a_short_table_is_not_divided_nor_apart_from_its_heading_in_a_pdf():
+    one, two = sheets(Document("t", "", (of_rows("a", 45), of_rows("b", 9))))
+    assert {"Section b", *(f"b{i}" for i in range(9))} <= set(texts_of(two))
+    assert "a44" in texts_of(one)
+
+
+def test_a_long_table_begins_on_the_sheet_that_has_room_in_a_pdf():
     one, two = sheets(Document("t", "", (of_rows("a", 40), of_rows("b", 25))))
-    second = {text.get_text() for text in two.texts}
-    assert {"Section b", *(f"b{i}" for i in range(25))} <= second
-    assert "a39" in {text.get_text() for text in one.texts}
+    assert {"Section b", "b0", "b5"} <= set(texts_of(one)) and "b24" in texts_of(two)
+
+
+def test_what_follows_a_figure_without_room_fills_the_sheet_in_a_pdf():
+    figure = Figure(figsize=(3, 4))
+    drawings = tuple(
+        Drawing(name, "", name, "", as_svg(figure), as_png(figure), wide=True)
+        for name in ("one", "two")
+    )
+    section = replace(of_rows("a", 5), paragraphs=("Text.",), drawings=drawings)
+    last = Section("Figures alone", drawings=(replace(drawings[0], name="three", title="three"),))
+    first, *more = sheets(Document("t", "", (of_rows("b", 36), section, last)))
+    assert not first.axes and {"Section a", "Text.", "a4"} <= set(texts_of(first))
+    captions = [text for sheet in more for text in texts_of(sheet) if text.startswith("Figure")]
+    assert [caption[:9] for caption in captions] == [
+        "Figure 1.",
+        "Figure 2.",
+        "Figures a",
+        "Figure 3.",
+    ]
 
 
 def test_only_the_first_sentence_of_a_long_verdict_is_bold_in_a_pdf():
@@ -120,7 +148,7 @@ def test_markdown_has_every_section_table_and_figure(made, drawings):
     assert heads == [section.title for section in made.sections]
     for one in drawings:
         assert f"](figures/{one.name}.svg)" in text and f"[Data](figures/{one.name}.csv)" in text
-    assert "| extending | 500 |" in text and "(extrapolated)" in text
+    assert "| extending | 500 |" in text and "Breakaway ± U (N), extrapolated" in text
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, o
     found = identified(law("tustin", 150.0), law("lugre", 10.0), law("leuven", other_n))
     best = "Use LuGre: it predicts friction in motion with an RMS error of 10.0 N."
     assert verdict(found).startswith(f"{best} {others}")
-    assert verdict(found).endswith("Next step: simulate with hbench run --plant lugre.yaml.")
+    assert verdict(found).endswith("To simulate with LuGre: hbench run --plant lugre.yaml.")
 
 
 def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_beside_it():
@@ -69,8 +69,8 @@ def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_besid
         "Use Tustin: it predicts friction in motion with an RMS error of 20.0 N."
     )
     (table,) = (each for each in identification_tables(found) if each.title == SUMMARY)
-    assert table.head[1:3] == ("RMS error in motion (N)", "At rest (N)")
-    assert [row[:3] for row in table.rows] == [
+    assert table.head[1:4] == ("RMS error in motion (N)", "At constant speed (N)", "At rest (N)")
+    assert [(row[0], row[1], row[3]) for row in table.rows] == [
         ("tustin", "20.0", "450.0"), ("leuven", "60.0", "3.0"), ("Trials' scatter", "27.0", "27.0")
     ]  # fmt: skip
 
@@ -81,16 +81,16 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     lugre = law("lugre", 10.0, {"sigma1_n_s_m": bound})
     leuven = law("leuven", 9.9, {"theta_1_n": unknown, "theta_2_n": unknown})
     found = identified(leuven, lugre)
-    assert verdict(found).endswith(
-        "hbench run --plant lugre.yaml. These runs do not determine its bristle damping σ1 "
-        "(at its lower bound): motions that depend on it can differ from the simulation."
-    )
+    assert (
+        "Do not rely on motions that depend on its bristle damping σ1 (at its lower bound), which "
+        "these runs do not determine."
+    ) in verdict(found)
     more = "Leuven (9.9 N) is as good, but has more undetermined parameters (2 instead of 1)."
     assert more in verdict(found)
     trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
     runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]
     words = verdict(replace(found, followed=tuple(runs)))
-    range_words = "The law is verified for speeds up to 123 mm/s and loads of −5000 to 500 N:"
+    range_words = "It is verified for speeds up to 123 mm/s and loads of −5000 to 500 N."
     assert range_words in words
     determined = replace(identified(law("lugre", 10.0)), followed=tuple(runs))
     assert range_words in verdict(determined), "the range does not depend on what is undetermined"
@@ -110,7 +110,7 @@ def test_the_errors_of_dynamic_and_static_laws_are_explained_beside_the_table():
     page = ordinary_spaces(identification_page(found, ()))
     assert "Dynamic laws (LuGre)" in page and "static laws (Tustin, Marton and Lantos)" in page
     assert "RMS errors while the speed changes: 10.0 N against 110.0–116.0 N." in page
-    assert "RMS errors: LuGre 10.0 N, Tustin 110.0 N, Marton and Lantos 116.0 N." in page
+    assert "At constant speed</dt>" not in page  # no simulation oscillates
     assert "does not show which of them suits a real cylinder" in page
     static = identified(law("tustin", 110.0), law("marton_lantos", 116.0))
     assert "Kinds of laws" not in identification_page(static, ())
@@ -123,9 +123,9 @@ def test_errors_at_speeds_where_a_simulation_oscillates_are_apart_from_the_other
     static = replace(law("pressure_based", 23.0), steady=parts)
     found = identified(law("lugre", 3.0), static)
     page = ordinary_spaces(identification_page(found, ()))
-    assert "does not oscillate: LuGre 3.0 N, Pressure-based 2.0 N." in page
-    assert "oscillates: Pressure-based 40.0 N in 3 of 30 parts at 30–60 mm/s." in page
-    assert "Simulations with Pressure-based oscillate at some constant speeds." in verdict(found)
+    assert "oscillates, in 3 of 30 parts, at 30–60 mm/s: Pressure-based." in page
+    (summary,) = (table for table in identification_tables(found) if table.title == SUMMARY)
+    assert [row[2] for row in summary.rows[:2]] == ["3.0", "2.0"]
     (errors,) = (table for table in identification_tables(found) if table.title == ERRORS)
     rows = {row[1]: row[2] for row in errors.rows if row[0] == "pressure_based"}
     assert rows["steady, smooth"] == "2.0" and rows["steady, oscillating"] == "40.0"
@@ -144,7 +144,7 @@ def test_laws_are_listed_by_their_error_with_what_is_not_determined():
     assert [row[0] for row in tables[SUMMARY].rows] == [
         "leuven", "marton_lantos", "lugre", "Trials' scatter"
     ]  # fmt: skip
-    not_determined = [row[3] for row in tables[SUMMARY].rows[:2]]
+    not_determined = [row[4] for row in tables[SUMMARY].rows[:2]]
     assert not_determined == ["θ_1, θ_2", "b_2 extending"]
     remarks = {row[1]: row[-1] for row in tables["Identified parameters"].rows}
     assert remarks["Slope above v_SW b_2, extending"] == "not determined"

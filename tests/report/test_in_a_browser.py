@@ -188,6 +188,23 @@ def test_a_fleets_tiles_are_two_a_row_on_a_phone_with_nothing_cut_off(browser, p
     assert len(set(lefts)) >= 4
 
 
+def test_short_tables_are_lists_on_a_phone_where_they_would_need_scrolling(browser, pages):
+    """Each value has its column's head before it; wider, the table is one again."""
+    browser.open(pages["comparison"], width=400)
+    settled = "new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))"
+    browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
+    assert browser.run("document.querySelectorAll('.listed').length") >= 1
+    lists = "[...document.querySelectorAll('.listed')].map(t => t.closest('.scroll'))"
+    assert browser.run(f"{lists}.every(s => s.scrollWidth <= s.clientWidth)")
+    cell = "document.querySelector('.listed td.n')"
+    head = browser.run(f"{cell}.closest('table').tHead.rows[0].cells[{cell}.cellIndex].textContent")
+    assert browser.run(f"{cell}.innerText").startswith(head) and head
+    browser.width(1440)
+    assert browser.run(f"getComputedStyle({cell}).display") == "table-cell"
+    assert not browser.run(f"{cell}.innerText").startswith(head)
+    assert browser.errors == []
+
+
 def test_a_certificates_tables_are_lists_on_a_phone(browser, certificate, tmp_path):
     """Each value has its column's head before it, and no table needs scrolling."""
     page = tmp_path / "certificate.html"

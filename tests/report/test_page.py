@@ -321,7 +321,7 @@ def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small)
 
 def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_into_account(small):
     """U contains the tolerances and the scatter of the trials, but no hidden drift."""
-    section = Section("Decision", ("Decision: PASS.",))
+    section = Section("Decision", ("PASS: all.",))
 
     def made(*names, **more):
         checks = tuple(
@@ -336,11 +336,11 @@ def test_the_page_states_whether_a_decision_takes_the_reservation_on_the_data_in
 
     verdict, step, data = made("instruments")
     assert verdict == (
-        "Decision: PASS. Use the data with care (instruments); U takes this into account."
+        "PASS: all. Use the data with care (instruments); U takes this into account."
     )
-    assert step == "none for the decision."
+    assert step == ""
     verdict, _, _ = made("instruments", complete_u="U of friction")
-    assert "U of friction takes this into account, that of the other quantities does" in verdict
+    assert verdict.endswith("U of friction takes this into account.")
     assert made("instruments", complete_u="")[0].endswith("U does not take this into account.")
     assert "make friction uncertain by" in data and "Calibrate the sensors" in data
     verdict, step, _ = made("instruments", "trials_per_point")
@@ -389,6 +389,16 @@ def test_the_next_step_of_poor_data_is_that_of_its_poor_checks_and_refers_to_the
     assert f"Table {number}. Reasons, and what to look for" in text
 
 
+def test_how_breakaway_was_determined_is_in_the_head_if_all_series_share_it(small):
+    assert "Breakaway ± U (N), extrapolated" in summary_table_of(small).head
+    first, *others = small.headline.series
+    measured = replace(first, breakaway_dwell_s=120.0)
+    mixed = replace(small, headline=replace(small.headline, series=(measured, *others)))
+    table = summary_table_of(mixed)
+    cells = [row[table.head.index("Breakaway ± U (N)")] for row in table.rows]
+    assert cells[0].text.endswith(" after 120 s at rest") and cells[1].flag == "extrapolated"
+
+
 def test_a_quantity_that_no_series_has_has_no_column(small):
     assert "Breakaway ± U (N)" in Parsed(page_html(small, ())).text
     series = tuple(
@@ -398,9 +408,13 @@ def test_a_quantity_that_no_series_has_has_no_column(small):
     assert "Breakaway" not in summary_table_head(replace(small, headline=headline))
 
 
+def summary_table_of(results):
+    summary = report_document(results, ()).sections[0]
+    return (summary.tables or summary.parts[0].tables)[0]  # a long one is folded
+
+
 def summary_table_head(results):
-    part, *_ = report_document(results, ()).sections[0].parts
-    return " ".join(part.tables[0].head)
+    return " ".join(summary_table_of(results).head)
 
 
 def test_a_label_that_all_runs_share_is_in_the_identity_and_in_no_table(small):
@@ -671,11 +685,14 @@ def test_rejected_runs_of_poor_data_are_before_the_results_and_remarks_on_fits_a
 
 def test_a_rejected_run_has_its_main_reason_apart_from_further_ones(small):
     one, two, *others = small.runs
-    runs = (replace(one, reasons=("stalled: a", "gapped: b")), replace(two, reasons=("gapped: c",)))
+    runs = (
+        replace(one, reasons=("stalled: a", "gapped: b", "gapped: d")),
+        replace(two, reasons=("gapped: c",)),
+    )
     table = rejected_table(replace(small, runs=(*runs, *others)))
     assert table.head[-2:] == ("Main reason", "Further reasons")
     first, second = ([cell.text for cell in row[-2:]] for row in table.rows[:2])
-    assert (first, second) == (["Stalled: a.", "Gapped: b."], ["Gapped: c.", ""])
+    assert (first, second) == (["Stalled: a.", "gapped"], ["Gapped: c.", ""])
     table = rejected_table(replace(small, runs=(runs[1], *others)))
     assert table.head[-1] == "Reason" and table.rows[0][-1].text == "Gapped: c."
 

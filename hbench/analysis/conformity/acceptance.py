@@ -84,8 +84,9 @@ def _why_not(results: Results, requirement: Requirement) -> str:
     ]
     if not others:
         return _NOT_MEASURED[requirement.quantity]
-    nearby = f" (a value within {100 * TOLERANCE:g} % counts)" if measured else ""
-    return f"not measured there; measured: {'; '.join(measured) or 'other series'}{nearby}"
+    if not measured:
+        return "only other series were measured"
+    return f"nothing was measured within {100 * TOLERANCE:g} % of it, only {'; '.join(measured)}"
 
 
 def _listed(values: Iterable[float | None], unit: str) -> str:

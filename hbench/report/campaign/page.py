@@ -290,7 +290,10 @@ def _cause_words(results: Results) -> str:
     if reasons == runs:
         return ""
     of = "1 run" if runs == 1 else f"{runs} runs"
-    return f"The {reasons} reasons belong to {of}: a run counts under each of its reasons."
+    return (
+        f"The {reasons} reasons belong to {of}: a run counts under each of its reasons. "
+        "results.json contains each in full."
+    )
 
 
 def _points(results: Results) -> tuple[Section, ...]:

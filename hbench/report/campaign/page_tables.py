@@ -216,12 +216,13 @@ def balance_table(results: Results) -> Table:
 
 
 def rejected_table(results: Results) -> Table:
-    """Return the rejected runs, each with its main reason and any further ones."""
+    """Return the rejected runs, each with its main reason and the names of any further ones."""
     rows = []
     for run, plan in _planned(results):
         if not run.accepted:
-            first, *others = (f"{capital(_reason_words(reason))}." for reason in run.reasons)
-            rows.append((*_run(plan), first, " ".join(others)))
+            main, *others = dict.fromkeys(map(code_of, run.reasons))
+            first = f"{capital(_reason_words(run.reasons[0]))}."
+            rows.append((*_run(plan), first, ", ".join(others).replace("_", " ")))
     if not any(others for *_, others in rows):
         return table((*_RUN, "Reason"), [row[:-1] for row in rows])
     further = "Further reasons"

@@ -82,8 +82,6 @@ def decision_reserve(quality: Quality, complete_u: str) -> str:
         in_u = f"{complete_u} takes only a part of this into account"
     else:
         in_u = f"{complete_u} takes this into account"
-    if complete_u not in ("", "U") and len(outside) < len(worst):
-        in_u += ", that of the other quantities does not ([[decision]])"
     if quality.grade == "poor":
         return f"The data is poor ({weak_checks(quality)}); do not rely on the decision. {in_u}."
     return f"Use the data with care ({weak_checks(quality)}); {in_u}."

@@ -142,8 +142,10 @@ def _calibrations(instruments: Mapping[str, Any]) -> str:
 
 
 def _period(started: str, stopped: str) -> str:
-    """Write begin and end, with the date once if they have the same."""
+    """Write begin and end, with the date once if they have the same; one of equal times."""
     first, last = _time(started), _time(stopped)
+    if first == last:
+        return first
     same_day = first[:10] == last[:10] and first.endswith(" UTC") and last.endswith(" UTC")
     if same_day:
         first, last = first.removesuffix(" UTC"), last[11:]

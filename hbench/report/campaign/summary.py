@@ -115,7 +115,7 @@ def decided_step_words(results: Results, step: str) -> str:
     if aborted_words(results):
         return next_step_words(results)
     beyond = "" if step else _next_step(results, beyond_u=True)
-    return _step_words(f"{step}." if step else beyond or "none for the decision.")
+    return _step_words(f"{step}." if step else beyond)
 
 
 def _next_step(results: Results, beyond_u: bool = False) -> str:
@@ -226,6 +226,7 @@ def _who(series: Curve | HeadlineSeries) -> tuple:
 
 def _table(series: Sequence[HeadlineSeries], load_cell_n: Sequence[float | None]) -> Table:
     per_bar = from_si(1.0, "bar")
+    common = _common_remark(series)
     rows: list[tuple[str | Cell, ...]] = [
         (
             *who(each)[:1],
@@ -235,7 +236,7 @@ def _table(series: Sequence[HeadlineSeries], load_cell_n: Sequence[float | None]
             _cell(each.friction_n),
             _unflagged(each.friction_pa, per_bar),
             _trials(each.friction_n),
-            _breakaway(each),
+            _cell(each.breakaway_n).text if common else _breakaway(each),
             _unflagged(each.breakaway_pa, per_bar),
             _cell(each.efficiency, 100.0),
         )
@@ -243,7 +244,11 @@ def _table(series: Sequence[HeadlineSeries], load_cell_n: Sequence[float | None]
     ]
     head = (
         *("At (mm/s)", LOAD_CELL, "Friction ± U (N)", "Friction ± U (bar)", "Trials alone (N)"),
-        *("Breakaway ± U (N)", "Breakaway ± U (bar)", "Efficiency ± U (%)"),
+        *(
+            f"Breakaway ± U (N){common and f', {common}'}",
+            "Breakaway ± U (bar)",
+            "Efficiency ± U (%)",
+        ),
     )
     return table((WHO[0], *WHO[2:], *head), rows)
 
@@ -265,7 +270,20 @@ def _breakaway(series: HeadlineSeries) -> Cell:
     cell = _cell(series.breakaway_n)
     if series.breakaway_dwell_s is None:
         return cell
-    return Cell(f"{cell.text} after {short(series.breakaway_dwell_s)} s at rest")
+    return Cell(f"{cell.text} {_breakaway_remark(series)}")
+
+
+def _breakaway_remark(series: HeadlineSeries) -> str:
+    """Return after which rest breakaway was measured, or how else it was determined."""
+    if series.breakaway_dwell_s is not None:
+        return f"after {short(series.breakaway_dwell_s)} s at rest"
+    return "" if series.breakaway_n is None else FLAGS[series.breakaway_n.basis]
+
+
+def _common_remark(series: Sequence[HeadlineSeries]) -> str:
+    """Return the remark that breakaway has in all of several series; else empty."""
+    remarks = [_breakaway_remark(each) for each in series if each.breakaway_n is not None]
+    return remarks[0] if len(remarks) > 1 and len(set(remarks)) == 1 else ""
 
 
 def _trials(estimate: HeadlineNumber | None) -> str:

@@ -13,25 +13,31 @@ from hbench.records import (
     WordTable,
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.render.numbers import NONE, half_width, significant, with_interval
+from hbench.report.render.numbers import NONE, significant, with_interval
 
 SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
 MAY_BE_DRIFT = "may come from a drift"
-_INSTRUMENTS = "U of B\N{NO-BREAK SPACE}−\N{NO-BREAK SPACE}A"
-HEAD = ("B − A ± trials", _INSTRUMENTS, "Verdict", "p (Holm)", "A", "B")
+_WITH_U, _TRIALS = "B − A ± U", "B − A ± trials"
+HEAD = ("A", "B", _WITH_U, _TRIALS, "Verdict", "p (Holm)")
 
 
 def difference_table(
-    title: str, head: tuple[str, ...], rows: Iterable[tuple[str, ...]]
+    title: str,
+    head: tuple[str, ...],
+    rows: Iterable[tuple[str, ...]],
+    behind: tuple[str, ...] = (),
 ) -> WordTable:
-    """Return a table whose rows end with ``cells``; without U where no row has one."""
+    """Return a table whose rows have ``cells`` between those of ``head`` and ``behind``.
+
+    The difference is with its U; where no row has one, with the interval of the trials.
+    """
     rows = tuple(rows)
-    own = " ± U" if any("±" in cell for row in rows for cell in row[-2:]) else ""
-    head = (*head, *HEAD[:-2], f"A{own}", f"B{own}")
-    u95 = head.index(_INSTRUMENTS)
-    if any(row[u95] != NONE for row in rows):
-        return WordTable(title, head, rows)
-    kept = [i for i in range(len(head)) if i != u95]
+    first = len(head)
+    own = " ± U" if any("±" in cell for row in rows for cell in row[first : first + 2]) else ""
+    head = (*head, f"A{own}", f"B{own}", *HEAD[2:], *behind)
+    with_u = any("±" in row[head.index(_WITH_U)] for row in rows)
+    left_out = head.index(_TRIALS if with_u else _WITH_U)
+    kept = [i for i in range(len(head)) if i != left_out]
     return WordTable(
         title, tuple(head[i] for i in kept), tuple(tuple(row[i] for i in kept) for row in rows)
     )
@@ -43,26 +49,23 @@ def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[st
     ``mixed`` is a difference that a drift may account for.
     """
     real = MAY_BE_DRIFT if mixed else SIGNIFICANT
-    half = None if difference.ci95 is None else scale * difference.ci95
-    u95 = None if difference.u95 is None else scale * difference.u95
+    u95, trials = (
+        with_interval(scale * difference.value, None if half is None else scale * half)
+        for half in (difference.u95, difference.ci95)
+    )
     return (
-        with_interval(scale * difference.value, half),
-        NONE if u95 is None else significant(u95, 2),
-        difference.untested or (real if difference.real else NOT_SIGNIFICANT),
-        NONE if difference.p_holm is None else p_words(difference.p_holm),
         _with_u95(scale * difference.a, difference.u95_a, scale),
         _with_u95(scale * difference.b, difference.u95_b, scale),
+        u95,
+        trials,
+        difference.untested or (real if difference.real else NOT_SIGNIFICANT),
+        NONE if difference.p_holm is None else p_words(difference.p_holm),
     )
 
 
 def _with_u95(value: float, u95: float | None, scale: float) -> str:
-    """Write A's or B's number with its own U.
-
-    It has four digits, more than its U allows: the difference of the two, in which the errors that
-    both have in common cancel, is smaller than U.
-    """
-    text = significant(value, 4)
-    return text if u95 is None else f"{text} ± {half_width(scale * u95)}"
+    """Write A's or B's number with its own U, or else with four digits."""
+    return significant(value, 4) if u95 is None else with_interval(value, scale * u95)
 
 
 def p_words(value: float) -> str:

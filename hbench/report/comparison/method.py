@@ -4,17 +4,16 @@ from hbench.records import CampaignDifferences
 from hbench.report.comparison.tables import has_drift_column, hidden_curves, unseparated
 from hbench.report.render.numbers import number, with_interval
 
-READ = (
-    ("± trials", "Half-width of the 95 % interval of the trials alone."),
-    ("U", "Expanded uncertainty: of the trials, the instruments and any significant drift within a "
-     "campaign. It does not contain what changes when the cylinder is mounted again. It can be a "
-     "little smaller than that of the trials, since its coverage factor is smaller."),
-    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They have "
-     "more digits than it allows, as the difference needs them."),
+_READ_U = (
+    ("U", "Expanded uncertainty for a coverage probability of 95 %: of the trials, the instruments "
+     "and any significant drift within a campaign. It does not contain what changes when the "
+     "cylinder is mounted again."),
+    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A."),
 )  # fmt: skip
+_READ_TRIALS = (("± trials", "Half-width of the 95 % interval of the trials alone."),)
 _MEAN = (
-    "Its interval and p, which is of a single test, are those of independent trials. Its U is the "
-    "mean of those of the curves, as if their errors were the same."
+    "Its p is that of a single test of independent trials. Its U is the mean of those of the "
+    "curves, as if their errors were the same."
 )
 _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
@@ -55,6 +54,13 @@ _BANDS = (
 )
 
 
+def read_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
+    """Return what the uncertainties of the tables of means contain."""
+    tested = [each for curve in differences.curves for each in (curve.mean_n, curve.efficiency)]
+    known = any(each is not None and each.u95 is not None for each in tested)
+    return _READ_U if known else _READ_TRIALS
+
+
 def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     """Return how the mean over the curves is tested, and its size at each speed."""
     mean = differences.mean_of_curves
@@ -69,7 +75,12 @@ def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
             for each in mean.speeds
         )
         drift = " A drift may be part of these differences." if unseparated(differences) else ""
-        facts.append(("By speed", f"Mean over all curves of B − A ± trials: {sizes}.{drift}"))
+        facts.append(
+            (
+                "By speed",
+                f"B − A over all curves, with the 95 % interval of the trials: {sizes}.{drift}",
+            )
+        )
     return tuple(facts)
 
 

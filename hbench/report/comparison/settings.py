@@ -65,8 +65,7 @@ def plants_words(differences: CampaignDifferences) -> str:
         return ""
     if a and b:
         return (
-            "A and B were simulated with different plant files, which represent two cylinders. "
-            "The campaigns record their checksums, not their values."
+            "Different plant files, for two cylinders. The campaigns record only their checksums."
         )
     own, other = ("B", "A") if b else ("A", "B")
     return f"{own} was simulated with a plant file, {other} with the bench file's plant."

@@ -39,17 +39,18 @@ def means_tables(differences: CampaignDifferences) -> tuple[WordTable, WordTable
     friction_table, efficiency_table = (
         difference_table(
             f"{title}: means over the speeds, and their differences",
-            ("Curve", *(["Drift up to (N)"] if drift else [])),
+            ("Curve",),
             [
                 (
                     who(curve),
-                    *([_largest_drift(curve.drift_n)] if drift else []),
                     *cells(each, scale, id(curve) in hidden),
+                    *([_largest_drift(curve.drift_n)] if drift else []),
                 )
                 for curve, each in known
                 if each is not None
             ]
             + rows,
+            ("Drift up to (N)",) if drift else (),
         )
         for title, scale, known, drift, rows in (
             ("Friction (N)", 1.0, friction, drift_column, _over_curves(differences, drift_column)),
@@ -99,14 +100,20 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
     if mean is None:
         return []
     drift = "cancels" if mean.drift_cancels else _largest_drift(mean.drift_n)
-    value = with_interval(mean.value_n, mean.ci95_n)
-    if mean.ci95_n is None:
-        value = with_interval(mean.value_n, mean.half_n).partition(" ± ")[0]
+    trials = with_interval(mean.value_n, mean.ci95_n)
+    with_u = with_interval(mean.value_n, mean.half_n)
     p = NONE if mean.p_value is None else p_words(mean.p_value)
-    verdict = mean_verdict(differences)
-    a, b = (significant(each, 4) for each in (mean.a_n, mean.a_n + mean.value_n))
-    name = (f"mean over all {mean.curves} curves", *([drift] if drift_too else []))
-    return [(*name, value, half_width(mean.half_n), verdict, p, a, b)]
+    a, b = (significant(each, 3) for each in (mean.a_n, mean.a_n + mean.value_n))
+    row = (
+        f"mean over all {mean.curves} curves",
+        a,
+        b,
+        with_u,
+        trials,
+        mean_verdict(differences),
+        p,
+    )
+    return [(*row, *([drift] if drift_too else []))]
 
 
 def mean_verdict(differences: CampaignDifferences) -> str:

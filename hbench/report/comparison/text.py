@@ -20,7 +20,13 @@ from hbench.report.comparison.cells import (
     numbers,
     with_names,
 )
-from hbench.report.comparison.method import READ, SET_UP, drift_facts, mean_facts, method_facts
+from hbench.report.comparison.method import (
+    SET_UP,
+    drift_facts,
+    mean_facts,
+    method_facts,
+    read_facts,
+)
 from hbench.report.comparison.settings import (
     SERIAL,
     plants_words,
@@ -150,7 +156,6 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     points = [p.friction_n for p in single_points(differences.curves)]
     hidden = sum(p.friction_n.real for p in single_points(hidden_curves(differences)))
     sections = [
-        Section(facts=_data(differences)),
         Section(
             "Friction bands",
             tables=(band_table(differences), slope_table(differences)),
@@ -159,7 +164,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Differences of mean friction and efficiency",
             tables=means_tables(differences),
-            facts=mean_facts(differences) + READ + drift_facts(differences),
+            facts=(*mean_facts(differences), *read_facts(differences), *drift_facts(differences)),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),
@@ -176,6 +181,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             ),
             parts=_folded("Each speed", points_table(differences)),
         ),
+        Section("Quality of the data", facts=_data(differences)),
         Section("How it was computed", facts=method_facts(differences)),
     ]
     if differences.notes:

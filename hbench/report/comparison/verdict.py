@@ -67,26 +67,12 @@ def _over_curves(differences: CampaignDifferences) -> str:
         f"Friction of {b} is {size} N{share} {way} than that of {a}, in the mean over all "
         f"{mean.curves} curves."
     )
-    words += _by_speed(mean, bool(unseparated(differences)))
     if unseparated(differences):
         return words
     if not real:
         return f"{words} The difference of no single curve is significant."
     sizes = alike([abs(each.value) for each in real])
     return f"{words} It is significant in {len(real)} of {len(means)} curves, by {sizes} N."
-
-
-def _by_speed(mean: MeanOfCurves, drift: bool) -> str:
-    """State the difference at the slowest and the fastest speed; empty where it is not known."""
-    if len(mean.speeds) < 2:
-        return ""
-    slow, fast = mean.speeds[0], mean.speeds[-1]
-    sizes = [
-        f"{with_interval(each.value_n, each.ci95_n)} N at {number(1e3 * each.v_m_s, 0)} mm/s"
-        for each in (slow, fast)
-    ]
-    reserve = "; a drift may be part of this change with speed" if drift else ""
-    return f" It is {sizes[0]} and {sizes[1]}{reserve}."
 
 
 def _drift(differences: CampaignDifferences, bands: bool) -> str:
@@ -110,12 +96,9 @@ def _drift(differences: CampaignDifferences, bands: bool) -> str:
             f"A drift {part}: the order of the runs does not separate the two. {_mean(differences)}"
             f"{_REMEDY}"
         )
-    sizes = [abs(c.mean_n.value) for c in differences.curves if c.mean_n and c.mean_n.real]
-    if not sizes:
-        return f"A linear drift {_in_mean(mean)}. {_REMEDY}"
     return (
-        f"A linear drift {_in_mean(mean)}. In a single curve, a drift of up to {largest} may "
-        f"account for the difference ({alike(sizes)} N). {_REMEDY}"
+        f"A linear drift {_in_mean(mean)}, but may account for up to {largest} of the difference "
+        f"of a single curve. {_REMEDY}"
     )
 
 

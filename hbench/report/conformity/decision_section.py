@@ -1,11 +1,11 @@
 """Section of the campaign's report with the decisions of the last ``hbench accept``."""
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from hbench.records.conformity.acceptance import (
     WORST_FIRST,
+    Conformity,
     ConformityCheck,
     Requirement,
     Rule,
@@ -23,18 +23,22 @@ from hbench.report.conformity.text import (
     series_words,
 )
 from hbench.report.render.document import Section
-from hbench.report.render.numbers import NONE, as_written
+from hbench.report.render.numbers import NONE, short
 from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
-from hbench.units import from_si
 
-_HEAD = ("Quantity", "Decision", "Series", "Measured ± U", "Limit", "Conforms")
+_HEAD = ("Quantity", "Decision", "Test", "Measured ± U", "Limit", "Conforms")
 _NUMBERS = {"Measured ± U", "Conforms"}
-_EXACT = 1e-9  # of a tenth: 0.3 / 0.1 counts as 3
+_OUTCOMES: dict[Conformity, tuple[str, str]] = {  # of one check and of several
+    "PASS": ("passes", "pass"),
+    "FAIL": ("fails", "fail"),
+    "MARGINAL": ("is too near its limit for its U", "are too near their limits for their U"),
+    "NOT TESTED": ("is not decided", "are not decided"),
+}
 
 
 def decision_section(
-    decision: str,
+    decision: Conformity,
     checks: Sequence[ConformityCheck],
     rule: Rule | None = None,
     largest_uncertainty: float | None = None,
@@ -43,11 +47,11 @@ def decision_section(
     """Return the decision on the cylinder and a row for each of its checks, the worst first.
 
     ``rule`` is the decision rule with its largest uncertainty, ``limits`` the name of the file of
-    limits. The only paragraph states the decision, and the value that decides it with its limit,
-    its margin and its probability of conformity.
+    limits. The only paragraph states the decision, and the value that decides it with its limit
+    and its probability of conformity. What is the same in all checks is a fact below the table.
     """
     checks = sorted(_without_common_rod_pressure(checks), key=_worst_first)
-    reasons = any(check.reason for check in checks)
+    load, checks = _without_common_load(checks)
     rows = tuple(
         (
             Cell(capital(requirement_words(check.requirement, check.measurement))),
@@ -56,20 +60,46 @@ def decision_section(
             Cell(measured_words(check)),
             Cell(limit_words(check.requirement)),
             Cell(probability_words(check.probability)),
-            *([Cell(check.reason)] if reasons else []),
         )
         for check in checks
     )
-    head = (*_HEAD, "Reason") if reasons else _HEAD
-    table = Table(head, rows, frozenset(head) - _NUMBERS, title="Decisions")
-    parts = (f"Decision: {decision}.", _which(decision, checks), nearest_words(decision, checks))
+    table = Table(_HEAD, rows, frozenset(_HEAD) - _NUMBERS, title="Decisions")
     known = [check.probability for check in checks if check.probability is not None]
-    words = [f"limits: the file {limits}, applied by the last hbench accept"] if limits else []
+    words = [f"load: {load}"] if load else []
+    words += [f"limits: the file {limits}, applied by the last hbench accept"] if limits else []
     words += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
     words += [CONFORMS] if known else []
-    facts = [_fact(each) for each in (*words, *legend(checks))] if rows else []
-    paragraph = " ".join(filter(None, parts))
-    return Section("Decision", (paragraph,), tables=(table,) if rows else (), facts=tuple(facts))
+    facts = [*_undecided(checks), *(_fact(each) for each in (*words, *legend(checks)))]
+    paragraph = " ".join(filter(None, (_which(decision, checks), nearest_words(decision, checks))))
+    return Section(
+        "Decision",
+        (paragraph,),
+        tables=(table,) if rows else (),
+        facts=tuple(facts) if rows else (),
+    )
+
+
+def _undecided(checks: Sequence[ConformityCheck]) -> Iterator[tuple[str, str]]:
+    """Yield each limit that was not decided on, and the reason."""
+    for check in checks:
+        if check.reason:
+            what = capital(check_words(check.requirement, check.measurement))
+            yield what, f"{capital(check.reason)}."
+
+
+def _without_common_load(
+    checks: Sequence[ConformityCheck],
+) -> tuple[str, list[ConformityCheck]]:
+    """Return the load that all series with one have, in words, and the checks without it."""
+    measured = [check.measurement for check in checks if check.measurement]
+    loads = {each.f_load_n for each in measured if each.f_load_n is not None}
+    if len(loads) != 1:
+        return "", list(checks)
+    without = [
+        replace(check, measurement=check.measurement and replace(check.measurement, f_load_n=None))
+        for check in checks
+    ]
+    return f"{short(loads.pop())} N wherever one is set", without
 
 
 def _without_common_rod_pressure(checks: Sequence[ConformityCheck]) -> list[ConformityCheck]:
@@ -95,16 +125,18 @@ def _fact(line: str) -> tuple[str, str]:
     return capital(name), f"{capital(words)}."
 
 
-def _which(decision: str, checks: Sequence[ConformityCheck]) -> str:
-    """Name the quantities that make the decision; empty for PASS."""
-    if decision == "PASS":
-        return ""
+def _which(decision: Conformity, checks: Sequence[ConformityCheck]) -> str:
+    """State the decision, how many checks make it, and of which quantities if it is not PASS."""
     decisive = [check for check in checks if check.decision == decision]
+    if not decisive:
+        return f"{decision}."
+    one, several = _OUTCOMES[decision]
+    count = f"{decision}: {len(decisive)} of {len(checks)} checks"
+    outcome = one if len(decisive) == 1 else several
+    if decision == "PASS":
+        return f"{count} {outcome}."
     names = dict.fromkeys(_name(check.requirement) for check in decisive)
-    verb = "has" if len(decisive) == 1 else "have"
-    count = f"{len(decisive)} of {len(checks)} checks {verb} this decision"
-    reasons = " ([[decision]] has the reasons)" if decision == "NOT TESTED" else ""
-    return f"{count}: {listed(list(names))}{reasons}." if names else ""
+    return f"{count} {outcome} ({listed(list(names))})."
 
 
 def _name(requirement: Requirement) -> str:
@@ -112,11 +144,10 @@ def _name(requirement: Requirement) -> str:
     return requirement.name or requirement_words(requirement, None)
 
 
-def nearest_words(decision: str, checks: Sequence[ConformityCheck]) -> str:
+def nearest_words(decision: Conformity, checks: Sequence[ConformityCheck]) -> str:
     """State the value nearest to its limit, or of a failed cylinder the one farthest beyond.
 
-    The margin is that of the numbers as they are written. Empty where none is known, and where a
-    limit was not tested.
+    Near is counted in U. Empty where no U is known, and where a limit was not tested.
     """
     known = [(margin, check) for check in checks if (margin := check.margin_in_u) is not None]
     if not known or decision == "NOT TESTED":
@@ -127,22 +158,7 @@ def nearest_words(decision: str, checks: Sequence[ConformityCheck]) -> str:
         return ""
     what = "Farthest beyond its limit" if margin < 0 else "Nearest to its limit"
     which = check_words(check.requirement, replace(measured, p_lr_ref_pa=None))
-    limit = f"limit {limit_words(check.requirement)}"
-    side = "beyond" if margin < 0 else "inside"
-    conforms = f"probability of conformity {probability_words(check.probability)}"
     return (
-        f"{what} is {which}: {measured_words(check)}, {limit}; it is {side} by "
-        f"{_in_u(check)}, {conforms}."
+        f"{what} is {which}: {measured_words(check)}, limit {limit_words(check.requirement)}, "
+        f"probability of conformity {probability_words(check.probability)}."
     )
-
-
-def _in_u(check: ConformityCheck) -> str:
-    """Write the distance from the limit in multiples of U, down to a tenth, as written beside."""
-    measured, unit = check.measurement, check.requirement.unit
-    assert measured is not None and measured.u95 is not None
-    value, half = as_written(from_si(measured.value, unit), from_si(measured.u95, unit))
-    low, high = check.requirement.low, check.requirement.high
-    ends = [from_si(end, unit) for end in (low, high) if end is not None]
-    nearest = min(abs(value - end) for end in ends)
-    times = math.floor(10 * nearest / half + _EXACT) / 10
-    return f"{times:.1f} U" if times else "less than 0.1 U"

@@ -66,7 +66,7 @@ def acceptance_table(acceptance: Acceptance) -> WordTable:
         )
         for check in acceptance.checks
     )
-    head = ("quantity", "series", "measured, U", "limit", "conforms", "decision")
+    head = ("quantity", "test", "measured, U", "limit", "conforms", "decision")
     return WordTable("", head, rows)
 
 

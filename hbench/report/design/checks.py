@@ -17,8 +17,8 @@ LIMITS = (
     "that is nearest to its limit or farthest beyond it."
 )
 POINT_LIMITS = (
-    "Margins of the present gains on the board at the operating point below. With --propose, "
-    "hbench design checks all operating points, and the closed loop with the firmware."
+    "Margins of the present gains at the operating point below, with valve, filters and sampling "
+    "of the board."
 )
 _DECIMALS = {"deg": 1, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
 _MOST_DECIMALS = 6

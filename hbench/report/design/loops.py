@@ -34,7 +34,7 @@ CHAINS = {
 }
 PRESENT, PROPOSED = "present", "proposed"
 AT_POINT = "At the operating point of the section above, with the {gains} gains."
-FOLDED = " Those with the {gains} gains are folded at the end of this section."
+FOLDED = "Those with the {gains} gains are folded at the end of this section."
 
 
 def rate_khz(design: Design) -> str:

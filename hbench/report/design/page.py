@@ -88,7 +88,7 @@ def _loops(
     }
     return Section(
         f"Loops with the {gains} gains",
-        (loop_words.AT_POINT.format(gains=gains) + others,),
+        (others,) if others else (),
         tables=(table,),
         parts=tuple(
             Section(f"{capital(name)} loop", drawings=drawn)
@@ -108,19 +108,19 @@ def _facts(lines: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 
 
 def _checks(checks: Sequence[Check], words: str, present: Sequence[Check] = ()) -> Section:
-    """Return a table of the checks that fail, and one of those that pass.
+    """Return a table of the checks, those that fail first; many that pass are folded.
 
     ``present`` are the checks of the present gains, of which those that fail have a table too.
     """
     rows = _rows(checks)
-    failing, passing = (_check_table(rows[holds], holds) for holds in (False, True))
-    if failed := _rows(present)[False]:
-        failing += (replace(_check_table(failed, False)[0], title=_PRESENT),)
-    notes = (words, check_words.UNSTABLE) if check_words.unstable(checks) else (words,)
     few = len(rows[True]) <= _FEW_CHECKS
+    shown = _check_table((*rows[False], *(rows[True] if few else ())))
+    if failed := _rows(present)[False]:
+        shown += (replace(_check_table(failed)[0], title=_PRESENT),)
+    notes = (words, check_words.UNSTABLE) if check_words.unstable(checks) else (words,)
     title = f"Checks that pass ({len(rows[True])})"
-    folded = () if few else (Section(title, tables=passing, folded=True),)
-    return Section("Checks", notes, tables=(*failing, *(passing if few else ())), parts=folded)
+    folded = () if few else (Section(title, tables=_check_table(rows[True]), folded=True),)
+    return Section("Checks", notes, tables=shown, parts=folded)
 
 
 def _rows(checks: Sequence[Check]) -> dict[bool, list[tuple[Cell, ...]]]:
@@ -130,16 +130,19 @@ def _rows(checks: Sequence[Check]) -> dict[bool, list[tuple[Cell, ...]]]:
         what, value, limit, unit, _, where = row
         sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
         limit += sign if any(map(str.isdigit, limit)) else ""
-        cells = (capital(what), value + sign, limit, _minus(where))
-        rows[check.holds].append(tuple(map(Cell, cells)))
+        result = Cell("PASS") if check.holds else Cell("", "FAIL")
+        cells = map(Cell, (value + sign, limit, _minus(where)))
+        rows[check.holds].append((Cell(capital(what)), result, *cells))
     return rows
 
 
-def _check_table(rows: Sequence[tuple[Cell, ...]], holds: bool) -> tuple[Table, ...]:
-    """Return a table of checks that all hold or all fail; none without rows."""
-    head, words_in = ("Check", "Value", "Limit", "Worst at"), frozenset({"Check", "Worst at"})
-    title = "Checks that pass" if holds else "Checks that fail"
-    return (_without_empty(Table(head, tuple(rows), words_in, title=title)),) if rows else ()
+def _check_table(rows: Sequence[tuple[Cell, ...]]) -> tuple[Table, ...]:
+    """Return a table of checks; none without rows."""
+    head, words_in = (
+        ("Check", "Result", "Value", "Limit", "Worst at"),
+        frozenset({"Check", "Result", "Worst at"}),
+    )
+    return (_without_empty(Table(head, tuple(rows), words_in, title="Checks")),) if rows else ()
 
 
 def _without_empty(table: Table) -> Table:

@@ -18,7 +18,7 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
     failed = [check for check in checks if not check.holds]
     if not failed:
         return (
-            f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
+            f"PASS: the proposed gains pass all {len(checks)} checks, in simulation"
             f"{_margins(checks)}. {_present(design)}To use the proposed gains, repeat the command "
             "with --write."
         )
@@ -29,8 +29,8 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
     others = f"{'The worst of the others' if stopped else 'The worst'}: {', '.join(worst)}."
     return " ".join(
         (
-            "FAIL. Do not use the proposed gains: in simulation they fail "
-            f"{len(failed)} of {len(checks)} checks.",
+            f"FAIL: the proposed gains fail {len(failed)} of {len(checks)} checks in simulation. "
+            "Do not use them.",
             *([stops] if stopped else []),
             *([others] if worst else []),
             _next_step(proposal),
@@ -90,22 +90,24 @@ def loops_verdict(design: Design) -> str:
         return ""
     if not failed:
         return (
-            f"PASS. The present gains pass all {len(checks)} checks at this operating point"
-            f"{_margins(checks)}. --propose checks all operating points. "
+            f"PASS: the present gains pass all {len(checks)} checks at this operating point"
+            f"{_margins(checks)}. hbench design --propose checks all operating points. "
             f"{reproduced_words(design.reproduced)}"
         ).rstrip()
-    together = "The three loops together are unstable." if unstable(failed) else ""
+    margins = _worst([check for check in failed if not unstable([check])])
+    count = f"{len(failed)} of {len(checks)} checks at this operating point"
+    worst = f": {', '.join(margins)}" if margins else ""
     steps = [
-        capital(step)
+        step
         for loop in design.loops
         if (step := _step(loop, [c for c in failed if c.what.startswith(f"{loop.name}: ")]))
     ]
     return " ".join(
         (
-            "FAIL.",
-            *filter(None, (together, *(steps or ["Lower the gains K_c."]))),
-            f"The present gains fail {len(failed)} of {len(checks)} checks at this operating "
-            "point. Run hbench design with --propose to find gains for all operating points.",
+            f"FAIL: the present gains fail {count}{worst}.",
+            *(["The three loops together are unstable."] if unstable(failed) else []),
+            f"{capital('; '.join(steps or ['lower the gains K_c']))}.",
+            "hbench design --propose finds gains for all operating points.",
             *filter(None, (reproduced_words(design.reproduced),)),
         )
     )
@@ -133,14 +135,9 @@ def _margins(checks: Sequence[Check]) -> str:
 
 
 def _step(loop: ControlLoop, failed: Sequence[Check]) -> str:
-    """Return how to change a loop's gains so that it keeps its margins, and why."""
+    """Return how to change a loop's gains so that it keeps its margins; empty if it does."""
     if not failed:
         return ""
-    why = " and ".join(
-        f"its {check.what.partition(': ')[2]} is {check_value(check)} {check.unit} (limit "
-        f"{short(check.limit)} {check.unit})"
-        for check in failed
-    )
     low_gain = [check for check in failed if check.unit == "dB"]
     step = f"lower the gain K_c of the {loop.name} loop"
     if low_gain:  # the open loop is proportional to K_c
@@ -149,7 +146,7 @@ def _step(loop: ControlLoop, failed: Sequence[Check]) -> str:
     if len(failed) > len(low_gain):
         step += " or further" if low_gain else ""
         step += ", or raise its time constant tau_c"
-    return f"{step}: {why}."
+    return step
 
 
 def _floor(value: float) -> float:

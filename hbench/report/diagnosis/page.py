@@ -141,7 +141,9 @@ def _answer(diagnosis: Diagnosis) -> Section:
         known += (
             ("Refit", f"{diagnosis.refit_refused} {definitions.REFUSED.format(fitted=fitted)}"),
         )
-    return Section(facts=(*known, ("Files beside this page", _files(diagnosis))))
+    return Section(
+        "Findings and next steps", facts=(*known, ("Files beside this page", _files(diagnosis)))
+    )
 
 
 def _answers(diagnosis: Diagnosis, questions: Collection[str]) -> tuple[tuple[str, str], ...]:

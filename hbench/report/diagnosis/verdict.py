@@ -18,7 +18,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     p_equation,
 )
-from hbench.report.diagnosis.sentences import favoured, hint, least_odds
+from hbench.report.diagnosis.sentences import favoured, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.diagnosis.words.action import first_step, next_step
@@ -246,17 +246,19 @@ def _cases(diagnosis: Diagnosis) -> str:
 
 def _none(diagnosis: Diagnosis) -> Iterator[str]:
     _, _, finding = verdict_sentence(diagnosis).partition(": ")
+    agreement, dot, sizes = keys_in_words(finding).partition(". ")
     if diagnosis.errors:
         yield "No missing effect is found."
         yield change_of_errors(diagnosis)
     else:
-        yield f"No missing effect is found: {keys_in_words(finding)}"
-    yield _largest_gap(diagnosis)
-    yield _largest(diagnosis)
+        yield f"No missing effect is found: {agreement}{dot}".rstrip()
     yield beyond_balances(diagnosis)
     yield "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+    yield "" if diagnosis.errors else sizes
+    yield _largest_gap(diagnosis)
+    yield _largest(diagnosis)
 
 
 def _largest_gap(diagnosis: Diagnosis) -> str:
@@ -307,19 +309,17 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         yield "These runs do not suffice to find a missing effect."
         yield f"Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return
-    gaps = diagnosis.rest or diagnosis.where[:1]
-    every, part = len(diagnosis.where), ""
-    if len(gaps) < every:
-        part = f" in {len(gaps)} of the {every} quantities compared"
+    gaps, every = diagnosis.rest or diagnosis.where[:1], len(diagnosis.where)
+    yield "No known effect explains how the measurement deviates from the model."
+    yield next_step(diagnosis)
+    limit = f"p below {SIGNIFICANT_P:g}"
     if gaps[1:]:
         names = all_in_sentence([gap.name for gap in gaps])
-        yield f"No known effect explains the deviation{part}: {names} (p below {SIGNIFICANT_P:g})."
+        of = f"all {every}" if len(gaps) == every else f"{len(gaps)} of the {every}"
+        yield f"Of the quantities compared, {of} deviate significantly ({limit}): {names}."
     else:
-        limit = f"significant is a p below {SIGNIFICANT_P:g}"
-        yield f"No known effect explains how the measurement deviates from the model{part}."
-        yield f"{capital(deviations(gaps, probable=True))}; {limit}."
+        only = f", the only one of {every} quantities" if every > 1 else ""
+        yield f"{capital(deviations(gaps, probable=True))}{only}; significant is a {limit}."
     yield change_of_errors(diagnosis)
-    yield next_step(diagnosis)
     yield sensors_words(diagnosis, gaps)
-    yield hint(diagnosis)
     yield beyond_balances(diagnosis)

@@ -66,6 +66,7 @@ _ALONE = (
     "The intervals are those of each number alone. p is corrected for the number of trends (Holm), "
     "and can be above 0.05 where the interval does not contain 0."
 )
+_STEPS = "A step over time is a drift, too."
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
@@ -127,7 +128,8 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
         if table.rows:
-            yield Section("Drifts", (_ALONE,), drawings=chosen, tables=(table,))
+            words = f"{_ALONE} {_STEPS}" if changed else _ALONE
+            yield Section("Drifts", (words,), drawings=chosen, tables=(table,))
         elif chosen:
             each = Section(f"Each number over time ({len(chosen)})", drawings=chosen, folded=True)
             yield Section("Drifts", (_NO_TREND,), parts=(each,))
@@ -149,9 +151,12 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
 
 def _charts(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
     """Return the control charts with their steps; directly below the summary if one is real."""
-    tables = (step_table(fleet), _untitled(chart_table(fleet)), signal_table(fleet))
+    signals = signal_table(fleet)
+    tables = (step_table(fleet), _untitled(chart_table(fleet)))
+    title = f"Signals of the control charts ({len(signals.rows)})"
+    each = (Section(title, tables=(_untitled(signals),), folded=True),) if signals.rows else ()
     shown = tuple(table for table in tables if table.rows)
-    return Section("Control charts", drawings=_of(drawings, CHARTS), tables=shown)
+    return Section("Control charts", drawings=_of(drawings, CHARTS), tables=shown, parts=each)
 
 
 def _deviations(fleet: Fleet) -> Section:

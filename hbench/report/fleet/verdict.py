@@ -28,8 +28,7 @@ from hbench.report.render.numbers import alike, half_width, significant, with_en
 from hbench.report.render.symbols import capital
 
 _LIMITS_ARE_NARROWER = (
-    "Control limits are narrower than those of outliers: they follow from the differences of "
-    "successive campaigns, without a correction for the number of values."
+    "A campaign beyond a control limit need not be an outlier: control limits are narrower."
 )
 _NAMED = 3  # steps, outliers and drifts in a sentence
 
@@ -58,7 +57,8 @@ def fleet_verdict(fleet: Fleet) -> str:
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
-    found = [*_change_words(changes), *_friction_words(fleet), *_conspicuous_words(fleet)]
+    friction = () if changes else _friction_words(fleet)  # of two levels; the tiles have its range
+    found = [*_change_words(changes), *friction, *_conspicuous_words(fleet)]
     if passed and not (fleet.incomplete or poor or any(_to_be_checked(fleet))):
         few = f"; changes over time are tested from {FEWEST_CAMPAIGNS} campaigns on"
         found.append(f"Next step: none{few if fleet.compared < FEWEST_CAMPAIGNS else ''}.")
@@ -168,25 +168,21 @@ def further_sentences(fleet: Fleet) -> Iterator[str]:
         some += f"{'; '.join(names[:_NAMED])}{more}."
         if fleet.outliers:
             yield some
-        elif any(chart.outside for chart in fleet.charts):
+        elif any(chart.outside for chart in fleet.charts) and not stepped_numbers(fleet):
             yield _LIMITS_ARE_NARROWER
     else:
         yield "Outliers are not identified: that takes at least 10 campaigns of the same kind."
 
 
 def _drift_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield the significant drifts; where all of them have a step too, as that step."""
-    drifts = [
-        _drift(spread, spread.trend)
-        for spread in fleet.spreads
-        if spread.trend is not None and spread.trend.real
-    ]
+    """Yield the significant drifts, unless all of them are steps: then nothing."""
+    real = [spread for spread in fleet.spreads if spread.trend is not None and spread.trend.real]
+    drifts = [_drift(spread, spread.trend) for spread in real if spread.trend is not None]
     if drifts:
         more = f"; and {len(drifts) - _NAMED} more" if len(drifts) > _NAMED else ""
-        of = {(s.quantity, s.direction) for s in fleet.spreads if s.trend and s.trend.real}
-        same = "The same change as a straight line over time"
-        title = same if of <= stepped_numbers(fleet) else "Significant drift"
-        yield f"{title}: {'; '.join(drifts[:_NAMED])}{more}."
+        if not {(each.quantity, each.direction) for each in real} <= stepped_numbers(fleet):
+            all_of_them = "; ".join(drifts[:_NAMED])
+            yield f"Significant drift from the first to the last campaign: {all_of_them}{more}."
     elif any(spread.trend is not None for spread in fleet.spreads):
         yield "No drift is significant."
 
@@ -227,4 +223,4 @@ def change_words(spread: Spread, trend: Trend) -> str:
 def _drift(spread: Spread, trend: Trend) -> str:
     title = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
     change = f"{change_words(spread, trend)} {of_change(spread.quantity.unit)}"
-    return f"{title}{of_side(spread.direction)}, by {change} over the span"
+    return f"{title}{of_side(spread.direction)} {change}"

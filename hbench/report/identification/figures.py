@@ -144,7 +144,7 @@ def _errors(identification: Identification) -> Figure:
         axes.grid(False, axis="x")
     rows[1].set_xticks(range(len(PARTS)), PARTS)
     rows[1].set_xlabel("Part of the profile")
-    style.read_as(figure, "Points: rms errors; dashed: the trials' scatter.")
+    style.read_as(figure, "Points: RMS errors; dashed: the trials' scatter.")
     style.head(rows[0], "Errors by law", identification)
     style.legend_above(figure, rows[0], columns=3)
     return figure

@@ -23,7 +23,8 @@ from hbench.report.identification.text import (
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike, number, span
+from hbench.report.render.numbers import alike, span
+from hbench.report.render.symbols import listed
 
 _SOURCE = (
     "Laws and verification profile",
@@ -32,8 +33,9 @@ _SOURCE = (
 )
 _SUMMARY = (
     ("RMS error", "Root mean square of simulated less measured friction over the verification "
-     "runs. The laws are in the order of the error in motion. At rest friction is the force that "
-     "holds the piston, which laws of speed and pressure alone do not determine."),
+     "runs, which were not used for the identification. Each law was simulated in a model of the "
+     "bench, with the firmware in closed loop. At rest friction is the force that holds the "
+     "piston, which laws of speed and pressure alone do not determine."),
     ("Not determined", "The half-width of the 95 % interval exceeds a tenth of the parameter's "
      "typical size, and exceeds the value too or is cut off by a bound of the fit; or the value is "
      "at a bound. Other parameters may take its place."),
@@ -175,33 +177,27 @@ def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...
     simulated = identification.provenance.source == "simulated"
     return (
         ("Kinds of laws", words),
-        ("Constant speeds", _steady_words(verified)),
+        *_oscillations(verified),
         *([("Simulated", _SIMULATED)] if simulated else []),
     )
 
 
-def _steady_words(laws: Sequence[IdentifiedLaw]) -> str:
-    """State each law's RMS error at constant speeds, apart from where its simulation oscillates."""
-    errors, oscillations = [], []
+def _oscillations(laws: Sequence[IdentifiedLaw]) -> tuple[tuple[str, str], ...]:
+    """State where the errors at constant speed leave out oscillations of the simulation."""
+    where: dict[str, list[str]] = {}
     for law in laws:
-        name, steady = law_words(law.law), law.steady
-        if steady is None or steady.oscillating is None:
-            errors.append(f"{name} {number(law.errors['steady'].friction_n, 1)} N")
-            continue
-        if steady.smooth:
-            errors.append(f"{name} {number(steady.smooth.friction_n, 1)} N")
-        oscillations.append(
-            f"{name} {number(steady.oscillating.friction_n, 1)} N in {len(steady.speeds_m_s)} of "
-            f"{steady.parts} parts at {span([1e3 * v for v in steady.speeds_m_s])} mm/s"
-        )
-    smooth = f"RMS errors where the simulation does not oscillate: {', '.join(errors)}."
-    if not oscillations:
-        return f"RMS errors: {', '.join(errors)}."
-    return (
-        f"{smooth} RMS errors where it oscillates: {'; '.join(oscillations)}. Where friction falls "
-        "with speed, a static law damps no oscillation; the measured motion does not oscillate "
-        "there. An error there does not measure the law's friction at that speed."
+        if (steady := law.steady) is not None and steady.oscillating is not None:
+            speeds = span([1e3 * v for v in steady.speeds_m_s])
+            place = f"in {len(steady.speeds_m_s)} of {steady.parts} parts, at {speeds} mm/s"
+            where.setdefault(place, []).append(law_words(law.law))
+    if not where:
+        return ()
+    parts = "; ".join(f"{place}: {listed(names)}" for place, names in where.items())
+    words = (
+        f"Without the parts where the simulation oscillates, {parts}. Where friction falls with "
+        "speed, a static law damps no oscillation; the measured motion does not oscillate there."
     )
+    return (("At constant speed", words),)
 
 
 def _ramp_words(identification: Identification) -> tuple[str, ...]:

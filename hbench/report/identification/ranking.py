@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from hbench.records import Identification, IdentifiedLaw, ModelErrors
 from hbench.records.identification import PARTS
 
-AT_REST = "rest"  # of the parts of a verification run
+AT_REST, AT_SPEED = "rest", "steady"  # of the parts of a verification run
 IN_MOTION = tuple(part for part in PARTS if part != AT_REST)
 _EQUALLY_GOOD = 1.05  # times the smallest error; the laws below are all named
 

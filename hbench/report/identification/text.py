@@ -17,7 +17,14 @@ from hbench.records import (
 )
 from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
-from hbench.report.identification.ranking import AT_REST, IN_MOTION, error_n, ranked_laws, rms_n
+from hbench.report.identification.ranking import (
+    AT_REST,
+    AT_SPEED,
+    IN_MOTION,
+    error_n,
+    ranked_laws,
+    rms_n,
+)
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, force, number, significant, with_ends
 from hbench.report.render.terminal_table import table_lines
@@ -39,7 +46,7 @@ PARAMETERS = "Identified parameters"
 SUMMARY = "Laws by their error in motion"
 RAMPS = "Steady runs and ramps from breakaway on: RMS error of Tustin fits"
 _ONE_ERROR = ("RMS error of friction (N)",)
-_TWO_ERRORS = ("RMS error in motion (N)", "At rest (N)")
+_ERRORS = ("RMS error in motion (N)", "At constant speed (N)", "At rest (N)")
 _FLOOR = "Trials' scatter"
 _SURNAMES = ("Coulomb", "Stribeck")
 
@@ -148,7 +155,7 @@ def _summary(identification: Identification) -> WordTable:
     verified = any(law.errors for law in identification.laws)
     rows = []
     for law in ranked_laws(identification):
-        rest = (_rms_words(law.errors, (AT_REST,)),) if verified else ()
+        rest = (_steady_words(law), _rms_words(law.errors, (AT_REST,))) if verified else ()
         if law.fit is None:
             cells = (NONE, *(NONE for _ in rest), "all: not identified", NONE)
         else:
@@ -157,12 +164,19 @@ def _summary(identification: Identification) -> WordTable:
             cells = (error, *rest, names or "none", f"{law.law}.yaml")
         rows.append((law.law, *cells))
     if identification.scatter:
-        parts = (IN_MOTION, (AT_REST,)) if verified else (PARTS,)
+        parts = (IN_MOTION, (AT_SPEED,), (AT_REST,)) if verified else (PARTS,)
         scatter = (_rms_words(identification.scatter, part) for part in parts)
         rows.append((_FLOOR, *scatter, "", ""))
     known = verified or any(law.held_out_n for law in identification.laws)
-    head = ("Law", *(_TWO_ERRORS if verified else _ONE_ERROR), "Not determined", "Plant file")
+    head = ("Law", *(_ERRORS if verified else _ONE_ERROR), "Not determined", "Plant file")
     return WordTable(SUMMARY, head, tuple(rows) if known else ())
+
+
+def _steady_words(law: IdentifiedLaw) -> str:
+    """Write the error at constant speeds, without the parts where the simulation oscillates."""
+    if law.steady is None or law.steady.oscillating is None:
+        return _rms_words(law.errors, (AT_SPEED,))
+    return NONE if law.steady.smooth is None else number(law.steady.smooth.friction_n, 1)
 
 
 def _rms_words(errors: Mapping[str, ModelErrors], parts: Iterable[str]) -> str:

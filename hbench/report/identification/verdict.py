@@ -1,63 +1,48 @@
-"""Verdict on identified laws: the best ones, and which to use with which reserve."""
-
-from collections.abc import Sequence
+"""Verdict on identified laws: the one to use, for what, and the others."""
 
 import numpy as np
 
 from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
-from hbench.report.identification.ranking import (
-    best_law,
-    equally_good,
-    errors_in_motion,
-    ranked_laws,
-)
+from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
 from hbench.report.identification.text import error_range, undetermined_words
 from hbench.report.render.numbers import alike, number, significant, span
 from hbench.report.render.symbols import listed
 
 
 def verdict_words(identification: Identification) -> str:
-    """Return the best laws, how they were verified, and the next step."""
+    """Return the law to use, what it can be relied on for, those beside it, and the next step."""
     if identification.not_verified:
         return f"{identification.not_verified[0].upper()}{identification.not_verified[1:]}."
-    return " ".join(
-        filter(
-            None, (_closest(identification), _method(identification), _next_step(identification))
-        )
-    )
-
-
-def _method(identification: Identification) -> str:
-    count = len(identification.verification_runs)
-    return (
-        f"Each law was simulated in a model of the bench, with the firmware in closed loop, over "
-        f"{count} verification runs, which were not used for the identification."
-    )
-
-
-def _closest(identification: Identification) -> str:
-    """Name the law to use with its error of friction in motion, and those as good as it."""
     best = best_law(identification)
     if not best:
         return ""
-    errors = errors_in_motion(identification)
-    words = (
-        f"Use {law_words(best)}: it predicts friction in motion with an RMS error of "
-        f"{number(errors[best], 1)} N{_range(identification)}."
+    parts = (
+        _closest(identification, best),
+        _reserve(identification, best),
+        _as_good(identification, best),
+        _worse(identification),
+        f"To simulate with {law_words(best)}: hbench run --plant {best}.yaml.",
     )
+    return " ".join(filter(None, parts))
+
+
+def _closest(identification: Identification, best: str) -> str:
+    """Name the law to use with its error of friction in motion."""
+    error = number(errors_in_motion(identification)[best], 1)
+    return (
+        f"Use {law_words(best)}: it predicts friction in motion with an RMS error of {error} N"
+        f"{_range(identification)}."
+    )
+
+
+def _worse(identification: Identification) -> str:
+    """State the errors of the laws that are not as good; empty if all are."""
+    errors = errors_in_motion(identification)
     worse = {law: error for law, error in errors.items() if law not in equally_good(errors)}
-    others = f"The errors of the other laws are {error_range(worse.values())} N." if worse else ""
     if len(worse) == 1:
-        others = f"The error of {law_words(*worse)} is {error_range(worse.values())} N."
-    oscillating = [
-        law_words(law.law)
-        for law in ranked_laws(identification)
-        if law.steady and law.steady.oscillating
-    ]
-    if oscillating:
-        others += f" Simulations with {listed(oscillating)} oscillate at some constant speeds."
-    return " ".join(filter(None, (words, _as_good(identification, best), others.strip())))
+        return f"The error of {law_words(*worse)} is {error_range(worse.values())} N."
+    return f"The errors of the other laws are {error_range(worse.values())} N." if worse else ""
 
 
 def _range(identification: Identification) -> str:
@@ -89,32 +74,18 @@ def _as_good(identification: Identification, best: str) -> str:
     )
 
 
-def _next_step(identification: Identification) -> str:
-    """Return how to use the best law, and what the runs do not determine of it."""
-    best = best_law(identification)
-    if not best:
-        return ""
+def _reserve(identification: Identification, best: str) -> str:
+    """State for which motions the law was verified, and what is not determined of it."""
     fits = {law.law: law.fit for law in identification.laws if law.fit is not None}
-    unknown = undetermined_words(fits[best]) if best in fits else []
-    return (
-        f"Next step: simulate with hbench run --plant {best}.yaml."
-        f"{_reserve(identification, unknown)}"
-    )
-
-
-def _reserve(identification: Identification, unknown: Sequence[str]) -> str:
-    """State what is not determined of the law, and for which motions it was verified."""
     parts = []
-    if unknown:
-        parts.append(
-            f" These runs do not determine its {listed(unknown)}: motions that depend on "
-            f"{'it' if len(unknown) == 1 else 'them'} can differ from the simulation."
-        )
     if verified := _verified_range(identification):
+        parts.append(f"It is verified for {verified}.")
+    if unknown := undetermined_words(fits[best]) if best in fits else []:
         parts.append(
-            f" The law is verified for {verified}: verify it again before you exceed them."
+            f"Do not rely on motions that depend on its {listed(unknown)}, which these runs do not "
+            "determine."
         )
-    return "".join(parts)
+    return " ".join(parts)
 
 
 def _verified_range(identification: Identification) -> str:

@@ -11,6 +11,7 @@ _WITH_UNIT = re.compile(
     r"|\((?:N s/m|Pa s|ml/min per bar)\)"
 )
 _OF_SYMBOL = re.compile(r"\b(P_[TLS][pr]?) (?=−?\d)")  # a pressure before its value
+_RELATION = re.compile(r"(\bp )?([=<>≥≤]) (?=[−\d])")  # before a number, such as p = 0.01
 _NEGATIVE = re.compile(r"(?<![\w.)-])-(?=\d)")
 _EXPONENT = re.compile(r"(?<=\d)[eE]([+-]?\d+)(?!\w)")
 _TEN = re.compile(r"·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
@@ -97,12 +98,6 @@ def _decimals(half_width: float, more: int = 0) -> int:
     return min(1 + more - math.floor(math.log10(rounded)), 6)
 
 
-def as_written(value: float, half_width: float) -> tuple[float, float]:
-    """Return value and half-width as ``with_interval`` rounds them."""
-    decimals = _decimals(half_width)
-    return round(value, decimals), round(half_width, decimals)
-
-
 def finer(value: float, half_width: float) -> str:
     """Write with one decimal more than ``with_interval``, so that differences agree with it."""
     return _to_half(value, half_width, 1)
@@ -118,9 +113,15 @@ def short(value: float | None) -> str:
     return _without_end_zeros(significant(value, 3))
 
 
+def unbroken(text: str) -> str:
+    """Return a text that is not broken over lines, such as a number with its uncertainty."""
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
+
+
 def unit_kept(text: str) -> str:
     """Return a text that is not broken over lines between a symbol, its number and the unit."""
     text = _OF_SYMBOL.sub("\\1\N{NO-BREAK SPACE}", text)
+    text = _RELATION.sub(lambda match: unbroken(match[0]), text)
     return _WITH_UNIT.sub(lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
 
 

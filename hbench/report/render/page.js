@@ -1,5 +1,5 @@
 // Numbers beside a figure's mark (pointer or arrow keys), tables that are sorted by a click on a head,
-// and a hint below tables that are wider than the page.
+// and tables that are wider than the page: lists on a phone, or a hint below.
 "use strict";
 (() => {
   const reach = 24; // px
@@ -99,7 +99,25 @@
     });
   }
 
+  // A short table that is wider than a phone becomes a list: each cell with its column's head.
+  const phone = window.matchMedia("(max-width: 560px)");
+  const most = 12; // rows
+  const list = (table) => {
+    const heads = table.tHead.rows[0].cells;
+    table.classList.add("listed");
+    for (const cell of table.querySelectorAll("tbody td:not(:first-child)")) {
+      if (!cell.textContent.trim()) continue;
+      const head = document.createElement("span");
+      head.className = "head";
+      head.setAttribute("aria-hidden", "true");
+      head.append(...heads[cell.cellIndex].cloneNode(true).childNodes);
+      cell.prepend(head);
+    }
+  };
+
   const hint = (scroller) => {
+    const table = scroller.querySelector("table:not(.sortable, .listed)");
+    if (phone.matches && table && table.tBodies[0].rows.length <= most && scroller.scrollWidth > scroller.clientWidth) list(table);
     const hidden = scroller.scrollWidth - scroller.clientWidth - scroller.scrollLeft;
     scroller.classList.toggle("more", hidden > 2);
   };

@@ -1,12 +1,13 @@
 """A document as an A4 PDF, set by matplotlib: no browser, no other program, the same everywhere.
 
 Each sheet has a header with the document's name and a footer with its number. Figures are embedded
-as the PNG files beside the page. For vector figures, or the page's layout, print the page from a
-browser.
+as the PNG files beside the page; one that does not fit goes to the top of the next sheet. For
+vector figures, or the page's layout, print the page from a browser.
 """
 
 import io
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.metadata import version
 from struct import unpack
 
@@ -21,6 +22,7 @@ from hbench.records import WordTable
 from hbench.report.render.document import Document, Section, numbered, numeric
 from hbench.report.render.figures import Drawing
 from hbench.report.render.markdown import words
+from hbench.report.render.numbers import unbroken
 from hbench.report.render.pdf_pen import (
     INK,
     INNER,
@@ -33,7 +35,7 @@ from hbench.report.render.pdf_pen import (
     width_of,
     wrapped,
 )
-from hbench.report.render.pdf_table import CELLS, QUIET, least_height, set_table, unbroken
+from hbench.report.render.pdf_table import CELLS, QUIET, least_height, set_table
 from hbench.report.render.style import RC
 from hbench.report.render.word_tables import Cell, Table
 
@@ -83,6 +85,7 @@ def sheets(document: Document) -> list[Figure]:
         pen.rule()
     for section in document.sections:
         _set(pen, section, _SECTION)
+    pen.place_waiting()
     for number, sheet in enumerate(pen.done, start=1):
         right = SHEET_WIDTH - LEFT
         set_text(sheet, LEFT, _HEADER, _shortened(document.tab), _SMALL, color=QUIET)
@@ -117,6 +120,8 @@ def _shortened(text: str) -> str:
 
 
 def _set(pen: Pen, section: Section, size: float) -> None:
+    if section.drawings and not _has_text(section):
+        pen.place_waiting()  # the heading is above its own figures
     if section.title:
         pen.room(_HEADING + _opening(pen, section))  # no heading alone at the foot of a sheet
         pen.space(12 if size > _PART else 7)
@@ -143,10 +148,15 @@ def _set(pen: Pen, section: Section, size: float) -> None:
 
 
 def _opening(pen: Pen, section: Section) -> float:
-    """Return the height of what a heading needs on its sheet: text, and the first that follows."""
+    """Return the height of what a heading needs on its sheet: its text, or the first that follows.
+
+    Figures after a text may go to the next sheet.
+    """
     height = sum(
         len(wrapped(text, pen.width, _BODY)) * _BODY * LINE + 3 for text in section.paragraphs
     )
+    if section.drawings and _has_text(section):
+        return height
     for row in list(_side_by_side(section.drawings))[:1]:
         return height + max(_heights(row)) + _below(_captions(row, section.drawings)) + 8
     if section.tables:
@@ -156,6 +166,10 @@ def _opening(pen: Pen, section: Section) -> float:
     if section.parts:
         return height + _HEADING + _opening(pen, section.parts[0])
     return height + _FEW_LINES * (not section.paragraphs)
+
+
+def _has_text(section: Section) -> bool:
+    return bool(section.paragraphs or section.items or section.tiles)
 
 
 def _rows(table: WordTable | Table) -> list[list[str]]:
@@ -208,31 +222,36 @@ def _facts(pen: Pen, facts: tuple[tuple[str, str], ...] | list[tuple[str, str]])
 
 
 def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
-    """Set figures, two side by side or one over the whole width, and their captions below."""
+    """Set figures, two side by side or one over the whole width, with their captions."""
     for row in _side_by_side(drawings):
-        images = [_few_colours(drawing.png) for drawing in row]
-        wide, heights, captions = _width(row), _heights(row), _captions(row, drawings)
-        beside = _is_beside(row)
-        below = 0.0 if beside else _below(captions)
-        pen.room(max(heights) + below + 8)
-        pen.space(6)
-        top, bottom = pen.y, pen.y + max(heights) + 2
-        for column, (image, height) in enumerate(zip(images, heights, strict=True)):
-            left = LEFT + column * (_FIGURE + _GAP)
-            box = (
-                left / SHEET_WIDTH,
-                1 - (top + height) / SHEET_HEIGHT,
-                wide / SHEET_WIDTH,
-                height / SHEET_HEIGHT,
-            )
-            axes = pen.done[-1].add_axes(box)
-            axes.imshow(image, aspect="auto", interpolation="none")
-            axes.set_axis_off()
-        for column, lines in enumerate(captions, start=int(beside)):
-            pen.y = top + _BESIDE if beside else bottom
-            for line in lines:
-                pen.write(line, _SMALL, x=LEFT + column * (_FIGURE + _GAP), color=QUIET)
-        pen.y = bottom + below
+        captions = _captions(row, drawings)
+        below = 0.0 if _is_beside(row) else _below(captions)
+        height = max(_heights(row)) + below + 8
+        pen.floating(height, partial(_figure_row, pen, row, captions, below))
+
+
+def _figure_row(pen: Pen, row: list[Drawing], captions: list[list[str]], below: float) -> None:
+    """Set figures side by side; their captions have a height ``below`` them, or are beside."""
+    images = [_few_colours(drawing.png) for drawing in row]
+    wide, heights, beside = _width(row), _heights(row), _is_beside(row)
+    pen.space(6)
+    top, bottom = pen.y, pen.y + max(heights) + 2
+    for column, (image, height) in enumerate(zip(images, heights, strict=True)):
+        left = LEFT + column * (_FIGURE + _GAP)
+        box = (
+            left / SHEET_WIDTH,
+            1 - (top + height) / SHEET_HEIGHT,
+            wide / SHEET_WIDTH,
+            height / SHEET_HEIGHT,
+        )
+        axes = pen.done[-1].add_axes(box)
+        axes.imshow(image, aspect="auto", interpolation="none")
+        axes.set_axis_off()
+    for column, lines in enumerate(captions, start=int(beside)):
+        pen.y = top + _BESIDE if beside else bottom
+        for line in lines:
+            pen.write(line, _SMALL, x=LEFT + column * (_FIGURE + _GAP), color=QUIET)
+    pen.y = bottom + below
 
 
 def _width(row: list[Drawing]) -> float:

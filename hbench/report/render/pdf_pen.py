@@ -30,6 +30,7 @@ class Pen:
         self.done: list[Figure] = []
         self.x, self.width = LEFT, INNER
         self.on_turn: Callable[[], None] | None = None  # repeats the head of a table
+        self._waiting: list[tuple[float, Callable[[], None]]] = []  # heights, and what sets them
         self._turn()
 
     def _turn(self) -> None:
@@ -37,13 +38,33 @@ class Pen:
         FigureCanvasAgg(figure)
         self.done.append(figure)
         self.y = _TOP
+        while self._waiting and self._has_room(self._waiting[0][0]):
+            self._waiting.pop(0)[1]()
+
+    def _has_room(self, height: float) -> bool:
+        return self.y + height <= SHEET_HEIGHT - _BOTTOM or self.y == _TOP
 
     def room(self, height: float) -> None:
         """Begin another sheet where this one has less than ``height`` left."""
-        if self.y + height > SHEET_HEIGHT - _BOTTOM and self.y > _TOP:
+        sheets = len(self.done)
+        while not self._has_room(height):
             self._turn()
-            if self.on_turn is not None:
-                self.on_turn()
+        if len(self.done) > sheets and self.on_turn is not None:
+            self.on_turn()
+
+    def floating(self, height: float, place: Callable[[], None]) -> None:
+        """Call ``place`` here, or at the top of the next sheet; what follows fills this one.
+
+        What is set keeps its order: nothing is placed before what already waits.
+        """
+        self._waiting.append((height, place))
+        if len(self._waiting) == 1 and self._has_room(height):
+            self._waiting.pop()[1]()
+
+    def place_waiting(self) -> None:
+        """Place all that waits for another sheet."""
+        while self._waiting:
+            self._turn()
 
     def space(self, height: float) -> None:
         """Leave a height empty."""

@@ -8,12 +8,7 @@ CELLS = 7.2  # size of letters, points
 SMALLEST = 5.0  # of a table with many columns
 QUIET = "#444444"
 _GAP = 8.0  # between columns
-_NO_BREAK = "\N{NO-BREAK SPACE}"
-
-
-def unbroken(text: str) -> str:
-    """Return a text that is not broken over lines, such as a number with its uncertainty."""
-    return text.replace(" ", _NO_BREAK)
+_WHOLE = SHEET_HEIGHT / 6  # height up to which a table is not divided
 
 
 def set_table(
@@ -25,9 +20,9 @@ def set_table(
 ) -> None:
     """Set a table over the column; its ``title`` and head are repeated on the next sheet.
 
-    A table of up to half a sheet is not divided. ``numbers`` are the columns that are aligned to
-    the right. Letters become smaller, down to ``SMALLEST``, where the words of a row would not fit
-    side by side.
+    A table of up to a sixth of a sheet is not divided. ``numbers`` are the columns that are aligned
+    to the right. Letters become smaller, down to ``SMALLEST``, where the words of a row would not
+    fit side by side.
     """
     size = _size(head, rows, pen.width)
     widths = _widths(head, rows, pen.width, size)
@@ -58,14 +53,15 @@ def set_table(
 def least_height(pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]]) -> float:
     """Return the height that a table needs on its first sheet.
 
-    It is that of the whole table up to half a sheet, or else of the head and the first two rows.
+    It is that of the whole table up to a sixth of a sheet, or else of the head and the first two
+    rows.
     """
     size = _size(head, rows, pen.width)
     widths = _widths(head, rows, pen.width, size)
     above = _height(_cells(head, widths, size, "bold"), size)
     heights = [_height(_cells(row, widths, size, "normal"), size) for row in rows]
     whole = above + sum(heights)
-    return whole if whole <= SHEET_HEIGHT / 2 else above + sum(heights[:2])
+    return whole if whole <= _WHOLE else above + sum(heights[:2])
 
 
 def _line(
@@ -117,25 +113,25 @@ def _widths(
 ) -> list[float]:
     """Return widths that fill ``width``: words are not broken if possible.
 
-    Of the space that the widest words leave, the columns that need least get it first: short cells
-    stay on a line, long ones are wrapped.
+    Of the space that the widest words leave, the rows get what they need before the head, and the
+    columns that need least first: short cells stay on a line, long ones are wrapped.
     """
-    least = [size * each for each in _least(head, rows)]
-    best = least.copy()
-    for weight, some in (("bold", [head]), ("normal", rows)):
-        for row in some:
-            for column, cell in enumerate(row):
-                best[column] = max(best[column], size * width_of(cell, weight))
+    widths = [size * each for each in _least(head, rows)]
     free = width - _GAP * (len(head) - 1)
-    spare = free - sum(least)
-    wanted = [more - fewer for more, fewer in zip(best, least, strict=True)]
-    if spare <= 0:  # words longer than the page is wide are broken
-        return [free * each / sum(least) for each in least]
-    widths = least.copy()
-    columns = sorted(range(len(widths)), key=wanted.__getitem__)
-    for left, column in zip(range(len(columns), 0, -1), columns, strict=True):
-        more = min(wanted[column], spare / left)
-        widths[column] += more
-        spare -= more
+    if sum(widths) >= free:  # words longer than the page is wide are broken
+        return [free * each / sum(widths) for each in widths]
+    for weight, some in (("normal", rows), ("bold", [head])):
+        longest = [
+            max((width_of(row[c], weight) for row in some), default=0.0) for c in range(len(head))
+        ]
+        wanted = [
+            max(0.0, size * more - fewer) for more, fewer in zip(longest, widths, strict=True)
+        ]
+        spare = free - sum(widths)
+        columns = sorted(range(len(widths)), key=wanted.__getitem__)
+        for left, column in zip(range(len(columns), 0, -1), columns, strict=True):
+            more = min(wanted[column], spare / left)
+            widths[column] += more
+            spare -= more
     rest = (free - sum(widths)) / len(widths)
     return [each + rest for each in widths]

@@ -10,6 +10,7 @@ from hbench.report.conformity.certificate.layout import (
     GridTable,
     Part,
     localized,
+    on_a_line,
     without_empty,
 )
 from hbench.report.render.numbers import NONE, short, significant, with_interval
@@ -18,32 +19,36 @@ from hbench.untrusted_text import printable
 
 
 def conformity_part(certificate: Certificate) -> Part:
-    """Return the decision on the specimen, the table of decisions and the rule."""
+    """Return the decision on the specimen, its product and limits, the table and the rule."""
     word, acceptance = certificate.word, certificate.acceptance
     if acceptance is None:
         return Part("conformity", word("conformity"), paragraphs=(word("no_limits"),))
     keys = ("quantity", "series", "measured", "limit", "conforms", "decision")
     measured = [check.measurement for check in acceptance.checks if check.measurement is not None]
-    stated = {value.measurement.p_lr_ref_pa for value in certificate.values}  # in their tables
+    stated = [value.measurement for value in certificate.values]  # in their tables
+    pressures, loads = ({each.p_lr_ref_pa for each in stated}, {each.f_load_n for each in stated})
     back = differs_in_rod_pressure(measured) or any(
-        each.p_lr_ref_pa not in stated for each in measured
+        each.p_lr_ref_pa not in pressures for each in measured
     )
-    rows = tuple(_decision_row(certificate, check, back) for check in acceptance.checks)
+    of_series = {each.f_load_n for each in measured if each.direction}
+    load = len(of_series) > 1 or not of_series <= loads
+    rows = tuple(_decision_row(certificate, check, load, back) for check in acceptance.checks)
     table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({2, 4})))
     share = localized(certificate, short(100 * (acceptance.largest_uncertainty or 0.0)))
     rule = word(f"rule_{acceptance.rule}", share=share)
     paragraphs = (word("decision_rule", rule=rule), " ".join(_remarks(certificate, acceptance)))
-    decision = word("overall", decision=word(acceptance.decision), limits=_file(acceptance))
-    if acceptance.product:
-        decision += " " + word("of_product", product=certificate.named(acceptance.product))
-    decision = " ".join(filter(None, (decision, _reservation(certificate))))
+    product = acceptance.product and word(
+        "of_product", product=certificate.named(acceptance.product)
+    )
+    limits = word("of_limits", limits=_file(acceptance))
+    lead = " ".join(filter(None, (product, limits, _reservation(certificate))))
     verdict = word(acceptance.decision)
     return Part(
         *("conformity", word("conformity")),
         tables=(table,),
         paragraphs=paragraphs,
         verdict=verdict,
-        lead=decision,
+        lead=lead,
     )
 
 
@@ -71,15 +76,17 @@ def _reservation(certificate: Certificate) -> str:
 
 
 def _file(acceptance: Acceptance) -> str:
-    return f"{printable(acceptance.limits)}, SHA-256 {acceptance.limits_sha256[:12]}…"
+    return f"{printable(acceptance.limits)} (SHA-256 {acceptance.limits_sha256[:12]}…)"
 
 
 def _decision_row(
-    certificate: Certificate, check: ConformityCheck, with_back_pressure: bool
+    certificate: Certificate, check: ConformityCheck, with_load: bool, with_back_pressure: bool
 ) -> tuple[str, ...]:
     word, measured, unit = certificate.word, check.measurement, check.requirement.unit
     series = measured or check.requirement
-    load = "" if series.f_load_n is None else f"{short(series.f_load_n)} N"
+    load = ""
+    if series.f_load_n is not None and (with_load or measured is None):
+        load = f"{short(series.f_load_n)} N"
     direction = word(series.direction) if series.direction else ""
     pressure = ""
     if series.p_lr_ref_pa is not None and (with_back_pressure or measured is None):
@@ -93,12 +100,13 @@ def _decision_row(
         text = f"{with_interval(from_si(measured.value, unit), half)} {unit}"
     if check.probability is not None:
         shown = 100 * check.probability
-        percent = "> 99.9" if shown > 99.9 else "< 0.1" if shown < 0.1 else significant(shown, 3)
+        size = "> 99.9" if shown > 99.9 else "< 0.1" if shown < 0.1 else significant(shown, 3)
+        percent = f"{size} %"
     return (
         quantity_words(certificate, check),
-        ", ".join(where),
+        on_a_line(", ".join(where), 20),
         localized(certificate, text),
-        limit_words(certificate, check.requirement),
+        on_a_line(limit_words(certificate, check.requirement), 20),
         localized(certificate, percent),
         word(check.decision),
     )

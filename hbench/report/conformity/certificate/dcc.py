@@ -228,7 +228,7 @@ def _conformity(certificate: Certificate, part: Part) -> Iterable[Element]:
         return
     norm = "JCGM 106:2012"
     status = _CONFORMITY.get(acceptance.decision, "")
-    lines = (part.lead, *part.paragraphs)
+    lines = (part.verdict, part.lead, *part.paragraphs)
     yield _statement(certificate, part.title, *lines, conformity=status, norm=norm)
     rows = part.tables[0].rows
     for check, row in zip(acceptance.checks, rows, strict=True):

@@ -112,7 +112,7 @@ ENGLISH = {
     "no_external": "No results from external providers are recorded.",
     "no_sampling": "No sampling plan and no adjustment of the item are recorded.",
     # Results
-    "series": "Series",
+    "series": "Test",
     "direction": "Direction",
     "extend": "extending",
     "retract": "retracting",
@@ -160,7 +160,7 @@ ENGLISH = {
     "to all holds or, where this is narrower ({leaks}), the resolution of the pressure converter: "
     "the leak that changes the pressure by one code during a hold",
     # Conformity
-    "overall": "Decision on the specimen: {decision} (limits of {limits}).",
+    "of_limits": "Limits: {limits}.",
     "of_product": "Product: {product}.",
     "decision_rule": "Decision rule: {rule}",
     "rule_simple": "simple acceptance (JCGM 106, 8.2): the measured value decides.",
@@ -170,15 +170,15 @@ ENGLISH = {
     "the limit by at least U.",
     "applies": "The statement applies to the quantities in the table. “Conforms” is the "
     "probability of conformity (JCGM 106, 7).",
-    "leak_conforms": "That of a leakage holds for the bulk modulus and the dead volumes of the "
-    "bench file.",
+    "leak_conforms": "For leakage it assumes the bulk modulus and the dead volumes of the bench "
+    "file.",
     "worst_speed": "Where a limit states no speed, each series is decided at the speed with "
     "the lowest probability of conformity.",
-    "names": "Names of series and limits are those of the schedule and of the file of limits.",
+    "names": "Names of tests and limits are the laboratory's.",
     "quantity": "Quantity",
     "measured": "Measured ± U",
     "limit": "Limit",
-    "conforms": "Conforms (%)",
+    "conforms": "Conforms",
     "decision": "Decision",
     "PASS": "PASS",
     "FAIL": "FAIL",

@@ -109,7 +109,7 @@ GERMAN = {
     "no_external": "Ergebnisse externer Anbieter sind nicht verzeichnet.",
     "no_sampling": "Ein Stichprobenplan und eine Justierung des Gegenstands sind nicht "
     "verzeichnet.",
-    "series": "Reihe",
+    "series": "Prüfung",
     "direction": "Richtung",
     "extend": "ausfahrend",
     "retract": "einfahrend",
@@ -156,7 +156,7 @@ GERMAN = {
     "leak_of_both": "U der Leckage ist die halbe Breite des 95-%-Vertrauensintervalls der "
     "Anpassung an alle Halteversuche oder, wo dieses schmaler ist ({leaks}), die Auflösung der "
     "Druckwandlung: die Leckage, die den Druck während des Haltens um eine Stufe ändert",
-    "overall": "Entscheidung über den Prüfling: {decision} (Grenzwerte aus {limits}).",
+    "of_limits": "Grenzwerte: {limits}.",
     "of_product": "Produkt: {product}.",
     "decision_rule": "Entscheidungsregel: {rule}",
     "rule_simple": "einfache Annahme (JCGM 106, 8.2): Der Messwert entscheidet.",
@@ -166,15 +166,15 @@ GERMAN = {
     "mindestens um U innerhalb liegt.",
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
     "Wahrscheinlichkeit der Konformität (JCGM 106, 7).",
-    "leak_conforms": "Die einer Leckage gilt für Kompressionsmodul und Totvolumina der "
-    "Prüfstandsdatei.",
+    "leak_conforms": "Bei einer Leckage setzt sie Kompressionsmodul und Totvolumina der "
+    "Prüfstandsdatei voraus.",
     "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "
     "Geschwindigkeit mit der kleinsten Wahrscheinlichkeit der Konformität entschieden.",
-    "names": "Namen von Reihen und Grenzwerten wie in ihren Dateien.",
+    "names": "Namen von Prüfungen und Grenzwerten sind die des Labors.",
     "quantity": "Größe",
     "measured": "Messwert ± U",
     "limit": "Grenzwert",
-    "conforms": "Konform (%)",
+    "conforms": "Konform",
     "decision": "Entscheidung",
     "PASS": "BESTANDEN",
     "FAIL": "NICHT BESTANDEN",

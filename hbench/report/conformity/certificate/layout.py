@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from hbench.report.conformity.certificate.certificate import Certificate
-from hbench.report.render.numbers import NONE
+from hbench.report.render.numbers import NONE, unbroken
 
 _UNIT = re.compile(r"(\d) (mm/s|mm²|N/s|N|bar|%|°C|s|ml/min)(?![\w/])")
 
@@ -62,6 +62,11 @@ class Content:
 def localized(certificate: Certificate, text: str) -> str:
     """Return a number's text with the decimal sign of the certificate's language."""
     return text.replace(".", ",") if certificate.file.language == "de" else text
+
+
+def on_a_line(text: str, longest: int) -> str:
+    """Return a text so that it is not broken over lines if it has up to ``longest`` letters."""
+    return text if len(text) > longest else unbroken(text)
 
 
 def with_joined_units(part: Part) -> Part:

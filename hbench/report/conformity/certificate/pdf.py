@@ -16,6 +16,7 @@ from hbench.errors import ConfigError
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.layout import Content, GridTable, Part
+from hbench.report.render.numbers import unbroken
 from hbench.report.render.pdf_pen import (
     INK,
     INNER,
@@ -27,7 +28,7 @@ from hbench.report.render.pdf_pen import (
     set_text,
     wrapped,
 )
-from hbench.report.render.pdf_table import QUIET, set_table, unbroken
+from hbench.report.render.pdf_table import QUIET, set_table
 
 _ACCENT, _MARK = "#1d4e6f", "#9b1c1c"
 _GAP = 20.0  # between parts side by side
@@ -35,7 +36,8 @@ _BODY, _HEADING, _VERDICT, _TITLE = 7.5, 8.8, 16.0, 18.0
 _LABEL = 0.34  # share of a fact's name
 _LOGO = (125.0, 60.0)  # largest
 _SIGNATURE = 62.0  # height
-_WHOLE = 250.0  # height of a text that is kept on one sheet
+_OPENING = 70.0  # height of a heading and the first lines of its text
+_PARAGRAPH = 2.0  # between paragraphs
 
 
 def certificate_pdf(certificate: Certificate) -> bytes:
@@ -174,7 +176,8 @@ def _fact_height(part: Part, width: float) -> float:
 
 
 def _text_height(part: Part) -> float:
-    return 22 + sum(len(wrapped(text, INNER, _BODY)) for text in part.paragraphs) * _BODY * LINE
+    lines = (len(wrapped(text, INNER, _BODY)) for text in part.paragraphs)
+    return 22 + sum(count * _BODY * LINE + _PARAGRAPH for count in lines)
 
 
 def _signatures_height(shown: Content) -> float:
@@ -189,7 +192,7 @@ def _part(pen: Pen, part: Part) -> None:
     if part.tables or part.facts:
         pen.room(22 + 3 * _BODY * LINE + (20 if part.tables else 0))  # no heading alone at the foot
     else:
-        pen.room(min(_text_height(part), _WHOLE))
+        pen.room(min(_text_height(part), _OPENING))
     pen.space(7)
     pen.write(part.title, _HEADING, weight="bold", color=_ACCENT)
     pen.space(2.5)
@@ -199,13 +202,14 @@ def _part(pen: Pen, part: Part) -> None:
         pen.words(part.verdict, _VERDICT, weight="bold")
         pen.space(2)
     if part.lead:
-        pen.words(part.lead, _BODY, weight="bold")
+        pen.words(part.lead, _BODY)
         pen.space(3)
     _facts(pen, part.facts, _LABEL if pen.width < INNER else 0.22)
     for table in part.tables:
         _table(pen, table)
     for text in part.paragraphs:
         pen.words(text, _BODY)
+        pen.space(_PARAGRAPH)
 
 
 def _facts(pen: Pen, facts: Sequence[tuple[str, str]], share: float) -> None:

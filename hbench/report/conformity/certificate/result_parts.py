@@ -8,13 +8,12 @@ from hbench.report.conformity.certificate.layout import (
     GridTable,
     Part,
     localized,
+    on_a_line,
     without_empty,
 )
 from hbench.report.render.numbers import NONE, number, short, span, with_interval
 from hbench.units import from_si
 from hbench.untrusted_text import printable
-
-_SHORT = 12  # letters of a label that is not broken over lines
 
 
 def method_part(certificate: Certificate) -> Part:
@@ -161,7 +160,7 @@ def _series(certificate: Certificate, series: Iterable) -> tuple[str, str, str, 
     label = certificate.named(label)
     back = None if p_lr_ref_pa is None else from_si(p_lr_ref_pa, "bar")
     return (
-        label if len(label) > _SHORT else label.replace(" ", "\N{NO-BREAK SPACE}"),
+        on_a_line(label, 12),
         certificate.word(direction) if direction else "",
         "" if f_load_n is None else localized(certificate, short(f_load_n)),
         "" if back is None else localized(certificate, short(back)),

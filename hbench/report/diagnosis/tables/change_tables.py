@@ -15,7 +15,7 @@ from hbench.report.render.numbers import significant
 
 def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return what each effect changes, at the working point and along the logs."""
-    head = ("quantity", "at the working point", "along the logs (rms)", "up to (95 %)")
+    head = ("quantity", "at the working point", "along the logs (RMS)", "up to (95 %)")
     return tuple(
         WordTable(
             f"What {in_words(effect.name)} changes",

@@ -247,7 +247,7 @@ def starting_point(diagnosis: Diagnosis) -> str:
     if pattern := _pattern(diagnosis):
         return pattern_words(diagnosis, pattern)
     part, reason = _start(diagnosis, (diagnosis.rest or diagnosis.where)[0])
-    return f"Start with {part}{reason}." if part else ""
+    return f"First inspect {part}{reason}." if part else ""
 
 
 def _pattern(diagnosis: Diagnosis) -> EdgePattern | None:

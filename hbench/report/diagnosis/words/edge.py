@@ -10,7 +10,7 @@ from hbench.report.diagnosis.words.place import (
     rms_words,
     worst_place,
 )
-from hbench.report.render.symbols import capital, listed
+from hbench.report.render.symbols import listed
 
 _LINES = {"tank": "the return line", "supply": "the supply line"}  # of each edge
 
@@ -51,15 +51,14 @@ def edge_pattern(diagnosis: Diagnosis) -> EdgePattern | None:
 
 
 def pattern_words(diagnosis: Diagnosis, pattern: EdgePattern) -> str:
-    """Return what the valves have in common, and what to inspect."""
+    """Return what to inspect, and what the valves have in common."""
     edge = pattern.edge
-    sizes = {
-        name: rms_words(diagnosis, name, edge_gaps(diagnosis, name)[edge])
-        for name in pattern.valves
-    }
-    valves = [f"{pattern.valves[name]} ({size})" for name, size in sizes.items()]
+    sizes = [
+        rms_words(diagnosis, name, edge_gaps(diagnosis, name)[edge]) for name in pattern.valves
+    ]
+    speed = f", {pattern.speed}" if pattern.speed else ""
     return (
-        f"{capital(listed(valves))} show the same pattern, the largest deviation at the edge to "
-        f"{edge}{f' and {pattern.speed}' if pattern.speed else ''}: a common cause is likely. "
-        f"Inspect these edges and {_LINES[edge]}, which the valves share."
+        f"First inspect {listed(list(pattern.valves.values()))} at their metering edges to {edge}, "
+        f"and {_LINES[edge]} that they share: their flows deviate most there, by {listed(sizes)}"
+        f"{speed}, so that a common cause is likely."
     )
