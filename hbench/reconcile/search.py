@@ -31,7 +31,8 @@ the refitted model without it loses at most 5 nats in cross-validation, and it n
 criteria about that model. At the end the effects found are refined: refitted with the nuisances,
 now with the deviations below what is material, which a search for names leaves out, and with the
 shape of each law that cross-validation supports. An effect that is then smaller than these criteria
-ask for, or whose coefficients together do not differ from 0 (95 %), is left out again.
+ask for is left out again. So is one whose coefficients together do not differ from 0 (95 %) and
+without which the refitted model loses at most 5 nats.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -127,7 +128,7 @@ class CampaignSearch(CandidateEvaluator):
         return model, vanished
 
     def _remains(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
-        """Return whether one of the effects of a refined model is large enough, and not 0.
+        """Return whether one of the effects of a refined model is large enough, and needed.
 
         Its size is that of the model or of the linear fit about it, which the diagnosis states: the
         smaller.
@@ -136,7 +137,15 @@ class CampaignSearch(CandidateEvaluator):
         fitted = self._values(model, name, estimates.chosen, estimates.beta)
         both = (self._own_values(model, name), fitted)
         sizes = [self._candidate(name, 0.0, 0.0, each, "full").size for each in both]
-        return min(sizes) >= CRITERIA.size and not estimates.may_be_zero(name)
+        if min(sizes) < CRITERIA.size:
+            return False
+        return not estimates.may_be_zero(name) or self._is_needed(model, names, name)
+
+    def _is_needed(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
+        """Return whether the refitted model without one of its effects loses over 5 nats."""
+        others = tuple(each for each in names if each != name)
+        without = self.without(model, [name], others)
+        return self._lost(model, without, names, others) > CRITERIA.score
 
     def without_superfluous(
         self, model: LinearisedModel, names: tuple[str, ...]

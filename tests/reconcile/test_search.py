@@ -12,7 +12,7 @@ from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.candidates import CRITERIA, EvaluatedCandidate, explained_share
 from hbench.reconcile.diagnosis_fields import gap_of_balances
-from hbench.reconcile.estimates import fit_coefficients
+from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.evidence import CrossValidation, Priors
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
@@ -103,6 +103,19 @@ def test_an_effect_of_which_refinement_leaves_nothing_is_not_named():
     )
     assert found.vanished == ("supply_droop",) and found.names == ("internal_leakage",)
     assert set(found.final.hypothesis.effects) & set(CANDIDATES) == {"internal_leakage"}
+
+
+@pytest.mark.parametrize(("lost", "stays"), [(4.0, False), (6.0, True)])
+def test_an_effect_that_may_be_zero_stays_if_it_is_needed(monkeypatch, lost, stays):
+    class Losing(CampaignSearch):
+        def _lost(self, model, without, effects, fewer):
+            return lost
+
+    monkeypatch.setattr(ParameterEstimates, "may_be_zero", lambda _, name: True)
+    leak = {"internal_leakage": {"load": "5e-3 l/min/bar"}}
+    found, _, _ = searched(leak, candidates=("internal_leakage",), search=Losing)
+    assert found.names == (("internal_leakage",) if stays else ())
+    assert found.vanished == (() if stays else ("internal_leakage",))
 
 
 def test_an_effect_that_is_dropped_and_added_again_is_one_addition():
