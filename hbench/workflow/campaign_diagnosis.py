@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from hbench.config.bench import plant_sections
-from hbench.config.files.loading import read_yaml
+from hbench.config.bench import Plant, plant_sections
+from hbench.config.files.loading import read_yaml, validate
 from hbench.errors import ConfigError
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.measured.balances import FLOWS, channels_missing
@@ -13,12 +13,12 @@ from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.reconcile.simulated_runs import simulator
 from hbench.records import Diagnosis, Run
 from hbench.store.campaign.folder import StoredCampaign
-from hbench.workflow.board import physics_of
+from hbench.workflow.board import check_effects
 
 _NO_BENCH = (
     "The campaign has no bench file, from which missing sections could come: the model needs all "
-    "sections of configs/model-aau.yaml. For a bench without a load cylinder, copy test_cylinder "
-    "to load_cylinder, with 'offset: 0 mm', and friction.test to friction.load: they are not used."
+    "sections of configs/model-aau.yaml. A bench whose logs have no pressures of a load cylinder "
+    "needs none of its sections."
 )
 
 
@@ -43,12 +43,15 @@ def diagnosed(
     """Diagnose the runs of a campaign. Raises ``ConfigError``, ``DataError``."""
     bench = campaign.bench()
     content: dict[str, Any] = (campaign.header.get("bench") or {}).get("content") or {}
-    sections = plant_sections(content, read_yaml(model_file), str(model_file))
+    source = str(model_file)
+    sections = plant_sections(content, read_yaml(model_file), source)
+    if all(run.p_lp_pa is None and run.p_lr_pa is None for run in runs):
+        sections = _with_unused_load(sections)
     try:
-        plant = physics_of(content, model_file)
+        plant = validate(Plant, sections, source)
+        check_effects(plant, model_file)
     except ConfigError as error:
         raise ConfigError(error.message, error.hint or ("" if content else _NO_BENCH)) from None
-    assert plant is not None  # there is a file
     simulate = simulator(bench, plant, report) if bench and not campaign.imported else None
     instruments = campaign.setup().instruments
     schedule = (campaign.header.get("schedule") or {}).get("content") or {}
@@ -71,3 +74,18 @@ def diagnosed(
             stage=stage,
         )
     )
+
+
+def _with_unused_load(sections: dict[str, Any]) -> dict[str, Any]:
+    """Return a model's sections with those of a load cylinder, which no balance uses.
+
+    What is missing is that of the test cylinder.
+    """
+    filled = dict(sections)
+    if isinstance(cylinder := sections.get("test_cylinder"), dict):
+        filled.setdefault("load_cylinder", cylinder | {"offset": "0 mm"})
+    for name in ("moving_mass", "friction"):
+        own = sections.get(name)
+        if isinstance(own, dict) and "test" in own:
+            filled[name] = own | {"load": own.get("load", own["test"])}
+    return filled

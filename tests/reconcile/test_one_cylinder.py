@@ -49,13 +49,15 @@ def test_a_tight_cylinder_has_no_effect(tmp_path):
     assert not reconciled(campaign(tmp_path, 0.0, seed=2)).effects
 
 
-def test_a_model_without_a_load_cylinder_is_refused_with_what_to_write(leaking):
-    model = yaml.safe_load((leaking / "model.yaml").read_text())
-    del model["load_cylinder"], model["friction"]["load"]
-    (leaking / "short.yaml").write_text(yaml.safe_dump(model))
+def test_a_model_without_a_load_cylinder_is_refused_if_a_log_has_its_pressure(leaking, tmp_path):
+    rules = yaml.safe_load((leaking / "map.yaml").read_text())
+    rules["constants"] = {"p_lp_pa": "10 bar"}
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    workflow.import_runs(leaking / "logs", tmp_path / "campaign", tmp_path / "map.yaml", lambda: AT)
+    (tmp_path / "model.yaml").write_text((leaking / "model.yaml").read_text())
     with pytest.raises(ConfigError, match="load_cylinder") as error:
-        workflow.reconcile(leaking / "campaign", leaking / "short.yaml", lambda done, of: None)
-    assert "copy test_cylinder to load_cylinder" in error.value.hint
+        reconciled(tmp_path)
+    assert "no pressures of a load cylinder" in error.value.hint
 
 
 def test_strokes_are_compared_where_the_model_has_no_valve(leaking):

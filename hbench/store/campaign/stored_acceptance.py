@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, Literal, get_args
 
 from hbench.records.conformity.acceptance import (
     Conformity,
@@ -34,13 +34,13 @@ _TEXTS = ("unit", "name", "label", *_CHOICES)
 _FLAGS = ("without_instruments",)
 
 
-def stored_decision(folder: Path) -> str:
+def stored_decision(folder: Path) -> Conformity | Literal[""]:
     """Return the decision of the campaign's last acceptance; empty if there is none.
 
     A link out of the campaign is not followed.
     """
     decision = _content(folder).get("decision")
-    return str(decision) if decision in get_args(Conformity) else ""
+    return next((known for known in get_args(Conformity) if known == decision), "")
 
 
 def stored_checks(folder: Path) -> tuple[ConformityCheck, ...]:

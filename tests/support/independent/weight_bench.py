@@ -30,7 +30,7 @@ MODEL: dict[str, Any] = {
         "dead_volume_piston": "200 cm^3",
         "dead_volume_rod": "200 cm^3",
     },
-    "moving_mass": {"test": f"{TEST_KG} kg", "load": "200 kg"},
+    "moving_mass": {"test": f"{TEST_KG} kg"},
     "oil": {"bulk_modulus": "9000 bar", "density": "870 kg/m^3"},
     "supply": {"pressure": "140 bar", "tank": "2 bar"},
     "valve": {"gain": "1.4e-6 m^2/V", "bandwidth": "60 Hz", "damping": 0.8, "limit": "10 V"},
@@ -48,9 +48,6 @@ MODEL: dict[str, Any] = {
     },
     "end_stop": {"stiffness": "2e7 N/m", "damping": "2e4 N s/m"},
 }
-# As the message advises for a bench without a load cylinder.
-MODEL["load_cylinder"] = {**MODEL["test_cylinder"], "offset": "0 mm"}
-MODEL["friction"]["load"] = MODEL["friction"]["test"]
 
 MAP = {
     "name": "weight bench",
