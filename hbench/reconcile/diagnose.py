@@ -34,7 +34,8 @@ from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
-from hbench.reconcile.search import CampaignSearch, silent
+from hbench.reconcile.search.campaign_search import CampaignSearch
+from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Proposal, Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects

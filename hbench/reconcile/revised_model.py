@@ -14,7 +14,7 @@ from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.search import CampaignSearch
+from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult, Unconfirmed
 from hbench.records import FitParameter
 

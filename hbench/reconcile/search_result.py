@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from hbench.reconcile.candidates import EvaluatedCandidate
 from hbench.reconcile.learned.table import LawFound
 from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.records import Candidate
 
 

@@ -13,7 +13,7 @@ from hbench.reconcile import measured_campaign
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.measured.disturbances import CYLINDERS, ripple_name
-from hbench.reconcile.search import CampaignSearch
+from hbench.reconcile.search.campaign_search import CampaignSearch
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule
 

@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from hbench.reconcile.candidates import EvaluatedCandidate
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.search import CampaignSearch, SearchResult, SearchStep
+from hbench.reconcile.search.campaign_search import CampaignSearch, SearchResult, SearchStep
+from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.records import Candidate
 
 

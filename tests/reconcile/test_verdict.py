@@ -13,7 +13,6 @@ from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
 from hbench.model.effects.catalogue import EFFECTS, read_effects
-from hbench.reconcile.candidates import EvaluatedCandidate
 from hbench.reconcile.diagnose import ReconcileTask, _usable_runs, diagnose
 from hbench.reconcile.diagnosis_fields import added_effect
 from hbench.reconcile.estimates import ParameterEstimates
@@ -23,6 +22,7 @@ from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.products import Products
 from hbench.reconcile.revised_model import revised
+from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.reconcile.verdict import (
     FEWEST_POINTS,

@@ -26,7 +26,6 @@ import numpy as np
 
 from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
 from hbench.parallel.threads import map_on_threads
-from hbench.reconcile.candidates import CRITERIA, CandidateEvaluator, score_to_exceed
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.learned.balance_products import (
@@ -44,6 +43,7 @@ from hbench.reconcile.learned.table import (
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.search.candidates import CRITERIA, CandidateEvaluator, score_to_exceed
 
 _MOST_LAWS = 4
 _SIGNIFICANCE = 0.05  # of the reduction at held-out points

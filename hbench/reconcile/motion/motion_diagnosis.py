@@ -28,7 +28,8 @@ from hbench.reconcile.motion.measured_motion import (
 from hbench.reconcile.motion.motion_words import of_driven_mass
 from hbench.reconcile.motion.open_loop import open_loop_positions
 from hbench.reconcile.revised_model import without_unconfirmed
-from hbench.reconcile.search import CampaignSearch, silent
+from hbench.reconcile.search.campaign_search import CampaignSearch
+from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.observable import divided_points
 from hbench.reconcile.verdict import FEWEST_POINTS

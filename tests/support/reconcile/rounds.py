@@ -11,7 +11,7 @@ from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.measured.balances import BALANCES, balance_model, residuals
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.search import CampaignSearch
+from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.records.diagnosis import MATERIAL
 
 

@@ -1,7 +1,7 @@
 """Candidate effects: evaluation by their columns or in full, and acceptance.
 
-The searches in campaigns (``search.py``) and in imported strokes (``strokes/stroke_search.py``)
-share this evaluation.
+The searches in campaigns (``campaign_search.py``) and in imported strokes (``strokes/``) share this
+evaluation.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

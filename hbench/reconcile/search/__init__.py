@@ -1,0 +1,1 @@
+"""Search for effects in the runs of a campaign: candidates, rounds, refinement."""

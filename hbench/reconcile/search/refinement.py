@@ -1,0 +1,181 @@
+"""What becomes of effects that were added to a model: each is dropped, refined, or left out.
+
+After each addition the earlier effects are evaluated again beside the others. One is dropped where
+the refitted model without it loses at most 5 nats in cross-validation, and it no longer meets the
+criteria of a candidate about that model. At the end the effects found are refined: refitted with
+the nuisances, now with the deviations below what is material, which a search for names leaves out,
+and with the shape of each law that cross-validation supports. An effect that is then smaller than
+these criteria ask for is left out again. So is one whose coefficients together do not differ from 0
+(95 %) and without which the refitted model loses at most 5 nats.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.diagnosis_fields import gap_of_balances
+from hbench.reconcile.estimates import fit_coefficients
+from hbench.reconcile.evidence import log_likelihood
+from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
+from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
+from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.search.candidates import CRITERIA, CandidateEvaluator, EvaluatedCandidate
+
+_AS_SMALL = 1.02  # times the smallest gap: no reason to prefer a model
+
+
+def silent(stage: str) -> None:
+    """Take no notice of a stage."""
+
+
+@dataclass(frozen=True)
+class EffectRefinement(CandidateEvaluator):
+    """Refinement of the effects that were added to a model of a campaign."""
+
+    measured: MeasuredCampaign
+    stage: Callable[[str], None] = silent  # receives a description of each stage
+
+    def refined_and_named(
+        self, model: LinearisedModel, names: tuple[str, ...]
+    ) -> tuple[LinearisedModel, tuple[str, ...]]:
+        """Return the refined model, and the effects that are now too small to be named, if any."""
+        vanished: tuple[str, ...] = ()
+        while names:
+            self.stage(f"refining {', '.join(names)}")
+            refined = self.refined(model, names)
+            gone = [name for name in names if not self._remains(refined, names, name)]
+            if not gone:
+                return refined, vanished
+            names = tuple(name for name in names if name not in gone)
+            model, vanished = self.without(refined, gone, names), (*vanished, *gone)
+        return model, vanished
+
+    def _remains(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
+        """Return whether one of the effects of a refined model is large enough, and needed.
+
+        Its size is that of the model or of the linear fit about it, which the diagnosis states: the
+        smaller.
+        """
+        estimates = fit_coefficients(self.measured.plant, model, names, self.train)
+        fitted = self._values(model, name, estimates.chosen, estimates.beta)
+        both = (self._own_values(model, name), fitted)
+        sizes = [self._candidate(name, 0.0, 0.0, each, "full").size for each in both]
+        if min(sizes) < CRITERIA.size:
+            return False
+        return not estimates.may_be_zero(name) or self._is_needed(model, names, name)
+
+    def _is_needed(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
+        """Return whether the refitted model without one of its effects loses over 5 nats."""
+        others = tuple(each for each in names if each != name)
+        without = self.without(model, [name], others)
+        return self._lost(model, without, names, others) > CRITERIA.score
+
+    def without_superfluous(
+        self, model: LinearisedModel, names: tuple[str, ...]
+    ) -> tuple[LinearisedModel, tuple[str, ...]]:
+        """Return the model without the effects that the last of ``names`` makes superfluous."""
+        dropped: list[str] = []
+        for name in names[:-1]:
+            others = tuple(each for each in names if each not in (name, *dropped))
+            without = self.without(model, [name], others)
+            if self._lost(model, without, (*others, name), others) > CRITERIA.score:
+                continue
+            without = self.with_columns(without, columns_of(model, [name]))
+            evaluated = self._evaluate_in_full(without, others, name)
+            evaluated = self._with_threshold(evaluated, others, [name])
+            if not CRITERIA.accepts(evaluated.candidate):
+                dropped.append(name)
+                model = without
+        return model, tuple(dropped)
+
+    def without(
+        self, model: LinearisedModel, removed: Sequence[str], others: Sequence[str]
+    ) -> LinearisedModel:
+        """Return the model without some effects, refitted with the ``others``."""
+        start = self.linearise_at(model, self._hypothesis_without(model, removed))
+        return self.refit(start, others, columns_of(model, others))
+
+    def _lost(
+        self,
+        model: LinearisedModel,
+        without: LinearisedModel,
+        effects: Sequence[str],
+        fewer: Sequence[str],
+    ) -> float:
+        """Return the loss in cross-validated ln L of the refitted model with ``fewer`` effects.
+
+        About that model the lost effect may have no score: a large rival can leave no way back.
+        """
+        before, after = self._cross_validate(model, effects), self._cross_validate(without, fewer)
+        return float((log_likelihood(before) - log_likelihood(after))[0])
+
+    def _hypothesis_without(self, model: LinearisedModel, removed: Sequence[str]) -> Hypothesis:
+        """Return a model's hypothesis with some effects at their start."""
+        kept = {key: c for key, c in model.hypothesis.effects.items() if key not in removed}
+        start = {k: c for k, c in self.measured.start.effects.items() if k in removed}
+        return replace(model.hypothesis, effects=kept | start)
+
+    def refined(self, model: LinearisedModel, names: tuple[str, ...]) -> LinearisedModel:
+        """Return the model with effects ``names`` and their shapes refitted to all deviations.
+
+        All columns are computed at ``model`` first: with those of the model without an effect no
+        step may be better. Those of the nuisances then stay, as refinement changes them little.
+
+        Deviations that do not matter may determine an effect, but where the law of another one is
+        wrong they can also cost more of those that do. So the nuisances are then refitted to what
+        matters alone. Of the refined model, this one and the one before, the first is returned
+        whose gap of the training points is about the smallest.
+        """
+        taking_part = [model.data.names[i] for i in model.index(names)]
+        residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
+        start = linearise_residuals(
+            self.measured,
+            model.hypothesis,
+            residuals,
+            {key: model.columns[key] for key in taking_part},
+        )
+        start = self.with_columns(start, taking_part)
+        best = self.refit(start, names, columns_of(start, names))
+        for name in names:
+            shapes = [".".join(which) for which in shape_coefficients(name)]
+            if new := [shape for shape in shapes if shape not in best.columns]:
+                shaped = self.with_columns(best, new)
+                shaped = self.refit(shaped, names, columns_of(shaped, names))
+                gain = [log_likelihood(self._cross_validate(m, names))[0] for m in (best, shaped)]
+                best = shaped if gain[1] > gain[0] else best
+        fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
+        settled = self.refit(fine, self._tolerated(names), renewed=())
+        models = (fine, settled, model)
+        gaps = [gap_of_balances(one.gap_map, one.gap_map.names, self.train) for one in models]
+        return next(
+            one for one, gap in zip(models, gaps, strict=True) if gap <= _AS_SMALL * min(gaps)
+        )
+
+    def _tolerated(self, names: Iterable[str]) -> list[str]:
+        """Return the effects among ``names`` that are nuisances within a tolerance."""
+        known = {effect for effect, _ in self.measured.tolerances}
+        return [name for name in names if name in known]
+
+    def _with_threshold(
+        self, evaluated: EvaluatedCandidate, added: tuple[str, ...], names: Sequence[str]
+    ) -> EvaluatedCandidate:
+        """Return a candidate with the threshold of its score, if it could be accepted.
+
+        Null data sets are the residuals at its own coefficients with random signs, without the
+        part that it explains.
+        """
+        candidate, model = evaluated.candidate, evaluated.model
+        if model is None or not CRITERIA.accepts(candidate):
+            return evaluated
+        balances = set(EFFECTS[candidate.name].balances)
+        family = [name for name in names if balances.issuperset(EFFECTS[name].balances)]
+        null = model.about_itself([candidate.name])
+        threshold = self.null_threshold(null, added, family, candidate.score, families=len(names))
+        return replace(evaluated, candidate=replace(candidate, threshold=threshold))
+
+
+def columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:
+    """Return the names of the columns that some effects have in a model."""
+    return [".".join(which) for which in model.coefficients_of(names)]
