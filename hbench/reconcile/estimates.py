@@ -44,11 +44,11 @@ class ParameterEstimates:
         return hypothesis_at(self.model, self.plant, self.chosen, beta)
 
     def factors(self) -> dict[str, FitParameter]:
-        """Return the factors on the nuisances, by dotted path."""
+        """Return the factors on the nuisances that change what is compared, by dotted path."""
         values, priors = self.hypothesis(self.beta).factors, nuisances(self.plant)
         factors = {}
         for i, name in enumerate(self._names):
-            if not name.startswith("/"):
+            if not name.startswith("/") or not self._is_shown(name):
                 continue
             path = name[1:]
             value, half_width = values[path], priors[path] * self._half_width(i)
@@ -58,11 +58,11 @@ class ParameterEstimates:
         return factors
 
     def of_effect(self, name: str) -> dict[str, FitParameter]:
-        """Return an effect's coefficients in the units of the catalogue."""
+        """Return an effect's coefficients in the catalogue's units, where data show them."""
         parameters = {}
         for i, column in enumerate(self._names):
             effect, _, key = column.partition(".")
-            if effect != name:
+            if effect != name or not self._is_shown(column):
                 continue
             which = effect, key
             unit = EFFECTS[name].coefficients[key].unit
@@ -91,6 +91,10 @@ class ParameterEstimates:
     def degrees_of_freedom(self, which: CoefficientKey) -> float:
         """Return the degrees of freedom of a coefficient."""
         return float(self.dof[self.chosen.index(self.model.column(which))])
+
+    def _is_shown(self, name: str) -> bool:
+        """Return whether a parameter changes any of the residuals."""
+        return bool(np.nan_to_num(self.model.columns[name]).any())
 
     @property
     def _names(self) -> tuple[str, ...]:

@@ -45,10 +45,9 @@ def diagnosed(
     content: dict[str, Any] = (campaign.header.get("bench") or {}).get("content") or {}
     source = str(model_file)
     sections = plant_sections(content, read_yaml(model_file), source)
-    if all(run.p_lp_pa is None and run.p_lr_pa is None for run in runs):
-        sections = _with_unused_load(sections)
+    opposed = any(run.p_lp_pa is not None or run.p_lr_pa is not None for run in runs)
     try:
-        plant = validate(Plant, sections, source)
+        plant = validate(Plant, sections if opposed else _with_unused_load(sections), source)
         check_effects(plant, model_file)
     except ConfigError as error:
         raise ConfigError(error.message, error.hint or ("" if content else _NO_BENCH)) from None

@@ -38,6 +38,8 @@ def test_the_test_valves_command_and_pressures_show_a_leak(found):
     assert found.verdict == "named" and set(effects) == {"internal_leakage"}
     assert effects["internal_leakage"]["test"].value == pytest.approx(0.006, rel=0.25)
     assert not {"flow_lp", "flow_lr", "force_load"} & set(found.gap_heldout.balances)
+    assert not [name for name in (*found.refitted, *effects["internal_leakage"]) if "load" in name]
+    assert "load_cylinder" not in found.revised
     changed = {change.quantity for change in found.practice[0].changes}
     assert changed == {"flow_tp", "flow_tr", "speed"}
     text = at_point_words(found.working_point, found.practice[0])
