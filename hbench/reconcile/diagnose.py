@@ -28,7 +28,7 @@ from hbench.reconcile.hypothesis import Hypothesis, typical_size
 from hbench.reconcile.learned.law_search import LawSearch
 from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.measured.balances import balance_model, incomplete_reason
+from hbench.reconcile.measured.balances import OF_LOAD_CYLINDER, balance_model, incomplete_reason
 from hbench.reconcile.measured.session import CAVITATES_PA, averaged, sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
@@ -121,7 +121,8 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     Insufficient data give a diagnosis that lists what is missing.
     """
     usable, left_out = _usable_runs(task.runs)
-    missing = unmeasured_channels(usable) | missing_experiments(usable)
+    absent = () if "load_cylinder" in task.plant_data else OF_LOAD_CYLINDER
+    missing = unmeasured_channels(usable, absent) | missing_experiments(usable)
     if shortfalls := data_shortfalls(usable):
         every = tuple((shortfalls | missing).values())
         return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)

@@ -1,6 +1,6 @@
 """Verdict of a search, and what the data do not contain."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 
 import numpy as np
 
@@ -130,9 +130,12 @@ def data_shortfalls(runs: Sequence[Run]) -> dict[str, str]:
     return shortfalls | {code: MISSING[code] for code in codes}
 
 
-def unmeasured_channels(runs: Sequence[Run]) -> dict[str, str]:
-    """Return under ``channels`` those that no run has, with the balances that need them."""
-    balances = [name for name in BALANCES if name not in _compared(runs)]
+def unmeasured_channels(runs: Sequence[Run], absent: Collection[str] = ()) -> dict[str, str]:
+    """Return under ``channels`` those that no run has, with the balances that need them.
+
+    The bench has no balances ``absent``.
+    """
+    balances = [name for name in BALANCES if name not in (*_compared(runs), *absent)]
     missing = {
         channel for run in runs for name in balances for channel in channels_missing(run, name)
     }

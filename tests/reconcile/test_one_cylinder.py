@@ -40,6 +40,7 @@ def test_the_test_valves_command_and_pressures_show_a_leak(found):
     assert not {"flow_lp", "flow_lr", "force_load"} & set(found.gap_heldout.balances)
     assert not [name for name in (*found.refitted, *effects["internal_leakage"]) if "load" in name]
     assert "load_cylinder" not in found.revised
+    assert not [text for text in found.missing if "p_lp" in text or "flow_lp" in text]
     changed = {change.quantity for change in found.practice[0].changes}
     assert changed == {"flow_tp", "flow_tr", "speed"}
     text = at_point_words(found.working_point, found.practice[0])

@@ -81,6 +81,7 @@ CHANNELS_OF = {  # the test valve alone feeds the test cylinder: no load cylinde
     "supply": ("p_s_pa",),
 }
 
+OF_LOAD_CYLINDER = (*FLOWS[2:], "force_load")
 
 _STATES = [row.states for row in EFFECTS.values()]
 # Of the effects' states, those that go on from one log to the next, and those that start with the
