@@ -1,6 +1,7 @@
 """Verdict of a search, and what the data do not contain."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from hbench.records.diagnosis import UNEXPLAINED_GAP
 
 FEWEST_POINTS = 8  # operating points
 _OTHER_LOAD = 0.2  # of the largest mean force: a smaller difference may be that of friction
+_SAME_SPEED = 0.1  # speeds that differ by this share have nearly the same friction
 NO_RESIDUALS = (
     "No quantity has residuals that are significant, large enough to matter and more than "
     f"{UNEXPLAINED_GAP:g} times the repeatability."
@@ -147,18 +149,23 @@ def _compared(runs: Sequence[Run]) -> tuple[str, ...]:
 
 
 def _has_second_load(runs: Sequence[Run]) -> bool:
-    """Return whether runs have two loads: nominal ones, or measured ones at one speed."""
+    """Return whether runs have two loads: nominal ones, or measured ones at nearly one speed."""
     nominal = {run.plan.f_load_n for run in runs if run.plan.f_load_n is not None}
     if nominal:
         return len(nominal) > 1
-    forces: dict[Hashable, dict[str, list[float]]] = {}
+    forces: dict[tuple[str, float, str], list[float]] = {}
     for run in runs:
         if run.f_applied_n is not None:
-            of_speed = forces.setdefault((run.plan.kind, run.plan.v_ref_m_s), {})
-            of_speed.setdefault(run.plan.label, []).append(float(np.median(run.f_applied_n)))
-    means = [[float(np.mean(each)) for each in labels.values()] for labels in forces.values()]
-    largest = max((abs(mean) for at_speed in means for mean in at_speed), default=0.0)
-    return any(np.ptp(at_speed) > _OTHER_LOAD * largest for at_speed in means)
+            which = run.plan.kind, run.plan.v_ref_m_s, run.plan.label
+            forces.setdefault(which, []).append(float(np.median(run.f_applied_n)))
+    means = {which: float(np.mean(each)) for which, each in forces.items()}
+    other = _OTHER_LOAD * max(map(abs, means.values()), default=0.0)
+    return any(
+        kind == kind_2
+        and abs(v - v_2) <= _SAME_SPEED * min(abs(v), abs(v_2))
+        and abs(means[kind, v, label] - means[kind_2, v_2, label_2]) > other
+        for (kind, v, label), (kind_2, v_2, label_2) in combinations(means, 2)
+    )
 
 
 def missing_experiments(runs: Sequence[Run]) -> dict[str, str]:

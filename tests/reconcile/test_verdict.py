@@ -183,6 +183,21 @@ def test_loads_that_no_plan_states_are_those_measured(bench):
     assert "loads" in missing_experiments(unknown)
 
 
+def test_loads_measured_at_nearly_one_speed_are_compared(bench):
+    """A heavier load slows a position loop, so strokes with one reference differ in their speed."""
+    runs = [
+        replace(run, plan=replace(run.plan, f_load_n=None, label=label, v_ref_m_s=v), f_applied_n=n)
+        for run in repeated(plans_of(bench, ("steady",), trials=1))[:1]
+        for label, v, n in (
+            ("10 bar", -0.0908, np.full(3, -3900.0)),
+            ("80 bar", -0.0861, np.full(3, -13700.0)),
+            ("40 bar", 0.3, np.full(3, 9000.0)),
+        )
+    ]
+    assert "loads" not in missing_experiments(runs)
+    assert "loads" in missing_experiments(runs[::2])  # another speed may have another friction
+
+
 def test_reversals_have_many_speeds(bench):
     moving = plans_of(bench, ("triangle", "steps", "hold"), trials=1)
     plans = [replace(one, p_lr_ref_pa=p) for one in moving for p in (0, 1)]
