@@ -39,7 +39,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hbench.analysis.rounding import ranked
+from hbench.analysis.rounding import distinct_texts, ranked
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.candidates import (
@@ -71,7 +71,6 @@ _REFUSED = (
     "Refitting the poorly known values of the model would increase the gap of the held-out runs "
     "from {} to {}, so the values of the model file are kept."
 )
-_DIGITS = range(2, 7)  # decimals, as many as distinguish both gaps
 
 
 def silent(stage: str) -> None:
@@ -253,7 +252,7 @@ class CampaignSearch(CandidateEvaluator):
         return (
             given,
             unchanged,
-            _REFUSED.format(*_distinct(before**0.5, after**0.5)),
+            _REFUSED.format(*distinct_texts(before**0.5, after**0.5)),
         )
 
     def _step(
@@ -391,12 +390,6 @@ def _mean_square(residuals: GapMap, points: np.ndarray) -> float:
     """Return the mean square of the residuals at some operating points, in scatters."""
     chosen = residuals.select_points(points)
     return float(np.nanmean((chosen.difference / chosen.scatter) ** 2))
-
-
-def _distinct(first: float, second: float) -> tuple[str, str]:
-    """Write two gaps with two decimals, or as many as distinguish them."""
-    pairs = [(f"{first:.{digits}f}", f"{second:.{digits}f}") for digits in _DIGITS]
-    return next((pair for pair in pairs if pair[0] != pair[1]), pairs[-1])
 
 
 def _names(candidates: Iterable[Candidate]) -> list[str]:

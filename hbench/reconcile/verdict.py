@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
+from hbench.analysis.rounding import distinct_texts
 from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.reconcile.candidates import CRITERIA, ambiguity_margin
 from hbench.reconcile.gaps.gap_map import point_of
@@ -38,7 +39,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
 
     ``unexplained`` are the gaps of the model with all effects and without learned laws.
     """
-    last = result.steps[-1]
+    first, last = result.steps[0], result.steps[-1]
     where, unnamed = gap_list(unexplained), _unnamed(result)
     if result.names:
         reason = f"{explains(result.names)} the residuals in cross-validation."
@@ -61,17 +62,22 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
             f"{where}."
         )
-        if last.evaluated:
-            best = last.evaluated[0].candidate
+        if first.evaluated:
+            best = first.evaluated[0].candidate
             reason += (
                 f" The best candidate, {best.name}, explains {100 * best.explained:.0f} % in "
                 f"cross-validation (score {best.score:.1f} nats, {best.threshold:.1f} "
                 "needed)."
             )
             if best.score > best.threshold and best.size < CRITERIA.size:
+                size, needed = distinct_texts(best.size, CRITERIA.size)
                 reason += (
-                    f" It is too small to be named: {best.size:.2f} of a typical size, "
-                    f"{CRITERIA.size:.2f} needed."
+                    f" It is too small to be named: {size} of a typical size, {needed} needed."
+                )
+            elif best.name in result.vanished:
+                reason += (
+                    " It is not named: refitted, it is too small, within its tolerance, or not "
+                    "distinguishable from 0."
                 )
         return "unknown", reason + unnamed
     return "none", NO_RESIDUALS

@@ -103,6 +103,22 @@ def test_what_nothing_explains_is_unknown_and_no_gap_is_none():
     assert decide_verdict(found((None, ())), ())[0] == "none"
 
 
+def test_the_best_candidate_is_that_without_any_effect_also_if_too_little_of_it_remains():
+    rest = EvaluatedCandidate(OTHER, None), EvaluatedCandidate(LEAK, None)
+    steps = (*found(("internal_leakage", ())).steps, SearchStep(None, rest, None, ()))
+    result = SearchResult(None, None, steps, None, vanished=("internal_leakage",))
+    verdict, why = decide_verdict(result, (LACKS,))
+    assert verdict == "unknown" and "best candidate, internal_leakage, explains 90 %" in why
+    assert "not named: refitted" in why and "external_leakage" not in why
+
+
+def test_a_size_just_below_the_limit_is_written_apart_from_it():
+    small = EvaluatedCandidate(replace(LEAK, size=0.2496), None)
+    steps = (SearchStep(None, (small,), None, ()),)
+    why = decide_verdict(SearchResult(None, None, steps, None), (LACKS,))[1]
+    assert "0.2496 of a typical size, 0.2500 needed" in why
+
+
 def test_a_balance_lacks_something_if_it_is_far_and_not_by_chance():
     ranked = [LACKS, replace(LACKS, p_value=0.3), replace(LACKS, gap=1.9), replace(LACKS, gap=2.1)]
     assert unexplained_gaps(ranked) == (LACKS, ranked[3])
