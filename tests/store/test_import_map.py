@@ -166,6 +166,7 @@ def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, sour
     with pytest.raises(DataError, match=r"3bar.txt: .*\b20 mm") as caught:
         bring_in()
     assert "cut: reversals" in caught.value.hint
+    assert "as a whole" in caught.value.hint and "kind: triangle" in caught.value.hint
 
 
 def test_bad_cell_is_named_with_file_line_and_content(bring_in, source):

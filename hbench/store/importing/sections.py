@@ -58,7 +58,8 @@ def cut(
             f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
             f"one stroke of at least min_stroke = {1e3 * rules.min_stroke:g} mm",
             "For files with strokes in both directions, write 'cut: reversals' in the map; for "
-            "several constant speeds 'cut: plateaus'.",
+            "several constant speeds 'cut: plateaus'; for triangles or sines as a whole, whose "
+            "reversals hbench reconcile uses, 'kind: triangle'.",
         )
     return _whole(t_s, x_m, name, rules, speed)
 
