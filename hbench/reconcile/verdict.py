@@ -66,8 +66,8 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             best = first.evaluated[0].candidate
             reason += (
                 f" The best candidate, {best.name}, explains {100 * best.explained:.0f} % in "
-                f"cross-validation (score {best.score:.1f} nats, {best.threshold:.1f} "
-                "needed)."
+                f"cross-validation ({100 * CRITERIA.explained:.0f} % needed; score "
+                f"{best.score:.1f} nats, {best.threshold:.1f} needed)."
             )
             if best.score > best.threshold and best.size < CRITERIA.size:
                 size, needed = distinct_texts(best.size, CRITERIA.size)

@@ -94,6 +94,7 @@ def test_candidates_that_are_close_are_ambiguous():
 def test_what_nothing_explains_is_unknown_and_no_gap_is_none():
     verdict, why = decide_verdict(found((None, ())), (LACKS,))
     assert verdict == "unknown" and "flow_tp (9.0)" in why and "7.0" in why
+    assert "explains 90 % in cross-validation (25 % needed;" in why
     assert (
         decide_verdict(SearchResult(None, None, (SearchStep(None, (), None, ()),), None), (LACKS,))[
             0

@@ -63,8 +63,8 @@ ROWS = {
             ),
         },
         inspect=(
-            "the valve's step response, its pilot pressure and filter, its amplifier, and the delay "
-            "between the logs of command and position, which looks the same"
+            "the valve's step response, its pilot pressure and filter, its amplifier, and the "
+            "delay between the logs of command and position, which looks the same"
         ),
         repair="Clean or replace the pilot stage, or enter the measured bandwidth.",
         source="Merritt (1967), chapter 7",
