@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 ROUNDING = 1e-9  # of the size of what is compared
+_DIGITS = range(2, 7)  # decimals of a text
 
 Item = TypeVar("Item")
 
@@ -57,3 +58,9 @@ def ranked(items: Sequence[Item], size: Callable[[Item], float], tie: float) -> 
         order += sorted(tied)
         rest = [i for i in rest if i not in tied]
     return [items[i] for i in order]
+
+
+def distinct_texts(first: float, second: float) -> tuple[str, str]:
+    """Write two numbers with two decimals, or as many as distinguish them."""
+    pairs = [(f"{first:.{digits}f}", f"{second:.{digits}f}") for digits in _DIGITS]
+    return next((pair for pair in pairs if pair[0] != pair[1]), pairs[-1])

@@ -109,10 +109,26 @@ def run_search(
     search = CampaignSearch(measured, train, tuple(names), task.stage)
     result = without_unconfirmed(search, search.run(), held_out)
     if not result.steps[-1].ambiguous:
-        final, laws = LawSearch(measured, search, result.confirmed, held_out).run(result.final)
-        if laws:
-            result = replace(result, final=final, laws=laws, unlearned=result.final)
+        result = with_laws(search, result, held_out)
     return measured, result, held_out
+
+
+def with_laws(search: CampaignSearch, result: SearchResult, held_out: np.ndarray) -> SearchResult:
+    """Return the result with learned laws, if any are kept.
+
+    An offset or gain of a sensor can take the part of a law that the model does not contain. One
+    that is within its tolerance beside the laws is no effect: they are learned again without it.
+    """
+    names = result.confirmed
+    final, laws = LawSearch(search.measured, search, names, held_out).run(result.final)
+    if not laws:
+        return result
+    if gone := search.within_tolerance(final, names):
+        others = tuple(name for name in names if name not in gone)
+        without = search.without(result.final, gone, others) if others else result.refitted
+        vanished = (*result.vanished, *gone)
+        return with_laws(search, replace(result, final=without, vanished=vanished), held_out)
+    return replace(result, final=final, laws=laws, unlearned=result.final)
 
 
 def diagnose(task: ReconcileTask) -> Diagnosis:

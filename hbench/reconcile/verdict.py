@@ -1,9 +1,11 @@
 """Verdict of a search, and what the data do not contain."""
 
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 
+from hbench.analysis.rounding import distinct_texts
 from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
@@ -14,6 +16,7 @@ from hbench.records.diagnosis import UNEXPLAINED_GAP
 
 FEWEST_POINTS = 8  # operating points
 _OTHER_LOAD = 0.2  # of the largest mean force: a smaller difference may be that of friction
+_SAME_SPEED = 0.1  # speeds that differ by this share have nearly the same friction
 NO_RESIDUALS = (
     "No quantity has residuals that are significant, large enough to matter and more than "
     f"{UNEXPLAINED_GAP:g} times the repeatability."
@@ -36,7 +39,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
 
     ``unexplained`` are the gaps of the model with all effects and without learned laws.
     """
-    last = result.steps[-1]
+    first, last = result.steps[0], result.steps[-1]
     where, unnamed = gap_list(unexplained), _unnamed(result)
     if result.names:
         reason = f"{explains(result.names)} the residuals in cross-validation."
@@ -59,17 +62,22 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
             f"{where}."
         )
-        if last.evaluated:
-            best = last.evaluated[0].candidate
+        if first.evaluated:
+            best = first.evaluated[0].candidate
             reason += (
                 f" The best candidate, {best.name}, explains {100 * best.explained:.0f} % in "
-                f"cross-validation (score {best.score:.1f} nats, {best.threshold:.1f} "
-                "needed)."
+                f"cross-validation ({100 * CRITERIA.explained:.0f} % needed; score "
+                f"{best.score:.1f} nats, {best.threshold:.1f} needed)."
             )
             if best.score > best.threshold and best.size < CRITERIA.size:
+                size, needed = distinct_texts(best.size, CRITERIA.size)
                 reason += (
-                    f" It is too small to be named: {best.size:.2f} of a typical size, "
-                    f"{CRITERIA.size:.2f} needed."
+                    f" It is too small to be named: {size} of a typical size, {needed} needed."
+                )
+            elif best.name in result.vanished:
+                reason += (
+                    " It is not named: refitted, it is too small, within its tolerance, or not "
+                    "distinguishable from 0."
                 )
         return "unknown", reason + unnamed
     return "none", NO_RESIDUALS
@@ -150,18 +158,23 @@ def _compared(runs: Sequence[Run]) -> tuple[str, ...]:
 
 
 def _has_second_load(runs: Sequence[Run]) -> bool:
-    """Return whether runs have two loads: nominal ones, or measured ones at one speed."""
+    """Return whether runs have two loads: nominal ones, or measured ones at nearly one speed."""
     nominal = {run.plan.f_load_n for run in runs if run.plan.f_load_n is not None}
     if nominal:
         return len(nominal) > 1
-    forces: dict[Hashable, dict[str, list[float]]] = {}
+    forces: dict[tuple[str, float, str], list[float]] = {}
     for run in runs:
         if run.f_applied_n is not None:
-            of_speed = forces.setdefault((run.plan.kind, run.plan.v_ref_m_s), {})
-            of_speed.setdefault(run.plan.label, []).append(float(np.median(run.f_applied_n)))
-    means = [[float(np.mean(each)) for each in labels.values()] for labels in forces.values()]
-    largest = max((abs(mean) for at_speed in means for mean in at_speed), default=0.0)
-    return any(np.ptp(at_speed) > _OTHER_LOAD * largest for at_speed in means)
+            which = run.plan.kind, run.plan.v_ref_m_s, run.plan.label
+            forces.setdefault(which, []).append(float(np.median(run.f_applied_n)))
+    means = {which: float(np.mean(each)) for which, each in forces.items()}
+    other = _OTHER_LOAD * max(map(abs, means.values()), default=0.0)
+    return any(
+        kind == kind_2
+        and abs(v - v_2) <= _SAME_SPEED * min(abs(v), abs(v_2))
+        and abs(means[kind, v, label] - means[kind_2, v_2, label_2]) > other
+        for (kind, v, label), (kind_2, v_2, label_2) in combinations(means, 2)
+    )
 
 
 def missing_experiments(runs: Sequence[Run]) -> dict[str, str]:

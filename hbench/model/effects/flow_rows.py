@@ -62,7 +62,10 @@ ROWS = {
                 "steps", "at low and at high chamber pressure: a valve is slow at both"
             ),
         },
-        inspect="the valve's step response, its pilot pressure and filter, and its amplifier",
+        inspect=(
+            "the valve's step response, its pilot pressure and filter, its amplifier, and the "
+            "delay between the logs of command and position, which looks the same"
+        ),
         repair="Clean or replace the pilot stage, or enter the measured bandwidth.",
         source="Merritt (1967), chapter 7",
     ),

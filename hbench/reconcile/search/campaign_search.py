@@ -34,7 +34,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hbench.analysis.rounding import ranked
+from hbench.analysis.rounding import distinct_texts, ranked
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
@@ -60,7 +60,6 @@ _REFUSED = (
     "Refitting the poorly known values of the model would increase the gap of the held-out runs "
     "from {} to {}, so the values of the model file are kept."
 )
-_DIGITS = range(2, 7)  # decimals, as many as distinguish both gaps
 
 
 @dataclass(frozen=True)
@@ -117,7 +116,7 @@ class CampaignSearch(EffectRefinement):
         return (
             given,
             unchanged,
-            _REFUSED.format(*_distinct(before**0.5, after**0.5)),
+            _REFUSED.format(*distinct_texts(before**0.5, after**0.5)),
         )
 
     def _step(
@@ -238,12 +237,6 @@ def _mean_square(residuals: GapMap, points: np.ndarray) -> float:
     """Return the mean square of the residuals at some operating points, in scatters."""
     chosen = residuals.select_points(points)
     return float(np.nanmean((chosen.difference / chosen.scatter) ** 2))
-
-
-def _distinct(first: float, second: float) -> tuple[str, str]:
-    """Write two gaps with two decimals, or as many as distinguish them."""
-    pairs = [(f"{first:.{digits}f}", f"{second:.{digits}f}") for digits in _DIGITS]
-    return next((pair for pair in pairs if pair[0] != pair[1]), pairs[-1])
 
 
 def _names(candidates: Iterable[Candidate]) -> list[str]:

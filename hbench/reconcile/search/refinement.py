@@ -52,6 +52,11 @@ class EffectRefinement(CandidateEvaluator):
             model, vanished = self.without(refined, gone, names), (*vanished, *gone)
         return model, vanished
 
+    def within_tolerance(self, model: LinearisedModel, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the errors of sensors among the effects of a model that are no longer effects."""
+        tolerated = self._tolerated(names)
+        return tuple(name for name in tolerated if not self._remains(model, names, name))
+
     def _remains(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
         """Return whether one of the effects of a refined model is large enough, and needed.
 

@@ -20,6 +20,12 @@ _MOST = 0.75  # of these: a stroke that covers less is left out
 Positions = tuple[float, float]  # lowest and highest [m]
 _NOWHERE: Positions = (np.inf, -np.inf)
 
+_CUT_OFF = (
+    "The start or the end of the file cuts its strokes off. Leave the file out, or import it as a "
+    "whole: 'kind: triangle' without 'cut'."
+)
+_TOO_SHORT = "Check the units of x_m and t_s in the map, or reduce 'min_stroke'."
+
 
 @dataclass(frozen=True)
 class Section:
@@ -58,7 +64,8 @@ def cut(
             f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
             f"one stroke of at least min_stroke = {1e3 * rules.min_stroke:g} mm",
             "For files with strokes in both directions, write 'cut: reversals' in the map; for "
-            "several constant speeds 'cut: plateaus'.",
+            "several constant speeds 'cut: plateaus'; for triangles or sines as a whole, whose "
+            "reversals hbench reconcile uses, 'kind: triangle'.",
         )
     return _whole(t_s, x_m, name, rules, speed)
 
@@ -114,7 +121,7 @@ def _at_reversals(
             f"{source}: no stroke between two reversals, or from or to a rest, is longer than "
             f"min_stroke = {1e3 * rules.min_stroke:g} mm; the file has positions from {low:.4g} to "
             f"{high:.4g} mm in {t_s[-1] - t_s[0]:.4g} s",
-            "Check the units of x_m and t_s in the map, or reduce 'min_stroke'.",
+            _CUT_OFF if found.partial and 1e-3 * (high - low) > rules.min_stroke else _TOO_SHORT,
         )
     pieces = settled_strokes(t_s, x_m, found.pieces)
     left_out = {
