@@ -81,9 +81,10 @@ class ParameterEstimates:
         Wald's test, with F for k coefficients, also where each of k intervals contains 0. Those
         that change nothing in these data, as of a bench without a load cylinder, do not count.
         """
-        known, determined = effect_coefficients(name), self.model.data.columns.nonzero.any(axis=0)
+        known = effect_coefficients(name)
+        determined = set(np.flatnonzero(self.model.data.columns.nonzero.any(axis=0)).tolist())
         keys = [which for which in self.model.coefficients_of([name]) if which in known]
-        keys = [which for which in keys if determined[self.model.column(which)]]
+        keys = [which for which in keys if self.model.column(which) in determined]
         if not keys:
             return True
         rows = [self.chosen.index(self.model.column(which)) for which in keys]
