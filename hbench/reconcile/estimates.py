@@ -78,10 +78,17 @@ class ParameterEstimates:
     def may_be_zero(self, name: str) -> bool:
         """Return whether an effect's coefficients together do not differ from 0 (95 %).
 
-        Wald's test, with F for k coefficients, also where each of k intervals contains 0.
+        Wald's test, with F for k coefficients, also where each of k intervals contains 0. Those
+        that change nothing in these data, as of a bench without a load cylinder, do not count.
         """
         known = effect_coefficients(name)
-        keys = [which for which in self.model.coefficients_of([name]) if which in known]
+        keys = [
+            which
+            for which in self.model.coefficients_of([name])
+            if which in known and self._is_shown(".".join(which))
+        ]
+        if not keys:
+            return True
         rows = [self.chosen.index(self.model.column(which)) for which in keys]
         off = np.array([self.model.hypothesis.coefficient(w) / typical_size(w) for w in keys])
         off += self.beta[rows]

@@ -18,7 +18,7 @@ from hbench.reconcile.hypothesis import (
     shape_coefficients,
     typical_size,
 )
-from hbench.reconcile.linearised import hypothesis_at, linearise
+from hbench.reconcile.linearised import hypothesis_at, linearise, linearise_residuals
 from hbench.reconcile.nuisance import BOUND, nuisances
 from hbench.reconcile.window_sums import (
     GROUPS,
@@ -523,6 +523,20 @@ def test_whether_coefficients_together_may_be_0(measured, values, correlation, m
     none = np.full(3, np.inf)
     estimates = ParameterEstimates(
         measured.plant, model, (0, 1, 2), beta, covariance, np.full(3, 40.0), -none, none
+    )
+    assert estimates.may_be_zero("internal_leakage") == may_be_zero
+
+
+@pytest.mark.parametrize(("test", "may_be_zero"), [(6.0, False), (1.5, True)])
+def test_a_coefficient_that_changes_nothing_does_not_make_an_effect_0(measured, test, may_be_zero):
+    """Without a load cylinder no data determine its leak, with one degree of freedom."""
+    keys = ["internal_leakage.test", "internal_leakage.load"]
+    model = model_of(measured, keys, Hypothesis())
+    columns = {keys[0]: model.columns[keys[0]], keys[1]: 0 * model.columns[keys[1]]}
+    model = linearise_residuals(measured, Hypothesis(), model.gap_map, columns)
+    beta, none = np.array([test, 0.0]), np.full(2, np.inf)
+    estimates = ParameterEstimates(
+        measured.plant, model, (0, 1), beta, np.eye(2), np.array([40.0, 1.0]), -none, none
     )
     assert estimates.may_be_zero("internal_leakage") == may_be_zero
 

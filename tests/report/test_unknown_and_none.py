@@ -153,7 +153,7 @@ def test_an_unknown_effect_has_the_values_that_the_refit_changes_most(compared):
 def test_a_dead_volume_far_from_the_models_is_a_hint_where_the_flow_to_its_chamber_deviates(
     compared,
 ):
-    def verdict(value, name="flow_lr", prior=0.3, **changes):
+    def verdict(value, name="flow_lr", prior=0.3, words=summary, **changes):
         (rest,) = compared.rest
         path = "load_cylinder.dead_volume_rod"
         factors = {path: FitParameter(value, 0.1, None, None, "1")}
@@ -161,13 +161,14 @@ def test_a_dead_volume_far_from_the_models_is_a_hint_where_the_flow_to_its_chamb
             compared, rest=(replace(rest, name=name),), refitted=factors,
             refit_priors={path: prior}, **changes,
         )  # fmt: skip
-        return summary(found)
+        return words(found)
 
     hint = (
         "A hint: the refit gives a dead volume at the rod side of the load cylinder (Lr) 1.47 times"
     )
     assert f"{hint} that of the model file; compare it with the hoses" in verdict(1.47)
     assert "(Lr) 0.60 times" in verdict(0.6)
+    assert hint in ordinary_spaces(verdict(1.47, words=short_summary))
     for other in (verdict(1.2), verdict(1.47, "flow_lp"), verdict(1.47, refit_refused="No.")):
         assert "A hint" not in other
     # ln 1.2 = 0.18 and ln 1.47 = 0.39: the accuracy is that of the diagnosis.

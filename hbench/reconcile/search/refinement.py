@@ -40,12 +40,16 @@ class EffectRefinement(CandidateEvaluator):
     def refined_and_named(
         self, model: LinearisedModel, names: tuple[str, ...]
     ) -> tuple[LinearisedModel, tuple[str, ...]]:
-        """Return the refined model, and the effects that are now too small to be named, if any."""
+        """Return the refined model, and the effects that are now too small to be named, if any.
+
+        They are left out one at a time, the last added first: of two alike, each may be 0 beside
+        the other, and not both.
+        """
         vanished: tuple[str, ...] = ()
         while names:
             self.stage(f"refining {', '.join(names)}")
             refined = self.refined(model, names)
-            gone = [name for name in names if not self._remains(refined, names, name)]
+            gone = [name for name in names if not self._remains(refined, names, name)][-1:]
             if not gone:
                 return refined, vanished
             names = tuple(name for name in names if name not in gone)

@@ -190,6 +190,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield law_summary(diagnosis.unnamed)
             yield best_candidate(diagnosis)
             yield next_step(diagnosis)
+            yield doubtful_volume(diagnosis)
             yield from further_inspections(diagnosis)
         else:
             yield best_candidate(diagnosis) if hint(diagnosis) else ""
