@@ -10,7 +10,6 @@ from hbench.records.conformity.acceptance import (
     Requirement,
     Rule,
 )
-from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.conformity.text import (
     CONFORMS,
     check_words,
@@ -21,9 +20,11 @@ from hbench.report.conformity.text import (
     requirement_words,
     rule_words,
     series_words,
+    without_common_load,
+    without_common_rod_pressure,
 )
 from hbench.report.render.document import Section
-from hbench.report.render.numbers import NONE, short
+from hbench.report.render.numbers import NONE
 from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
 
@@ -50,8 +51,8 @@ def decision_section(
     limits. The only paragraph states the decision, and the value that decides it with its limit
     and its probability of conformity. What is the same in all checks is a fact below the table.
     """
-    checks = sorted(_without_common_rod_pressure(checks), key=_worst_first)
-    load, checks = _without_common_load(checks)
+    checks = sorted(without_common_rod_pressure(checks), key=_worst_first)
+    load, checks = without_common_load(checks)
     rows = tuple(
         (
             Cell(capital(requirement_words(check.requirement, check.measurement))),
@@ -85,34 +86,6 @@ def _undecided(checks: Sequence[ConformityCheck]) -> Iterator[tuple[str, str]]:
         if check.reason:
             what = capital(check_words(check.requirement, check.measurement))
             yield what, f"{capital(check.reason)}."
-
-
-def _without_common_load(
-    checks: Sequence[ConformityCheck],
-) -> tuple[str, list[ConformityCheck]]:
-    """Return the load that all series with one have, in words, and the checks without it."""
-    measured = [check.measurement for check in checks if check.measurement]
-    loads = {each.f_load_n for each in measured if each.f_load_n is not None}
-    if len(loads) != 1:
-        return "", list(checks)
-    without = [
-        replace(check, measurement=check.measurement and replace(check.measurement, f_load_n=None))
-        for check in checks
-    ]
-    return f"{short(loads.pop())} N wherever one is set", without
-
-
-def _without_common_rod_pressure(checks: Sequence[ConformityCheck]) -> list[ConformityCheck]:
-    """Return the checks without P_Lr, unless series differ in nothing else."""
-    measured = [check.measurement for check in checks if check.measurement]
-    if differs_in_rod_pressure(measured):
-        return list(checks)
-    return [
-        replace(
-            check, measurement=check.measurement and replace(check.measurement, p_lr_ref_pa=None)
-        )
-        for check in checks
-    ]
 
 
 def _worst_first(check: ConformityCheck) -> int:
