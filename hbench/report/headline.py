@@ -53,7 +53,15 @@ def headline_words(results: Results) -> str:
         return ""
     name, words, numbers = parts[0]
     where = f", over {_of_series(numbers, series)}" if len(series) > 1 else ""
-    return f"{name[:1].upper()}{name[1:]} is {words}{where}."
+    return f"{name[:1].upper()}{name[1:]} is {words}{where}{_beyond_u(results)}."
+
+
+def _beyond_u(results: Results) -> str:
+    """State a possible drift that U does not contain; empty without one."""
+    drift = results.drift
+    if drift is None or drift.separated or not drift.hidden:
+        return ""
+    return f"; U does not contain a possible drift of up to {number(drift.possible_percent, 0)} %"
 
 
 def headline_tiles(results: Results) -> Iterable[Tile]:

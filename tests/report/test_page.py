@@ -462,7 +462,7 @@ def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_onc
     assert poor.startswith(f"{begin} Accepted trials are missing: 1 of 2 points")
     found = [row[2].text for row in quality_table(quality).rows]
     assert found == [
-        "8 of 8 planned runs were completed; 1 point has no accepted trial",
+        "8 of 8 planned runs were made; 1 point has no accepted trial",
         "none at 1 point",
     ]
 

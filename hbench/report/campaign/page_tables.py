@@ -99,6 +99,9 @@ def loaded(curves: Iterable[EfficiencyCurve]) -> list[EfficiencyCurve]:
     return [curve for curve in curves if curve.f_load_n != 0]
 
 
+_LEAST_PART = 0.01  # of the combined uncertainty; smaller parts are not listed
+
+
 def friction_budget_table(results: Results) -> Table:
     """Return friction at the working speed and the parts of its uncertainty, largest first."""
     rows = []
@@ -111,10 +114,11 @@ def friction_budget_table(results: Results) -> Table:
             sigmas = {name: abs(part) for name, part in point.parts_n.items()} | {"trials": trials}
             if point.sigma_drift_n is not None:
                 sigmas["drift"] = abs(point.sigma_drift_n)
-            ranked = sorted(sigmas, key=lambda name: -sigmas[name])
             combined = hypot(*sigmas.values())
             if combined == 0:
                 continue
+            large = [name for name in sigmas if sigmas[name] >= _LEAST_PART * combined]
+            ranked = sorted(large, key=lambda name: -sigmas[name])
             rows.append(
                 (
                     *who(curve),

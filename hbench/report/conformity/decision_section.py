@@ -24,11 +24,13 @@ from hbench.report.conformity.text import (
     without_common_rod_pressure,
 )
 from hbench.report.render.document import Section
-from hbench.report.render.numbers import NONE
+from hbench.report.render.numbers import NONE, significant
 from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
+from hbench.units import from_si
 
 _HEAD = ("Quantity", "Decision", "Test", "Measured ± U", "Limit", "Conforms")
+_SURE = 0.999  # probability of conformity that is not worth a word
 _NUMBERS = {"Measured ± U", "Conforms"}
 _OUTCOMES: dict[Conformity, tuple[str, str]] = {  # of one check and of several
     "PASS": ("passes", "pass"),
@@ -131,7 +133,13 @@ def nearest_words(decision: Conformity, checks: Sequence[ConformityCheck]) -> st
         return ""
     what = "Farthest beyond its limit" if margin < 0 else "Nearest to its limit"
     which = check_words(check.requirement, replace(measured, p_lr_ref_pa=None))
+    unit = check.requirement.unit
+    inside = from_si(check.requirement.margin(measured.value), unit)
+    sure = check.probability is not None and check.probability > _SURE
+    conforms = "" if sure else f", probability of conformity {probability_words(check.probability)}"
+    by = "margin" if margin >= 0 else "beyond it by"
+    size = f"{significant(abs(inside), 2)} {unit} or {significant(abs(margin), 2)} U"
     return (
         f"{what} is {which}: {measured_words(check)}, limit {limit_words(check.requirement)}, "
-        f"probability of conformity {probability_words(check.probability)}."
+        f"{by} {size}{conforms}."
     )
