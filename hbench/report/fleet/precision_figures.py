@@ -119,12 +119,13 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
             at[others], values[others], linestyle="none", marker="s", markersize=10,
             markerfacecolor="none", color=style.QUIET, label="pattern",
         )  # fmt: skip
-    marked = np.flatnonzero(beyond | others)
-    for i in marked[-_MOST_MARKED:]:
+    marked = np.flatnonzero(beyond | others)[-_MOST_MARKED:]
+    for place, i in enumerate(marked):  # names of neighbours are above and below by turns
         axes.annotate(
-            chart.names[i], (at[i], values[i]), (0, 8), textcoords="offset points", ha="center",
-            fontsize=8,
+            chart.names[i], (at[i], values[i]), (0, -16 if place % 2 else 9), ha="center",
+            textcoords="offset points", fontsize=8,
         )  # fmt: skip
+    axes.margins(y=0.16)
     for panel in (axes, below):
         panel.axhline(scale * chart.centre, color=style.QUIET, linewidth=1.2)
     for limit in (low, high):
