@@ -454,7 +454,7 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
         dom = shown_by(require_tool("chromium"), page, tmp_path)
     assert 'aria-label="Control chart of 13 cylinders: breakaway' in dom and "+3 σ" in dom
     assert dom.count('class="value signal"') == 1 and dom.count('class="value"') == 12
-    assert re.search(r'id="decision"[^>]*>PASS, unusual: check<', dom)
+    assert re.search(r'id="decision"[^>]*>PASS<span[^>]*>, unusual: check<', dom)
     assert (
         ordinary_spaces(chart["title"]) == "breakaway at 50.1 mm/s, extending"
         and chart["unit"] == "bar"
@@ -505,7 +505,7 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     assert titles == ["5.3: breakaway, extending", "breakaway, extending", "breakaway, extending"]
     passed, nearest = map(ordinary_spaces, limits_checked(checks[:1]))
     assert passed == "Limits met: 1 of 1."
-    assert "3.00 ± 0.10 bar, limit at most 4 bar, probability of conformity" in nearest
+    assert "3.00 ± 0.10 bar, limit at most 4 bar, margin 1.0 bar or 10 U." in nearest
     several = limits_checked(checks * 5)
     assert len(several) == 6 and several[-1].startswith("11 more") and limits_checked([]) == []
 

@@ -102,13 +102,13 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
     drift = "cancels" if mean.drift_cancels else _largest_drift(mean.drift_n)
     trials = with_interval(mean.value_n, mean.ci95_n)
     with_u = with_interval(mean.value_n, mean.half_n)
-    p = NONE if mean.p_value is None else f"{p_words(mean.p_value)} (one test)"
+    p = NONE if mean.p_value is None else p_words(mean.p_value)
     a, b = (
         with_interval(each, mean.half_n).partition(" ±")[0]
         for each in (mean.a_n, mean.a_n + mean.value_n)
     )
     row = (
-        f"mean over all {mean.curves} curves",
+        f"mean over all {mean.curves} curves{'' if mean.p_value is None else ', one test'}",
         a,
         b,
         with_u,

@@ -135,7 +135,7 @@ def nearest_words(decision: Conformity, checks: Sequence[ConformityCheck]) -> st
     which = check_words(check.requirement, replace(measured, p_lr_ref_pa=None))
     unit = check.requirement.unit
     inside = from_si(check.requirement.margin(measured.value), unit)
-    sure = check.probability is not None and check.probability > _SURE
+    sure = check.probability is None or check.probability > _SURE
     conforms = "" if sure else f", probability of conformity {probability_words(check.probability)}"
     by = "margin" if margin >= 0 else "beyond it by"
     size = f"{significant(abs(inside), 2)} {unit} or {significant(abs(margin), 2)} U"
