@@ -145,6 +145,18 @@ def point_checks(design: Design) -> tuple[Check, ...]:
     return (*checks, Check("largest modulus of a digital pole", modulus, 1.0, "1", modulus < 1.0))
 
 
+def margin_ranges(
+    points: Sequence[GridPoint], loops: Sequence[Pi]
+) -> dict[str, tuple[float, float]]:
+    """Return the smallest and the largest margin of each loop over all points, by its check."""
+    values: dict[str, list[float]] = {}
+    for point in points:
+        for check in margin_checks([point], loops):
+            if check.unit in ("deg", "dB"):
+                values.setdefault(check.what, []).append(check.value)
+    return {what: (min(each), max(each)) for what, each in values.items()}
+
+
 def margin_checks(points: Sequence[GridPoint], loops: Sequence[Pi]) -> tuple[Check, ...]:
     """Check the margins of all loops at all points: a check per loop and margin, at the worst."""
     phase: dict[str, dict[str, float]] = {}

@@ -139,3 +139,6 @@ class Design:
     proposal: Proposal | None = None
     checks: tuple[Check, ...] = ()  # of the present gains on the board, at the operating point
     basis: DesignBasis | None = None  # None: not from a bench file
+    # Of the present gains over all operating points, by the check: smallest and largest [deg, dB].
+    margin_ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    points: int = 0  # of these ranges

@@ -3,8 +3,9 @@
 from collections.abc import Collection, Iterable, Sequence
 from statistics import median_low
 
-from hbench.records import HeadlineNumber, HeadlineSeries, Results
+from hbench.records import Direction, HeadlineNumber, HeadlineSeries, Results
 from hbench.report.campaign.quality import quality_count
+from hbench.report.campaign.series_words import TITLES
 from hbench.report.campaign.settings import aborted_words
 from hbench.report.render.document import Tile
 from hbench.report.render.numbers import (
@@ -17,6 +18,7 @@ from hbench.report.render.numbers import (
     span_with_intervals,
     with_interval,
 )
+from hbench.report.render.symbols import listed
 from hbench.units import from_si
 
 FLAGS = {  # how a number was determined, by its basis
@@ -47,13 +49,21 @@ def headline_words(results: Results) -> str:
     parts = [
         (name, words, numbers)
         for name, numbers, scale, unit in quantities
-        if (words := _span_words([each for each in numbers if each is not None], scale, unit))
+        if (words := _span_words(numbers, scale, unit, [each.direction for each in series]))
     ]
     if not parts:
         return ""
     name, words, numbers = parts[0]
     where = f", over {_of_series(numbers, series)}" if len(series) > 1 else ""
-    return f"{name[:1].upper()}{name[1:]} is {words}{where}."
+    return f"{name[:1].upper()}{name[1:]} is {words}{where}{_beyond_u(results)}."
+
+
+def _beyond_u(results: Results) -> str:
+    """State a possible drift that U does not contain; empty without one."""
+    drift = results.drift
+    if drift is None or drift.separated or not drift.hidden:
+        return ""
+    return f"; U does not contain a possible drift of up to {number(drift.possible_percent, 0)} %"
 
 
 def headline_tiles(results: Results) -> Iterable[Tile]:
@@ -148,8 +158,18 @@ def _of_series(numbers: Sequence[HeadlineNumber | None], series: Sequence[Headli
     return f"{count} {'series' if labelled else 'loads and directions'}"
 
 
-def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
-    """Return numbers as a range, with their largest U and how they were determined."""
+def _span_words(
+    every: Sequence[HeadlineNumber | None],
+    scale: float,
+    unit: str,
+    directions: Sequence[Direction],
+) -> str:
+    """Return numbers as ranges by direction, with their largest U and how they were determined."""
+    sides: dict[Direction, list[HeadlineNumber]] = {}
+    for each, direction in zip(every, directions, strict=True):
+        if each is not None:
+            sides.setdefault(direction, []).append(each)
+    numbers = [each for side in sides.values() for each in side]
     if not numbers:
         return ""
     remarks = _flag_words(numbers)
@@ -157,7 +177,12 @@ def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
         most = "up to " if len(numbers) > 1 else ""
         points = "percentage points" if unit == "%" else unit
         remarks.append(f"U {most}{half_width(max(halves))} {points}{_shares(numbers, unit)}")
-    text = f"{_ends(numbers, scale)} {unit}"
+    text = listed(
+        [
+            f"{_ends(side, scale)} {unit}{f' {TITLES[way].lower()}' if len(sides) > 1 else ''}"
+            for way, side in sides.items()
+        ]
+    )
     return f"{text} ({'; '.join(remarks)})" if remarks else text
 
 

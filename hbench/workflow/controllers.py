@@ -39,7 +39,13 @@ def design(
     proposed and checked with the firmware. If they fail, ``RATIOS`` are tried until one passes.
     Raises ``ConfigError``, ``ConvergenceError``.
     """
-    from hbench.control.grid import operating_point, point_checks  # slow import: scipy.signal
+    from hbench.control.grid import (  # slow import: scipy.signal
+        conditions,
+        grid,
+        margin_ranges,
+        operating_point,
+        point_checks,
+    )
     from hbench.control.loops import design_at
     from hbench.experiment.design_verification import proposal
     from hbench.studies.source_design import OPERATING_POINT, reproduce
@@ -56,8 +62,12 @@ def design(
         filters_s=(control.velocity_filter, control.pressure_filter),
         reproduced=reproduce(par) if source else (),
     )
-    present = analyzed([(loop.gain, loop.time_constant) for loop in loops])
-    present = replace(present, checks=point_checks(present), basis=_basis(bench, bench_file))
+    gains = [(loop.gain, loop.time_constant) for loop in loops]
+    points = grid(bench, par, conditions(bench, par)[0])
+    present = replace(
+        analyzed(gains), basis=_basis(bench, bench_file), margin_ranges=margin_ranges(points, gains)
+    )
+    present = replace(present, checks=point_checks(present), points=len(points))
     if ratio is None:
         return present
     proposed = proposal(bench, ratio, nominal, report)

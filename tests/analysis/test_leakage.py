@@ -219,7 +219,7 @@ def test_holds_that_agree_by_rounding_alike_know_no_leak_smaller_than_a_code(sti
     by_hand = code * volume / BETA / (mean_p * (DURATION_S - 0.3))
     half = (one.ci95[1] - one.ci95[0]) / 2
     assert 0.5 * by_hand < half < 5 * by_hand
-    assert found.message.count("resolution of the converter (one code): piston_side_out") == 1
+    assert found.message.count("larger than that of the fit: piston_side_out") == 1
     assert one.by_resolution
 
 

@@ -48,6 +48,12 @@ def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path, u
     out = tmp_path / "out"
     numbers = json.loads((out / "design.json").read_text())
     assert numbers["schema"] == "hbench.design/1" and numbers["proposal"] is None
+    gains = [low for what, (low, _) in numbers["margin_ranges"].items() if "gain" in what]
+    everywhere = (
+        r"Over all 54 operating points, the smallest margins are \d+ deg .* and ([\d.]+) dB"
+    )
+    (worst,) = re.findall(everywhere, done.stdout)
+    assert float(worst) == pytest.approx(min(gains), abs=0.05) and min(gains) < float(gain)
     assert [loop["name"] for loop in numbers["loops"]] == [
         "velocity",
         "rod pressure",

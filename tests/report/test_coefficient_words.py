@@ -11,7 +11,7 @@ from hbench.report.diagnosis.summary import short_summary
 from hbench.report.diagnosis.tables.change_tables import changes_tables
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
-from hbench.report.diagnosis.words.coefficient import coefficients_words
+from hbench.report.diagnosis.words.coefficient import alike_words, coefficients_words
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import LEAK, added, summary
 
@@ -53,11 +53,11 @@ def test_friction_that_is_larger_in_one_direction_has_the_direction(named):
         )  # fmt: skip
         return verdict_words(replace(named, effects=(effect,)))
 
-    mean = "than the mean of both directions (both cylinders)"
-    assert f"dry friction is larger while extending {mean}" in words(12.0, 8.0)
-    assert f"dry friction is larger while retracting {mean}" in words(-12.0, -8.0)
+    mean = "than the mean of both directions (test cylinder"
+    assert f"dry friction is larger while extending {mean} 12.0 ± 2.0 %" in words(12.0, 8.0)
+    assert f"dry friction is larger while retracting {mean} −12.0 ± 2.0 %" in words(-12.0, -8.0)
     assert "larger while extending than" in words(12.0, 1.0)  # one of them may be 0
-    assert "dry friction is larger in one direction (both" in words(12.0, -8.0)
+    assert "dry friction is larger in one direction (test" in words(12.0, -8.0)
 
 
 def test_an_effect_with_nothing_to_inspect_has_what_to_do_in_the_verdict(named):
@@ -187,3 +187,16 @@ def test_a_change_of_exactly_0_has_no_interval(named):
     still = Change("flow_lr", "l/min", 0.0, (0.0, 0.0), 0.1, 0.2)
     (table,) = changes_tables(replace(named, practice=(replace(LEAK, changes=(still,)),)))
     assert table.rows[0][1] == "0 l/min"
+
+
+def test_two_cylinders_that_leak_alike_have_a_common_cause_first(named):
+    """Within their intervals; a cylinder that leaks clearly more is a seal's own fault."""
+
+    def words(load):
+        parameters = {
+            name: FitParameter(value, 0.05, (value - 0.1, value + 0.1), None, "l/min/bar")
+            for name, value in (("test", 1.0), ("load", load))
+        }
+        return alike_words(replace(named.effects[0], parameters=parameters))
+
+    assert "a common cause" in words(1.1) and not words(2.0)

@@ -205,7 +205,8 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     assert page.count('class="wide"') == sum(one.wide for one in drawings)
     assert BANNERS["simulated"] in page
     verdict = (
-        r'class="verdict">The model does not contain internal leakage: oil leaks [^<]*0\.00580'
+        r'class="verdict">Internal leakage is found, which the model does not contain: oil leaks '
+        r"[^<]*0\.00580"
     )
     assert re.search(verdict, page)
     for table in diagnosis_tables(named):

@@ -39,5 +39,5 @@ def test_the_title_states_the_verdict_and_a_block_what_was_measured_where_and_wh
     assert facts["Dimensions"].replace("\N{NO-BREAK SPACE}", " ") == (
         "bore 40 mm, rod 25 mm, stroke 400 mm"
     )
-    assert facts["Measured"].startswith("2026-01-01 00:00:00 to ")
+    assert facts["Simulated time"].startswith("2026-01-01 00:00:00 to ")
     assert facts["Analysis"] == "hbench 0.1.0" and "Instruments" in facts

@@ -126,7 +126,9 @@ def test_captions_explain_no_marks_that_the_figures_do_not_have(found):
     (filled,) = draw_differences(found)
     (hollow,) = draw_differences(replace(found, curves=(none,)))
     assert "Filled: significant at this speed alone" in filled.caption
-    assert "Filled" not in hollow.caption and "at a single speed is significant." in hollow.caption
+    count = len(one.points)
+    assert f"speed is significant, after correction for {count} tests." in hollow.caption
+    assert "Filled" not in hollow.caption
 
 
 def test_differences_are_drawn_on_the_same_axis(found, monkeypatch):
@@ -249,8 +251,8 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     over = text(13.0, MeanOfCurves(40.0, 8.0, 400.0, 2, DriftEffect(0.0, 1e-9)))
     sure = (
         "Friction of <after> is 40.0 +- 8.0 N (10 %) higher than that of before, in the mean over "
-        "all 2 curves. A linear drift cancels in this mean, but may account for up to 33 N of the "
-        "difference of a single curve."
+        "all 2 curves. A linear drift, unlike a warm-up, cancels in this mean, but may account for "
+        "up to 33 N of the difference of a single curve."
     )
     assert over.startswith(sure)  # and no difference of a curve is called significant
     assert "Mean friction differs" not in over
@@ -268,14 +270,14 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     page = differences_page(hidden, draw_differences(hidden))
     assert "0 of 6 differences at single speeds are significant; 5 more may come from" in page
     assert ">significant<" not in page and "Filled" not in page
-    assert "No difference at a single speed is significant beyond a possible drift." in page
+    assert "No difference at a single speed is significant beyond a possible drift, after" in page
     page = differences_page(found, draw_differences(found))
     assert "5 of 6 differences at single speeds are significant." in page
     assert "from a drift" not in page and "not explained by a drift" not in page
     assert mean == [
         "mean over all 2 curves",
-        "400",
-        "440",
+        "400.0",
+        "440.0",
         "40.0 +- 8.0",
         "significant",
         "-",

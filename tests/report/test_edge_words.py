@@ -17,8 +17,8 @@ def test_an_unknown_deviation_states_whether_the_sensors_may_cause_it(compared):
         return ordinary_spaces(verdict_words(found))
 
     assert (
-        "Sensor errors within the tolerances are fitted, and do not explain this deviation."
-        in lead()
+        "Sensor errors within the tolerances are fitted, and do not explain this deviation; a "
+        "sensor beyond its tolerance may." in lead()
     )
     assert "Sensor errors within the tolerances cannot cause as much." in lead(allowed=39.0)
     may = "may cause as much in the force of the test cylinder: check these first."
@@ -50,7 +50,7 @@ def test_valves_that_deviate_at_the_same_edge_are_listed_together_with_the_line_
         return replace(compared, where=flows, rest=flows, regions=(*directions, *speeds))
 
     lead = ordinary_spaces(verdict_words(found()))
-    assert "significantly (p below 0.1): the flows to the load piston side and the test" in lead
+    assert "significantly (p below 0.1) and enough to matter: the flows to the load piston" in lead
     assert (
         "First inspect the test valve and load valve L2 at their metering edges to tank, and the "
         "return line that they share: their flows deviate most there, by 0.070 l/min RMS and 0.044 "

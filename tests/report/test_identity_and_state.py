@@ -50,7 +50,7 @@ def test_begin_and_end_are_stated_with_their_date_once_and_equal_ones_once(small
     def measured(stopped):
         times = {"started": "2026-01-01T08:00:00+00:00", "stopped": f"2026-01-01T{stopped}+00:00"}
         made = replace(small, provenance=replace(small.provenance, **times))
-        return dict(report_document(made, ()).identity)["Measured"]
+        return dict(report_document(made, ()).identity)["Simulated time"]
 
     assert measured("08:07:50") == "2026-01-01 08:00:00 to 08:07:50 UTC"
     assert measured("08:00:00") == "2026-01-01 08:00:00 UTC"

@@ -202,9 +202,14 @@ def test_an_active_bound_is_flagged_with_its_message(page, small):
 
 def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_poor(small):
     verdict = report_document(small, ()).verdict
-    friction = [1.0 * each.friction_n.value for each in small.headline.series]
-    first = re.match(r"Friction at \S+ mm/s is (\d+)–(\d+) N \(", verdict)
-    assert list(map(int, first.groups())) == [round(min(friction)), round(max(friction))]
+    ends = [
+        round(end(s.friction_n.value for s in small.headline.series if s.direction == direction))
+        for direction in ("extend", "retract")
+        for end in (min, max)
+    ]
+    sides = r"(\d+)–(\d+) N extending and (\d+)–(\d+) N retracting \("
+    first = re.match(rf"Friction at \S+ mm/s is {sides}", verdict)
+    assert list(map(int, first.groups())) == ends
     assert ", over all loads and directions. " in verdict
     poor = replace(small, quality=replace(small.quality, grade="poor"))
     document = report_document(poor, ())
@@ -233,9 +238,11 @@ def test_the_ends_of_a_range_are_rounded_as_in_the_table_of_all_values(small):
     document = report_document(replace(small, headline=replace(small.headline, series=series)), ())
     rows = document.sections[0].tables[0]
     column = rows.head.index("Friction ± U (N)")
-    values = [row[column].text.partition(" ± ")[0] for row in rows.rows]
-    ends = f"{min(values, key=int)}–{max(values, key=int)} N"
-    assert all(int(value) % 10 == 0 for value in values) and f"mm/s is {ends} (" in document.verdict
+    for direction in ("extending", "retracting"):
+        own = [row for row in rows.rows if direction in [cell.text for cell in row]]
+        values = [row[column].text.partition(" ± ")[0] for row in own]
+        ends = f"{min(values, key=int)}–{max(values, key=int)} N {direction}"
+        assert all(int(value) % 10 == 0 for value in values) and ends in document.verdict
 
 
 def test_the_table_of_results_has_the_forces_that_the_efficiency_is_made_of(small):
@@ -462,7 +469,7 @@ def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_onc
     assert poor.startswith(f"{begin} Accepted trials are missing: 1 of 2 points")
     found = [row[2].text for row in quality_table(quality).rows]
     assert found == [
-        "8 of 8 planned runs were completed; 1 point has no accepted trial",
+        "8 of 8 planned runs were made; 1 point has no accepted trial",
         "none at 1 point",
     ]
 

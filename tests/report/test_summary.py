@@ -33,9 +33,10 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     text = summary(named)
     verdict = ordinary_spaces(verdict_words(named))
     assert verdict.startswith(
-        "The model does not contain internal leakage: oil leaks (test cylinder 0.00300 ± 0.00020 "
-        "l/min/bar; 95 % interval). At the working point (extending at 80 mm/s), 0.18 l/min less "
-        "oil enters the piston side of the test cylinder (Tp) and the piston is 2.4 mm/s slower at "
+        "Internal leakage is found, which the model does not contain: oil leaks (test cylinder "
+        "0.00300 ± 0.00020 l/min/bar; 95 % interval). At the working point (extending at 80 "
+        "mm/s), 0.18 l/min less oil enters the piston side of the test cylinder (Tp) and the "
+        "piston is 2.4 mm/s slower at "
         "the same commands; in 95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it, the "
         "deviation of the quantities that it changes falls from 16.7 to 1.60 times the "
         "repeatability in runs outside the fit. Next, inspect the piston seal."
@@ -164,7 +165,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
 
     text = verdict(named)
     order = (
-        "The model does not contain internal leakage: oil leaks (",
+        "Internal leakage is found, which the model does not contain: oil leaks (",
         "At the working point (extending at 80 mm/s), 0.18 l/min less oil enters",
         "With it, the deviation of the quantities that it changes falls from 16.7 to 1.60 times",
         "Next, inspect the piston seal.",
@@ -430,7 +431,7 @@ def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
     places = [
         page.index(part)
         for part in (
-            "The model does not contain internal leakage",
+            "Internal leakage is found, which the model does not contain",
             "At the median working point",
             '<h2 id="gap-between-model-and-measurement-before-and-after">',
             '<h2 id="the-effects">',

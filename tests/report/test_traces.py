@@ -104,7 +104,7 @@ def test_the_first_runs_of_a_reason_are_shown_and_how_many_there_are(small):
 
 
 def test_a_run_without_samples_has_no_trace(small):
-    results = rejected(small, 1, "truncated: x")
+    results = rejected(small, 1, "too_short: x")
     run = replace(results.runs[0].run, t_s=T[:0], x_m=T[:0])
     assert traces(replace(results, runs=(replace(results.runs[0], run=run),))) == {}
 
@@ -114,8 +114,9 @@ def test_a_run_counts_once_for_a_reason_that_it_has_twice(small):
     assert reason_counts(results) == {"not_steady": 2, "gapped": 2}
 
 
-def test_a_checksum_that_differs_has_no_trace_and_other_reasons_of_the_run_have(small):
-    assert list(traces(rejected(small, 1, "changed: x", "gapped: x"))) == ["gapped"]
+def test_what_no_channel_shows_has_no_trace_and_other_reasons_of_the_run_have(small):
+    shown = traces(rejected(small, 1, "changed: x", "truncated: x", "gapped: x"))
+    assert list(shown) == ["gapped"]
 
 
 def test_rejected_runs_are_counted_in_a_figure_from_the_second_one_on(small):

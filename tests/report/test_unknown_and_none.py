@@ -88,9 +88,9 @@ def test_each_deviation_that_is_not_explained_has_its_name_and_its_probability(c
     assert "; also the flow to the load rod side." in text
     lead = ordinary_spaces(verdict_words(found))
     assert (
-        "significantly (p below 0.1): the force of the test cylinder, the force of the load "
-        "cylinder, position against velocity, the supply pressure and the flow to the load rod "
-        "side."
+        "significantly (p below 0.1) and enough to matter: the force of the test cylinder, the "
+        "force of the load cylinder, position against velocity, the supply pressure and the flow "
+        "to the load rod side."
     ) in lead
     assert "p = " not in lead and "matters above" not in lead  # that is in the row on residuals
 

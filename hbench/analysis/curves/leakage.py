@@ -92,7 +92,8 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         messages.append(f"not significant at the 95 % level: {_listed(none)}")
     if rounded:
         messages.append(
-            f"the interval is the resolution of the converter (one code): {_listed(rounded)}"
+            "U is that of one code of the converter, larger than that of the fit: "
+            f"{_listed(rounded)}"
         )
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
@@ -108,8 +109,8 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     if len(runs) < 2:
         messages.append("no interval: there is only one hold")
     messages.append(
-        f"conditional on the bench file's bulk modulus ({beta / 1e5:.4g} bar) and dead volumes: "
-        "pressures determine only the leaks times beta / V"
+        f"conditional on the bench file's effective bulk modulus ({beta / 1e5:.4g} bar) and dead "
+        "volumes: pressures determine only the leaks times beta / V"
     )
     return Leakage(
         label=label,

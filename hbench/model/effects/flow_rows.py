@@ -219,7 +219,7 @@ ROWS = {
         },
         inspect="the piston seal of each leaking cylinder: how fast pressure equalises with closed "
         "valves, and the flow at a disconnected rod port",
-        repair="Replace that piston seal; look for scoring of the bore.",
+        repair="If the test confirms the leak, replace that piston seal; look for scoring of the bore.",
         source="Merritt (1967), section 6.1",
     ),
     "external_leakage": Effect(
@@ -236,7 +236,7 @@ ROWS = {
             ),
         },
         inspect="that chamber for leaking oil: rod seal, fittings and the valve's ports",
-        repair="Replace the rod seal, or tighten the fitting.",
+        repair="If oil leaks there, replace the rod seal, or tighten the fitting.",
         source="Merritt (1967), section 6.1",
     ),
 }

@@ -11,8 +11,8 @@ SIGNIFICANT = 0.05  # of p after Holm
 
 LEAKS = {
     "across_piston": "across the piston",
-    "piston_side_out": "out of the piston side",
-    "rod_side_out": "out of the rod side",
+    "piston_side_out": "from the piston side outwards",
+    "rod_side_out": "from the rod side outwards",
 }
 
 

@@ -245,7 +245,7 @@ def _budget(results: Results) -> tuple[Section, ...]:
     text = (
         "Friction at the working speed with the standard uncertainty of each input (JCGM 100). "
         "u is the combined standard uncertainty, ν its effective degrees of freedom, and k the "
-        "coverage factor: U = k u.",
+        "coverage factor: U = k u. Parts below 1 % of u are not listed.",
         _ZEROS if zeros.rows else _NO_ZEROS,
     )
     tables = (

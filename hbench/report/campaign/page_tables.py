@@ -6,6 +6,7 @@ from statistics import stdev
 
 from hbench.records import (
     Curve,
+    EfficiencyCurve,
     PressureLine,
     Results,
     RunPlan,
@@ -67,7 +68,7 @@ def point_table(results: Results) -> Table:
 
 
 def efficiency_table(results: Results) -> Table:
-    """Return the points of all efficiency curves."""
+    """Return the points of the efficiency curves with a load."""
     rows = [
         (
             *who(curve),
@@ -79,7 +80,7 @@ def efficiency_table(results: Results) -> Table:
             _percent(point.u95),
             point.reason,
         )
-        for curve in without_common_rod_pressure(results.efficiency)
+        for curve in without_common_rod_pressure(loaded(results.efficiency))
         for point in curve.points
     ]
     head = (
@@ -91,6 +92,14 @@ def efficiency_table(results: Results) -> Table:
         "U of both (%)",
     )
     return table((*WHO, *head, "Remark"), rows)
+
+
+def loaded(curves: Iterable[EfficiencyCurve]) -> list[EfficiencyCurve]:
+    """Return the curves with a load: without one, only friction of the load side is driven."""
+    return [curve for curve in curves if curve.f_load_n != 0]
+
+
+_LEAST_PART = 0.01  # of the combined uncertainty; smaller parts are not listed
 
 
 def friction_budget_table(results: Results) -> Table:
@@ -105,10 +114,11 @@ def friction_budget_table(results: Results) -> Table:
             sigmas = {name: abs(part) for name, part in point.parts_n.items()} | {"trials": trials}
             if point.sigma_drift_n is not None:
                 sigmas["drift"] = abs(point.sigma_drift_n)
-            ranked = sorted(sigmas, key=lambda name: -sigmas[name])
             combined = hypot(*sigmas.values())
             if combined == 0:
                 continue
+            large = [name for name in sigmas if sigmas[name] >= _LEAST_PART * combined]
+            ranked = sorted(large, key=lambda name: -sigmas[name])
             rows.append(
                 (
                     *who(curve),
@@ -131,7 +141,7 @@ def _degrees_of_freedom(dof: float | None) -> str:
 def budget_table(results: Results) -> Table:
     """Return each curve's mean efficiency and the parts of its uncertainty, largest first."""
     rows: list[tuple[str | Cell, ...]] = []
-    for curve in without_common_rod_pressure(results.efficiency):
+    for curve in without_common_rod_pressure(loaded(results.efficiency)):
         if curve.mean is None or curve.mean.sigma is None:
             continue
         sigmas = {name: abs(sigma) for name, sigma in curve.mean.parts.items()}

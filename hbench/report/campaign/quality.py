@@ -264,7 +264,8 @@ def _found(check: QualityCheck, quality: Quality) -> str:
 def _value(check: QualityCheck) -> str:
     if check.name == "complete":
         share = "" if check.count == check.of else f", {number(check.value)} %"
-        return f"{check.count} of {check.of} planned runs were completed{share}"
+        verb = "made" if check.count == check.of else "completed"
+        return f"{check.count} of {check.of} planned runs were {verb}{share}"
     if check.name == "runs_accepted":
         return f"{check.count} of {check.of}, {number(check.value)} %"
     if check.name == "trials_per_point":

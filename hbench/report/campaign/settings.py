@@ -35,7 +35,8 @@ def provenance_facts(
     """Return ``identity_facts`` of a campaign; ``sizes`` are those if it states none itself."""
     specimen, test = (provenance.settings.get(name, {}) for name in ("specimen", "test"))
     stated = ", ".join(f"{name} {specimen[name]}" for name in _SIZES if specimen.get(name))
-    bench, when = provenance.bench, {"Measured": _period(provenance.started, provenance.stopped)}
+    name = "Simulated time" if provenance.source == "simulated" else "Measured"
+    bench, when = provenance.bench, {name: _period(provenance.started, provenance.stopped)}
     if provenance.source == "imported":
         bench = f"{bench} (name in the map of the import)"
         measured = test.get("date", "") or "date not recorded (test.date in the map)"

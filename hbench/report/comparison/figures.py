@@ -17,7 +17,7 @@ from hbench.records import (
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.series_words import TITLES, kind_words, load_words
 from hbench.report.comparison.cells import label_of, with_names
-from hbench.report.comparison.tables import hidden_curves
+from hbench.report.comparison.tables import hidden_curves, single_points
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
@@ -31,7 +31,9 @@ _FILLED = (
     "Filled: significant at this speed alone, with p corrected for the number of points{drift}. "
     "Hollow: not significant."
 )
-_HOLLOW = "No difference at a single speed is significant{drift}."
+_HOLLOW = (
+    "No difference at a single speed is significant{drift}, after correction for {tests} tests."
+)
 _NOT_DRIFT = ", and not explained by a drift"
 _OR_DRIFT = " beyond a possible drift"
 _BANDS_CAPTION = (
@@ -70,7 +72,8 @@ def _marks(curve: CurveDifference, differences: CampaignDifferences) -> str:
     hidden = _is_hidden(curve, differences)
     if significant and not hidden:
         return _FILLED.format(drift=_NOT_DRIFT if hidden_curves(differences) else "")
-    return _HOLLOW.format(drift=_OR_DRIFT if significant else "")
+    tests = len(single_points(differences.curves))
+    return _HOLLOW.format(drift=_OR_DRIFT if significant else "", tests=tests)
 
 
 def _is_hidden(curve: CurveDifference, differences: CampaignDifferences) -> bool:

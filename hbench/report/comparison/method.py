@@ -19,7 +19,7 @@ _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
      "trials do not exclude. Where it exceeds the difference less U, the verdict on friction and "
      "on efficiency is \"may come from a drift\". It cancels in the mean over all curves if it is "
-     "a straight line over time."),
+     "a straight line over time; a warm-up is not."),
 )  # fmt: skip
 _UNKNOWN_DRIFT = (
     ("May come from a drift", "The part of a drift within the campaigns in this difference is not "

@@ -21,7 +21,7 @@ from hbench.report.comparison.cells import (
     label_of,
     p_words,
 )
-from hbench.report.render.numbers import NONE, half_width, number, significant, with_interval
+from hbench.report.render.numbers import NONE, half_width, number, with_interval
 from hbench.units import from_si
 
 
@@ -103,9 +103,12 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
     trials = with_interval(mean.value_n, mean.ci95_n)
     with_u = with_interval(mean.value_n, mean.half_n)
     p = NONE if mean.p_value is None else p_words(mean.p_value)
-    a, b = (significant(each, 3) for each in (mean.a_n, mean.a_n + mean.value_n))
+    a, b = (
+        with_interval(each, mean.half_n).partition(" ±")[0]
+        for each in (mean.a_n, mean.a_n + mean.value_n)
+    )
     row = (
-        f"mean over all {mean.curves} curves",
+        f"mean over all {mean.curves} curves{'' if mean.p_value is None else ', one test'}",
         a,
         b,
         with_u,

@@ -97,8 +97,8 @@ def _drift(differences: CampaignDifferences, bands: bool) -> str:
             f"{_REMEDY}"
         )
     return (
-        f"A linear drift {_in_mean(mean)}, but may account for up to {largest} of the difference "
-        f"of a single curve. {_REMEDY}"
+        f"A linear drift, unlike a warm-up, {_in_mean(mean)}, but may account for up to {largest} "
+        f"of the difference of a single curve. {_REMEDY}"
     )
 
 

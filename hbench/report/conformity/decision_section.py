@@ -10,7 +10,6 @@ from hbench.records.conformity.acceptance import (
     Requirement,
     Rule,
 )
-from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.conformity.text import (
     CONFORMS,
     check_words,
@@ -21,13 +20,17 @@ from hbench.report.conformity.text import (
     requirement_words,
     rule_words,
     series_words,
+    without_common_load,
+    without_common_rod_pressure,
 )
 from hbench.report.render.document import Section
-from hbench.report.render.numbers import NONE, short
+from hbench.report.render.numbers import NONE, significant
 from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
+from hbench.units import from_si
 
 _HEAD = ("Quantity", "Decision", "Test", "Measured ± U", "Limit", "Conforms")
+_SURE = 0.999  # probability of conformity that is not worth a word
 _NUMBERS = {"Measured ± U", "Conforms"}
 _OUTCOMES: dict[Conformity, tuple[str, str]] = {  # of one check and of several
     "PASS": ("passes", "pass"),
@@ -50,8 +53,8 @@ def decision_section(
     limits. The only paragraph states the decision, and the value that decides it with its limit
     and its probability of conformity. What is the same in all checks is a fact below the table.
     """
-    checks = sorted(_without_common_rod_pressure(checks), key=_worst_first)
-    load, checks = _without_common_load(checks)
+    checks = sorted(without_common_rod_pressure(checks), key=_worst_first)
+    load, checks = without_common_load(checks)
     rows = tuple(
         (
             Cell(capital(requirement_words(check.requirement, check.measurement))),
@@ -85,34 +88,6 @@ def _undecided(checks: Sequence[ConformityCheck]) -> Iterator[tuple[str, str]]:
         if check.reason:
             what = capital(check_words(check.requirement, check.measurement))
             yield what, f"{capital(check.reason)}."
-
-
-def _without_common_load(
-    checks: Sequence[ConformityCheck],
-) -> tuple[str, list[ConformityCheck]]:
-    """Return the load that all series with one have, in words, and the checks without it."""
-    measured = [check.measurement for check in checks if check.measurement]
-    loads = {each.f_load_n for each in measured if each.f_load_n is not None}
-    if len(loads) != 1:
-        return "", list(checks)
-    without = [
-        replace(check, measurement=check.measurement and replace(check.measurement, f_load_n=None))
-        for check in checks
-    ]
-    return f"{short(loads.pop())} N wherever one is set", without
-
-
-def _without_common_rod_pressure(checks: Sequence[ConformityCheck]) -> list[ConformityCheck]:
-    """Return the checks without P_Lr, unless series differ in nothing else."""
-    measured = [check.measurement for check in checks if check.measurement]
-    if differs_in_rod_pressure(measured):
-        return list(checks)
-    return [
-        replace(
-            check, measurement=check.measurement and replace(check.measurement, p_lr_ref_pa=None)
-        )
-        for check in checks
-    ]
 
 
 def _worst_first(check: ConformityCheck) -> int:
@@ -158,7 +133,13 @@ def nearest_words(decision: Conformity, checks: Sequence[ConformityCheck]) -> st
         return ""
     what = "Farthest beyond its limit" if margin < 0 else "Nearest to its limit"
     which = check_words(check.requirement, replace(measured, p_lr_ref_pa=None))
+    unit = check.requirement.unit
+    inside = from_si(check.requirement.margin(measured.value), unit)
+    sure = check.probability is None or check.probability > _SURE
+    conforms = "" if sure else f", probability of conformity {probability_words(check.probability)}"
+    by = "margin" if margin >= 0 else "beyond it by"
+    size = f"{significant(abs(inside), 2)} {unit} or {significant(abs(margin), 2)} U"
     return (
         f"{what} is {which}: {measured_words(check)}, limit {limit_words(check.requirement)}, "
-        f"probability of conformity {probability_words(check.probability)}."
+        f"{by} {size}{conforms}."
     )

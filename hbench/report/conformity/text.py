@@ -1,6 +1,8 @@
 """Acceptance of a cylinder for the terminal, and as JUnit XML for production servers."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from textwrap import wrap
 from xml.etree import ElementTree
 
 from hbench.records import WordTable
@@ -14,6 +16,7 @@ from hbench.records.conformity.acceptance import (
     Requirement,
     Rule,
 )
+from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, short, significant, with_interval
@@ -36,12 +39,20 @@ RULES = {
     "limit",
     "guard_band": "guard band: a value passes if it is inside the limit by at least U",
 }
-CONFORMS = "conforms: probability that the true value is within its limit"
+CONFORMS = (
+    "conforms: probability that the true value is within its limit, by the Student distribution "
+    "of U"
+)
 _TRIALS_ALONE: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
-_OF_LEAKAGE = (
-    "of the holds alone. It assumes that the bulk modulus and the dead volumes of the bench file "
-    "are exact, that the transducers do not drift during a hold, and that the valves close "
-    "tightly: a bulk modulus that is 10 % too low makes the leakage 11 % too high"
+U_OF_LEAKAGE = (
+    "the half-width of the 95 % interval of the fit to all holds, but at least the leak that "
+    "changes a pressure by one code of its converter during a hold"
+)
+LEAKAGE_ASSUMES = (
+    "It assumes that the effective bulk modulus and the dead volumes of the bench file are exact "
+    "(a bulk modulus that is 10 % too low makes the leakage 11 % too high), that the oil keeps its "
+    "temperature during a hold (0.01 K changes 100 ml of oil by 0.0007 ml), that the transducers "
+    "do not drift, and that the valves close tightly"
 )
 _STEPS: dict[Conformity, str] = {
     "FAIL": "check the zeros and the calibration of the instruments, then repeat the test; "
@@ -49,6 +60,7 @@ _STEPS: dict[Conformity, str] = {
     "MARGINAL": "repeat the test with more trials or more accurate instruments (hbench report "
     "shows the parts of U), or agree on another rule with the customer",
 }
+_WIDE = 100  # characters of a line of remarks
 _MEASURE = "measure what is missing"
 _REDUCE = "reduce U with more trials or more accurate instruments"
 
@@ -75,16 +87,21 @@ def acceptance_text(acceptance: Acceptance) -> str:
     cylinder = f"cylinder {acceptance.serial}" if acceptance.serial else acceptance.provenance.name
     product = f", product {acceptance.product}" if acceptance.product else ""
     rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
+    load, checks = without_common_load(without_common_rod_pressure(acceptance.checks))
     lines = [
         f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
-        *list(table_lines(acceptance_table(acceptance)))[1:],
+        *list(table_lines(acceptance_table(replace(acceptance, checks=tuple(checks)))))[1:],
+    ]
+    remarks = [
+        *([f"load: {load}"] if load else []),
         f"rule: {rule}; limits of {acceptance.limits}",
         "U: expanded uncertainty for a coverage probability of 95 %",
         CONFORMS,
-        *legend(acceptance.checks),
+        *legend(checks),
         *(f"note: {note}" for note in acceptance.notes),
         *(f"next, after {each}: {step}" for each, step in next_steps(acceptance.checks)),
     ]
+    lines += [line for remark in remarks for line in wrap(remark, _WIDE, subsequent_indent="  ")]
     return "\n".join(lines).replace("−", "-").replace("–", "-").replace("±", "+-")
 
 
@@ -100,7 +117,7 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
     if alone:
         yield f"U of {listed([QUANTITIES[q] for q in alone])}: of the trials alone"
     if any(_measured(check, "leakage") for check in checks):
-        yield f"U of {QUANTITIES['leakage']}: {_OF_LEAKAGE}"
+        yield f"U of {QUANTITIES['leakage']}: {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}"
     if any(check.at_worst_speed for check in checks):
         yield (
             "speed: where a limit states none, each series is decided at the speed with the lowest "
@@ -215,6 +232,34 @@ def series_words(requirement: Requirement, measured: Measurement | None) -> str:
     if series.p_lr_ref_pa is not None:
         words.append(f"P_Lr {short(from_si(series.p_lr_ref_pa, 'bar'))} bar")
     return ", ".join(filter(None, words))
+
+
+def without_common_load(
+    checks: Sequence[ConformityCheck],
+) -> tuple[str, list[ConformityCheck]]:
+    """Return the load that all series with one have, in words, and the checks without it."""
+    measured = [check.measurement for check in checks if check.measurement]
+    loads = {each.f_load_n for each in measured if each.f_load_n is not None}
+    if len(loads) != 1:
+        return "", list(checks)
+    without = [
+        replace(check, measurement=check.measurement and replace(check.measurement, f_load_n=None))
+        for check in checks
+    ]
+    return f"{short(loads.pop())} N wherever one is set", without
+
+
+def without_common_rod_pressure(checks: Sequence[ConformityCheck]) -> list[ConformityCheck]:
+    """Return the checks without P_Lr, unless series differ in nothing else."""
+    measured = [check.measurement for check in checks if check.measurement]
+    if differs_in_rod_pressure(measured):
+        return list(checks)
+    return [
+        replace(
+            check, measurement=check.measurement and replace(check.measurement, p_lr_ref_pa=None)
+        )
+        for check in checks
+    ]
 
 
 def measured_words(check: ConformityCheck) -> str:

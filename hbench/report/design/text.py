@@ -39,6 +39,7 @@ def design_json(design: Design) -> str:
         "feedforward_v_s_m": {"rod": design.feedforward[0], "piston": design.feedforward[1]},
         "ramp_error_m_s": design.ramp_error_m_s,
         "coupled_modulus": design.coupled_modulus,
+        "margin_ranges": design.margin_ranges,
         "reproduced": [vars(number) for number in design.reproduced],
         "proposal": _proposal(design.proposal),
         "checks": [vars(check) for check in design.checks],
@@ -182,7 +183,14 @@ def facts(design: Design) -> tuple[tuple[str, str], ...]:
     """Return the further results beside the loops as names and values."""
     slowest = decay_s(design.coupled_modulus, design.tick_s)
     together = "unstable" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
+    ranges = "; ".join(
+        f"{what} {margin(low, decimals)} to {margin(high, decimals)} {unit}"
+        for what, (low, high) in design.margin_ranges.items()
+        for unit, decimals in (("deg", 0) if "phase" in what else ("dB", 1),)
+    ).replace(": ", " loop, ")
+    everywhere = f"margins at all {design.points} operating points (positions, loads, speeds)"
     return (
+        *(((everywhere, ranges),) if ranges else ()),
         ("feedforward of the load valves", _feedforward_words(design)),
         (
             "velocity error on a ramp of 100 mm/s^2",

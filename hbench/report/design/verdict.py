@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from hbench.records import Check, ControlLoop, Design, Proposal, Reproduced
 from hbench.report.design.checks import cause_of, causes_of, check_value, shown, unstable
+from hbench.report.design.loops import margin
 from hbench.report.render.numbers import short
 from hbench.report.render.symbols import capital, listed
 
@@ -91,8 +92,8 @@ def loops_verdict(design: Design) -> str:
     if not failed:
         return (
             f"PASS: the present gains pass all {len(checks)} checks at this operating point"
-            f"{_margins(checks)}. hbench design --propose checks all operating points. "
-            f"{reproduced_words(design.reproduced)}"
+            f"{_margins(checks)}. {_everywhere(design)}hbench design --propose checks all "
+            f"operating points. {reproduced_words(design.reproduced)}"
         ).rstrip()
     margins = _worst([check for check in failed if not unstable([check])])
     count = f"{len(failed)} of {len(checks)} checks at this operating point"
@@ -107,7 +108,7 @@ def loops_verdict(design: Design) -> str:
             f"FAIL: the present gains fail {count}{worst}.",
             *(["The three loops together are unstable."] if unstable(failed) else []),
             f"{capital('; '.join(steps or ['lower the gains K_c']))}.",
-            "hbench design --propose finds gains for all operating points.",
+            f"{_everywhere(design)}hbench design --propose finds gains for all operating points.",
             *filter(None, (reproduced_words(design.reproduced),)),
         )
     )
@@ -118,6 +119,20 @@ def reproduced_words(numbers: Sequence[Reproduced]) -> str:
     agree = sum(number.agrees for number in numbers)
     words = f"{agree} of {len(numbers)} numbers of the source agree with the computed ones."
     return words if numbers else ""
+
+
+def _everywhere(design: Design) -> str:
+    """Return the smallest margins over all operating points, with a space; empty if not known."""
+    parts = []
+    for kind, unit, decimals in (("phase margin", "deg", 0), ("gain margin", "dB", 1)):
+        known = {w: low for w, (low, _) in design.margin_ranges.items() if w.endswith(kind)}
+        if known:
+            worst = min(known, key=lambda what: known[what])
+            loop = worst.partition(":")[0]
+            parts.append(f"{margin(known[worst], decimals)} {unit} ({loop})")
+    if not parts:
+        return ""
+    return f"Over all {design.points} operating points, the smallest margins are {listed(parts)}. "
 
 
 def _margins(checks: Sequence[Check]) -> str:

@@ -1,5 +1,7 @@
 """Definitions of the words and columns of a diagnosis's page."""
 
+import re
+
 from hbench.records import Diagnosis
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
@@ -8,6 +10,7 @@ from hbench.report.diagnosis.words.error import scatter_words
 from hbench.report.render.symbols import capital
 
 Fact = tuple[str, str]  # name and description
+_AT_REFERENCE = re.compile(r"p_0 = (\d+) bar")
 
 SENSOR = (
     "An effect of a sensor is an error of the measurement, not of the bench. Correct the "
@@ -23,7 +26,7 @@ REFUSED = (
 )
 FITTED_WITH = "; the values of model.yaml are those fitted together with the {added}"
 RUNS = (
-    "The gap of a single run includes its own scatter and is 1 for a correct model. The last "
+    "The gap of a single run includes its own scatter: a model with exact values has 1. The last "
     "columns show the worst flow or force and signals of the run, at the last step. "
     "gaps_by_run.csv beside this page contains every run and signal."
 )
@@ -155,8 +158,8 @@ _ALLOWED = (
 _UNEXPLAINED = (
     "Limit for an unknown effect",
     "A quantity is reported as unexplained where its deviation is significant (p below "
-    f"{SIGNIFICANT_P:g}) and large enough to matter, and is more than {UNEXPLAINED_GAP:g} times "
-    "the repeatability.",
+    f"{SIGNIFICANT_P:g}, not the 0.05 of other pages, since it must matter as well) and large "
+    f"enough to matter, and is more than {UNEXPLAINED_GAP:g} times the repeatability.",
 )
 _EDGE = (
     "Metering edge",
@@ -233,4 +236,7 @@ def of_laws(diagnosis: Diagnosis) -> tuple[Fact, ...]:
 
 def _as_printed(law: str) -> str:
     """Return a formula with a minus sign and raised exponents."""
+    if (power := _AT_REFERENCE.search(law)) and "G p_0" in law:  # the flow that pages state
+        flow = f"Q_{power[1]}"
+        law = law.replace("G p_0", flow).replace("G = ", f"{flow} = ")
     return law.replace(" - ", " − ").replace("^2", "²").replace("^n", "ⁿ")

@@ -14,6 +14,7 @@ from hbench.report.diagnosis.names import (
     of_the_mass,
     value_words,
 )
+from hbench.report.diagnosis.sentences import predictions_words
 from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
 from hbench.report.diagnosis.tables import effect_tables, gap_tables
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
@@ -50,8 +51,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         (gap_line(diagnosis),),
         drawings=drawn("gap"),
         tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
-        facts=(*_answers(diagnosis, OF_GAPS), *definitions.of_gaps(diagnosis)),
+        facts=_answers(diagnosis, OF_GAPS),
         parts=(
+            *_terms("gaps", definitions.of_gaps(diagnosis)),
             *_held_out_part(diagnosis),
             *_run_part(diagnosis),
             *_numbers("Gaps of the runs of the fit in numbers", *_train_tables(diagnosis)),
@@ -65,15 +67,16 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             gap_tables.rest_table(diagnosis),
             gap_tables.edges_table(diagnosis),
         ),
-        facts=definitions.of_deviations(diagnosis),
+        parts=_terms("deviations", definitions.of_deviations(diagnosis)),
     )
     overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
         (_sentence(keys_in_words(diagnosis.why)),),
         drawings=drawn("ranking"),
-        facts=(*_answers(diagnosis, OF_CANDIDATES), *definitions.WHICH),
+        facts=_answers(diagnosis, OF_CANDIDATES),
         parts=(
+            *_terms("candidates", definitions.WHICH),
             *_numbers(
                 "All candidates in numbers", _untitled(effect_tables.ranking_table(diagnosis))
             ),
@@ -169,7 +172,8 @@ def _files(diagnosis: Diagnosis) -> str:
     files = [definitions.NEXT_FILE] if diagnosis.next_schedule else []
     incomplete = of_strokes(diagnosis) or diagnosis.errors  # no plant of a whole bench
     command = "reconcile" if incomplete else "run --plant"
-    files.append(f"model.yaml is {model}, for hbench {command}.")
+    use = "" if predictions_words(diagnosis) else f", for hbench {command}"
+    files.append(f"model.yaml is {model}{use}.")
     left_out = [in_words(effect.name) for effect in diagnosis.effects if not effect.confirmed]
     if left_out:
         files.append(f"It does not contain {listed(left_out)}.")
@@ -244,6 +248,11 @@ def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
         "Runs left out": [f"{_sentence(line)}." for line in diagnosis.left_out],
     }
     return tuple((name, " ".join(lines)) for name, lines in parts.items() if lines)
+
+
+def _terms(of: str, facts: tuple[definitions.Fact, ...]) -> tuple[Section, ...]:
+    """Return a folded part with the definitions of a section's terms."""
+    return (Section(f"Terms of the {of}", facts=facts, folded=True),) if facts else ()
 
 
 def _numbers(title: str, *tables: WordTable) -> tuple[Section, ...]:

@@ -142,6 +142,21 @@ def best_candidate(diagnosis: Diagnosis) -> str:
     )
 
 
+def closest_words(diagnosis: Diagnosis) -> str:
+    """Return the best candidate of an unknown deviation if only its size kept it unnamed."""
+    if not hint(diagnosis):
+        return ""
+    best = diagnosis.ranking[0]
+    reason = ""
+    if best.size < LEAST_SIZE:
+        size, least = number(best.size, 2), number(LEAST_SIZE, 2)
+        reason = f"; it is not named, since its size is {size} of a typical one ({least} needed)"
+    return (
+        f"The closest is {in_words(best.name)}, which explains {share(best.explained)} of the "
+        f"deviation of the quantities that it changes{reason}."
+    )
+
+
 def hint(diagnosis: Diagnosis) -> str:
     """Return the known effect that explains a part of the deviation; empty for none."""
     if not diagnosis.ranking:
@@ -170,6 +185,19 @@ def worse_words(diagnosis: Diagnosis) -> str:
     base = compared_model(diagnosis)
     words = _worse(diagnosis, "after", "refitted", model="revised model", base=base)
     return " ".join(filter(None, (refit_worse_words(diagnosis), words)))
+
+
+def predictions_words(diagnosis: Diagnosis) -> str:
+    """Return that an unexplained model whose refit increases a gap predicts nothing; or nothing."""
+    gaps = diagnosis.gap_heldout.balances
+    worse = [
+        f"{in_sentence(name)} (gap {gap_number(gap.before)} to {gap_number(gap.refitted)})"
+        for name, gap in gaps.items()
+        if gap.refitted > max(1.0, CLEARLY_WORSE * gap.before)
+    ]
+    if not worse or diagnosis.refit_refused or added_words(diagnosis):
+        return ""
+    return f"Do not predict with model.yaml: its refit increases the error of {listed(worse)}."
 
 
 def refit_worse_words(diagnosis: Diagnosis) -> str:

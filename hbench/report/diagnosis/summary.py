@@ -20,6 +20,7 @@ from hbench.report.diagnosis.sentences import (
     gap_change,
     hint,
     odds_words,
+    predictions_words,
     refit_words,
     ruled_out_words,
     title,
@@ -283,6 +284,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     if not diagnosis.next_experiment:
         yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
     yield _ACTION, doubtful_volume(diagnosis)
+    yield _ACTION, predictions_words(diagnosis)
     yield _ACTION, _OWN_EFFECT
     if diagnosis.unnamed:
         yield _ACTION, _MEANWHILE

@@ -18,7 +18,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     p_equation,
 )
-from hbench.report.diagnosis.sentences import favoured, least_odds
+from hbench.report.diagnosis.sentences import closest_words, favoured, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.diagnosis.words.action import first_step, next_step
@@ -34,6 +34,7 @@ from hbench.report.diagnosis.words.coefficient import (
     description_words,
     only_coefficient,
     parts_present,
+    parts_words,
 )
 from hbench.report.diagnosis.words.deviation import (
     beyond_balances,
@@ -163,18 +164,25 @@ def _size(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 def _finding(effect: AddedEffect) -> str:
     """State that an effect is missing, with its law in words and its coefficients."""
     name, sure = in_words(effect.name), effect.confirmed
-    missing = f"The model does not contain {name}"
+    missing = f"{capital(name)} is found, which the model does not contain"
     if effect.of_sensor:
         missing = f"The instruments {'have' if sure else 'may have'} an error, {name}"
     elif not sure:
         missing = f"{capital(name)} may be missing in the model"
     value = only_coefficient(effect)
-    words = f"{value}; 95 % interval" if value else _parts(effect)
+    words = f"{value}; 95 % interval" if value else parts_words(effect) or _parts(effect)
     return f"{missing}: {description_words(effect)}{f' ({words})' if words else ''}."
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
+    total, alone = diagnosis.gap_heldout.total, len(diagnosis.effects) == 1
+    alone = alone and not (diagnosis.unnamed or diagnosis.alternatives)
+    if alone and total.after < total.refitted:  # the pair that the section of the gaps has
+        return (
+            f"With it, the deviation in runs outside the fit falls from "
+            f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability."
+        )
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
@@ -311,12 +319,16 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         return
     gaps, every = diagnosis.rest or diagnosis.where[:1], len(diagnosis.where)
     yield "No known effect explains how the measurement deviates from the model."
+    yield closest_words(diagnosis)
     yield next_step(diagnosis)
     limit = f"p below {SIGNIFICANT_P:g}"
     if gaps[1:]:
         names = all_in_sentence([gap.name for gap in gaps])
         of = f"all {every}" if len(gaps) == every else f"{len(gaps)} of the {every}"
-        yield f"Of the quantities compared, {of} deviate significantly ({limit}): {names}."
+        yield (
+            f"Of the quantities compared, {of} deviate significantly ({limit}) and enough to "
+            f"matter: {names}."
+        )
     else:
         only = f", the only one of {every} quantities" if every > 1 else ""
         yield f"{capital(deviations(gaps, probable=True))}{only}; significant is a {limit}."

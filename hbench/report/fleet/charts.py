@@ -1,6 +1,7 @@
 """Control charts, capability and wear of a fleet, in words and tables."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 
 from hbench.records import (
     ChartStep,
@@ -66,7 +67,7 @@ def limit_sentences(fleet: Fleet) -> Iterator[str]:
         for name in chart.outside:
             beyond.setdefault(name, []).append(_side_of_limits(chart, name))
     if beyond:
-        names = [f"{name} ({'; '.join(sides)})" for name, sides in beyond.items()]
+        names = [f"{name} ({'; '.join(beyond[name])})" for name in in_order(beyond)]
         which = named(tuple(names)[:_NAMED], len(beyond))
         yield f"Campaigns beyond the control limits: {which}{because_of_step(fleet)}."
 
@@ -223,6 +224,17 @@ def _side_of_limits(chart: ControlChart, name: str) -> str:
     if value is None:
         return number
     return f"{number}: {'above' if value > chart.centre else 'below'}"
+
+
+def in_order(names: Iterable[str]) -> tuple[str, ...]:
+    """Return each name once, in the order of their letters and numbers."""
+    parts = re.compile(r"\d+|\D+")
+
+    def key(name: str) -> list[tuple[bool, int, str]]:
+        found = parts.findall(name)
+        return [(not p.isdecimal(), int(p) if p.isdecimal() else 0, p) for p in found]
+
+    return tuple(sorted(dict.fromkeys(names), key=key))
 
 
 def named(names: tuple[str, ...], count: int) -> str:

@@ -23,6 +23,7 @@ from hbench.report.fleet.names import (
     of_side,
     range_words,
     without_condition,
+    working_speed,
 )
 from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
 from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
@@ -66,7 +67,7 @@ _ALONE = (
     "The intervals are those of each number alone. p is corrected for the number of trends (Holm), "
     "and can be above 0.05 where the interval does not contain 0."
 )
-_STEPS = "A step over time is a drift, too."
+_STEPS = "Numbers whose mean has a step are not listed."
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
@@ -156,7 +157,13 @@ def _charts(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
     title = f"Signals of the control charts ({len(signals.rows)})"
     each = (Section(title, tables=(_untitled(signals),), folded=True),) if signals.rows else ()
     shown = tuple(table for table in tables if table.rows)
-    return Section("Control charts", drawings=_of(drawings, CHARTS), tables=shown, parts=each)
+    speed = working_speed(fleet)
+    words = (
+        f"Each value is the mean over the loads{f' at {speed}' if speed else ''}. The charts of a "
+        "station (hbench watch --station) show the values of the limits, at one load and speed."
+    )
+    note = (words,) if fleet.decisions else ()
+    return Section("Control charts", note, drawings=_of(drawings, CHARTS), tables=shown, parts=each)
 
 
 def _deviations(fleet: Fleet) -> Section:

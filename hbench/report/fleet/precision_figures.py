@@ -19,6 +19,7 @@ from hbench.report.render.series import behind
 COMPONENTS, CHARTS, WEAR = "components", "charts", "wear"
 _REACH = 3.0  # times the largest estimate: longer bars are cut
 _APART = 0.22  # of the two directions in a row
+_MOST_MARKED = 6  # campaigns with their names in a chart, the last ones
 _MOST_CYLINDERS = 6  # in a figure of wear
 
 
@@ -98,7 +99,10 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
     at, values = np.array(chart.at), scale * np.array(chart.values)
     low, high = (scale * limit for limit in chart.limits)
     axes.plot(at, values, linewidth=0.8, color=look["color"], alpha=0.5)
-    axes.plot(at, values, linestyle="none", markersize=4, label=_title(chart.direction), **look)
+    (points,) = axes.plot(
+        at, values, linestyle="none", markersize=4, label=_title(chart.direction), **look
+    )
+    behind(points, {"campaign": chart.names})
     beyond = (values < low) | (values > high)
     if beyond.any():
         axes.plot(
@@ -115,6 +119,13 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
             at[others], values[others], linestyle="none", marker="s", markersize=10,
             markerfacecolor="none", color=style.QUIET, label="pattern",
         )  # fmt: skip
+    marked = np.flatnonzero(beyond | others)[-_MOST_MARKED:]
+    for place, i in enumerate(marked):  # names of neighbours are above and below by turns
+        axes.annotate(
+            chart.names[i], (at[i], values[i]), (0, -16 if place % 2 else 9), ha="center",
+            textcoords="offset points", fontsize=8,
+        )  # fmt: skip
+    axes.margins(y=0.16)
     for panel in (axes, below):
         panel.axhline(scale * chart.centre, color=style.QUIET, linewidth=1.2)
     for limit in (low, high):

@@ -10,8 +10,6 @@ from hbench.records import (
     Fleet,
     FleetCampaign,
     FleetNumber,
-    Quantity,
-    Side,
     Spread,
     Suspect,
     Trend,
@@ -38,7 +36,7 @@ from hbench.report.fleet.verdict import (
     decision_words,
     finding_sentences,
     fleet_verdict,
-    stepped_numbers,
+    steady_spreads,
 )
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import (
@@ -120,7 +118,7 @@ def campaign_table(fleet: Fleet) -> WordTable:
     """Return a row a campaign of a small fleet: label, speed, and the main numbers."""
     shown = main_spreads(fleet)
     folders = distinct_names([campaign.path for campaign in fleet.rows])
-    rows = []
+    heads, rows = list(map(name_of, shown)), []
     for campaign in fleet.rows:
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
         numbers = (campaign.numbers.get(s.quantity.column(s.direction)) for s in shown)
@@ -129,7 +127,15 @@ def campaign_table(fleet: Fleet) -> WordTable:
         day = "" if campaign.started is None else f"{campaign.started:%Y-%m-%d}"
         about = (folders[campaign.path], campaign.specimen, day, campaign.label, campaign.decision)
         rows.append((*about, speed, *cells, remark))
-    head = (*ROW_WORDS, "Speed (mm/s)", *map(name_of, shown), "Remark")
+    for column in range(len(ROW_WORDS) + 1, len(ROW_WORDS) + 1 + len(shown)):
+        ends = {row[column].partition(" ")[2] for row in rows}
+        if len(rows) > 1 and len(ends) == 1 and (common := ends.pop()).startswith("±"):
+            rows = [
+                (*row[:column], row[column].partition(" ")[0], *row[column + 1 :]) for row in rows
+            ]
+            name = heads[column - len(ROW_WORDS) - 1]
+            heads[column - len(ROW_WORDS) - 1] = f"{name.removesuffix(')')}, each {common})"
+    head = (*ROW_WORDS, "Speed (mm/s)", *heads, "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
     if all(row[1] == row[0] for row in rows):  # folders have the cylinders' names
         kept = [i for i in kept if i != 1]
@@ -211,33 +217,28 @@ def _resolved(spread: Spread, value: float) -> str:
 
 
 def trend_table(fleet: Fleet) -> WordTable:
-    """Return the trend of each number over the whole span, and its slope, with 95 % intervals."""
+    """Return trends over the whole span, and their slopes, with 95 % intervals.
+
+    A number whose mean has a step has no row: the table of change points contains it.
+    """
     rows = []
     span = float(max(fleet.compared - 1, 1))
     if fleet.by_date and fleet.first is not None and fleet.last is not None:
         span = (fleet.last - fleet.first).total_seconds() / 86_400
-    stepped = stepped_numbers(fleet)
-    for spread in fleet.spreads:
-        if spread.trend is not None:
-            p = spread.trend.p_holm
-            rows.append(
-                (
-                    name_of(spread),
-                    change_words(spread, spread.trend),
-                    _slope(spread, spread.trend, span),
-                    "< 0.0001" if p < 1e-4 else significant(p, 2),
-                    _trend_verdict(spread, spread.trend, stepped),
-                )
+    for spread, trend in steady_spreads(fleet):
+        p = trend.p_holm
+        rows.append(
+            (
+                name_of(spread),
+                change_words(spread, trend),
+                _slope(spread, trend, span),
+                "< 0.0001" if p < 1e-4 else significant(p, 2),
+                "drifts" if trend.real else "not significant",
             )
+        )
     unit = "a day" if fleet.by_date else "a campaign"
     head = ("Quantity", "Change over the span", f"Slope {unit}", "p (Holm)", "Verdict")
     return WordTable("Drifts", head, tuple(rows))
-
-
-def _trend_verdict(spread: Spread, trend: Trend, stepped: set[tuple[Quantity, Side]]) -> str:
-    if not trend.real:
-        return "not significant"
-    return "drift or step" if (spread.quantity, spread.direction) in stepped else "drifts"
 
 
 def worst_table(fleet: Fleet, most: int) -> WordTable:

@@ -6,6 +6,7 @@ from hbench.records import FEWEST_CAMPAIGNS, Fleet, Quantity, Side, Spread, Susp
 from hbench.report.fleet.charts import (
     CHECK_WHAT,
     because_of_step,
+    in_order,
     limit_sentences,
     named,
     step_sentences,
@@ -58,7 +59,12 @@ def fleet_verdict(fleet: Fleet) -> str:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
     friction = () if changes else _friction_words(fleet)  # of two levels; the tiles have its range
-    found = [*_change_words(changes), *friction, *_conspicuous_words(fleet)]
+    found = [
+        *_change_words(changes),
+        *_drift_within(fleet, changes),
+        *friction,
+        *_conspicuous_words(fleet),
+    ]
     if passed and not (fleet.incomplete or poor or any(_to_be_checked(fleet))):
         few = f"; changes over time are tested from {FEWEST_CAMPAIGNS} campaigns on"
         found.append(f"Next step: none{few if fleet.compared < FEWEST_CAMPAIGNS else ''}.")
@@ -125,6 +131,17 @@ def _change_words(changes: list[tuple[str, dict[str, list[str]]]]) -> Iterator[s
         yield f"The change of {title}{there} is {' and '.join(each)}: {CHECK_WHAT}."
 
 
+def _drift_within(fleet: Fleet, changes: list[tuple[str, dict[str, list[str]]]]) -> Iterator[str]:
+    """Yield that a drift within the campaigns may exceed a step, where their data allow one."""
+    count = dict(fleet.weak_checks).get("drift", 0)
+    if changes and count:
+        of = f"{count} of {fleet.campaigns - fleet.failed}"
+        yield (
+            "A drift within a campaign can be larger than this change: the data of "
+            f"{of} campaigns do not exclude one."
+        )
+
+
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
     """Yield what else is to be looked into: drifts, single campaigns and outliers."""
     known = steady_trends(fleet)
@@ -133,7 +150,7 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
         without = "without such a change " if stepped_numbers(fleet) else ""
         verb = "drifts" if drifts == 1 else "drift"
         yield f"{drifts} of {len(known)} numbers {without}{verb} significantly."
-    beyond = tuple(dict.fromkeys(name for chart in fleet.charts for name in chart.outside))
+    beyond = in_order(name for chart in fleet.charts for name in chart.outside)
     if beyond:
         verb = "is" if len(beyond) == 1 else "are"
         which = named(beyond[:_NAMED], len(beyond))
@@ -175,15 +192,13 @@ def further_sentences(fleet: Fleet) -> Iterator[str]:
 
 
 def _drift_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield the significant drifts, unless all of them are steps: then nothing."""
-    real = [spread for spread in fleet.spreads if spread.trend is not None and spread.trend.real]
-    drifts = [_drift(spread, spread.trend) for spread in real if spread.trend is not None]
+    """Yield the significant drifts of the numbers that have no step."""
+    drifts = [_drift(spread, trend) for spread, trend in steady_spreads(fleet) if trend.real]
     if drifts:
         more = f"; and {len(drifts) - _NAMED} more" if len(drifts) > _NAMED else ""
-        if not {(each.quantity, each.direction) for each in real} <= stepped_numbers(fleet):
-            all_of_them = "; ".join(drifts[:_NAMED])
-            yield f"Significant drift from the first to the last campaign: {all_of_them}{more}."
-    elif any(spread.trend is not None for spread in fleet.spreads):
+        all_of_them = "; ".join(drifts[:_NAMED])
+        yield f"Significant drift from the first to the last campaign: {all_of_them}{more}."
+    elif any(spread.trend is not None for spread in fleet.spreads) and not stepped_numbers(fleet):
         yield "No drift is significant."
 
 
@@ -193,10 +208,15 @@ def stepped_numbers(fleet: Fleet) -> set[tuple[Quantity, Side]]:
 
 
 def steady_trends(fleet: Fleet) -> list[Trend]:
-    """Return the trends of the numbers that have no significant step, which appears as a drift."""
+    """Return the trends of the numbers that have no significant step."""
+    return [trend for _, trend in steady_spreads(fleet)]
+
+
+def steady_spreads(fleet: Fleet) -> list[tuple[Spread, Trend]]:
+    """Return the numbers that have no significant step, which appears as a drift, with trends."""
     stepped = stepped_numbers(fleet)
     return [
-        spread.trend
+        (spread, spread.trend)
         for spread in fleet.spreads
         if spread.trend is not None and (spread.quantity, spread.direction) not in stepped
     ]

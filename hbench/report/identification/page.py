@@ -19,6 +19,7 @@ from hbench.report.identification.text import (
     error_range,
     identification_tables,
     reasons,
+    scatter_words,
 )
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
@@ -69,9 +70,9 @@ _SECTION = (
 )
 _DIRECTION = re.compile(r"(?:^|; )(extend|retract): (?=\w)")  # before the remarks on it
 _SCATTER = (
-    "Trials' scatter",
-    "Root mean square difference of the trials from their mean. A part of it comes from their "
-    "initial states, which a simulation of the same trials reproduces.",
+    "Root mean square difference of the trials from their mean: {sizes}. A part of it comes from "
+    "their initial states, which a simulation of the same trials reproduces: an error can be "
+    "smaller."
 )
 _RAMPS = (
     "Friction during a ramp can differ from that of steady runs. One Tustin law is fitted to the "
@@ -87,7 +88,8 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     summary = (replace(tables[SUMMARY], title=_RANKED),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
     facts: tuple[tuple[str, str], ...] = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
-    facts += (_SCATTER,) if identification.scatter else ()
+    if identification.scatter:
+        facts += (("Trials' scatter", _SCATTER.format(sizes=scatter_words(identification))),)
     facts += _kinds_of_laws(identification)
     drawings = tuple(drawings)
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
@@ -145,7 +147,9 @@ def _identity(identification: Identification) -> tuple[tuple[str, str], ...]:
     """Return what was measured, where and when, and of which runs the laws are."""
     used = {run for law in identification.laws for run in law.runs}
     verified = len(identification.verification_runs)
+    left_out = len(identification.left_out)
     runs = f"laws from {len(used)} runs, verified on {verified} others"
+    runs += f"; {left_out} left out" if left_out else ""
     return (
         ("Campaign", identification.provenance.name),
         *provenance_facts(identification.provenance),
@@ -194,7 +198,8 @@ def _oscillations(laws: Sequence[IdentifiedLaw]) -> tuple[tuple[str, str], ...]:
         return ()
     parts = "; ".join(f"{place}: {listed(names)}" for place, names in where.items())
     words = (
-        f"Without the parts where the simulation oscillates, {parts}. Where friction falls with "
+        f"In brackets: without the parts where the simulation oscillates, {parts}. Where friction "
+        "falls with "
         "speed, a static law damps no oscillation; the measured motion does not oscillate there."
     )
     return (("At constant speed", words),)

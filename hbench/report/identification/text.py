@@ -163,20 +163,28 @@ def _summary(identification: Identification) -> WordTable:
             error = number(error_n(law), 1)
             cells = (error, *rest, names or "none", f"{law.law}.yaml")
         rows.append((law.law, *cells))
-    if identification.scatter:
-        parts = (IN_MOTION, (AT_SPEED,), (AT_REST,)) if verified else (PARTS,)
-        scatter = (_rms_words(identification.scatter, part) for part in parts)
-        rows.append((_FLOOR, *scatter, "", ""))
     known = verified or any(law.held_out_n for law in identification.laws)
     head = ("Law", *(_ERRORS if verified else _ONE_ERROR), "Not determined", "Plant file")
     return WordTable(SUMMARY, head, tuple(rows) if known else ())
 
 
 def _steady_words(law: IdentifiedLaw) -> str:
-    """Write the error at constant speeds, without the parts where the simulation oscillates."""
+    """Write the error at constant speeds; in brackets without oscillating parts, if any."""
+    every = _rms_words(law.errors, (AT_SPEED,))
     if law.steady is None or law.steady.oscillating is None:
-        return _rms_words(law.errors, (AT_SPEED,))
-    return NONE if law.steady.smooth is None else number(law.steady.smooth.friction_n, 1)
+        return every
+    return f"{every} ({'none' if law.steady.smooth is None else _smooth(law.steady.smooth)})"
+
+
+def _smooth(errors: ModelErrors) -> str:
+    return number(errors.friction_n, 1)
+
+
+def scatter_words(identification: Identification) -> str:
+    """Write how the trials of the verification runs scatter about their mean."""
+    scatter = identification.scatter
+    parts = ((IN_MOTION, "in motion"), ((AT_SPEED,), "at constant speed"), ((AT_REST,), "at rest"))
+    return ", ".join(f"{_rms_words(scatter, part)} N {where}" for part, where in parts)
 
 
 def _rms_words(errors: Mapping[str, ModelErrors], parts: Iterable[str]) -> str:

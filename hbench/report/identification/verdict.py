@@ -46,9 +46,15 @@ def _worse(identification: Identification) -> str:
 
 
 def _range(identification: Identification) -> str:
-    """Return the measured steady friction, with which an error compares; empty without curves."""
-    curves = [along.curve for along in identification.steady]
-    friction = [abs(point.friction_n) for curve in curves for point in curve.points]
+    """Return the measured steady friction up to the speed of verification; empty without curves."""
+    runs = identification.followed
+    fastest = max((float(np.abs(run.measured.v_m_s).max()) for run in runs), default=np.inf)
+    friction = [
+        abs(point.friction_n)
+        for along in identification.steady
+        for point in along.curve.points
+        if abs(point.v_m_s) <= fastest
+    ]
     if not friction:
         return ""
     return f" at a measured steady friction of {alike(friction)} N"

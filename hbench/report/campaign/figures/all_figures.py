@@ -200,8 +200,8 @@ FIGURES = (
     FigureKind(
         name="over-distance",
         section="over-distance",
-        caption="Friction of each steady run or of each cycle, breakaway and leakage over the "
-        "distance that the piston has travelled in the campaign, returns to the start included.",
+        caption="Each measured value over the distance that the piston has travelled in the "
+        "campaign, returns to the start included.",
         applies=has_over_distance,
         draw=over_distance,
     ),

@@ -184,8 +184,9 @@ def _measured(run: Run, names: tuple[str, ...], scale: float) -> list[_Line]:
 
 _SPEED = ("Velocity (mm/s)", _speeds)
 _POSITION = ("Position (mm)", _positions)
-_WITHOUT_TRACE = ("changed",)  # a checksum that differs does not show in a channel
-# The channel drawn for each reason; position for all others, such as a gap or an early end.
+# A checksum that differs and an early end do not show in a channel.
+_WITHOUT_TRACE = ("changed", "truncated")
+# The channel drawn for each reason; position for all others, such as a gap.
 _CHANNELS: dict[str, tuple[str, Callable[[Run], list[_Line]]]] = {
     "off_reference": _SPEED,
     "not_steady": _SPEED,

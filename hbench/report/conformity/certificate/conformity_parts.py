@@ -41,7 +41,9 @@ def conformity_part(certificate: Certificate) -> Part:
         "of_product", product=certificate.named(acceptance.product)
     )
     limits = word("of_limits", limits=_file(acceptance))
-    lead = " ".join(filter(None, (product, limits, _reservation(certificate))))
+    lead = " ".join(
+        filter(None, (product, limits, _reservation(certificate), _not_calibrated(certificate)))
+    )
     verdict = word(acceptance.decision)
     return Part(
         *("conformity", word("conformity")),
@@ -56,8 +58,6 @@ def _remarks(certificate: Certificate, acceptance: Acceptance) -> Iterator[str]:
     """Yield what the statement applies to and rests on."""
     word, measured = certificate.word, [c for c in acceptance.checks if c.measurement is not None]
     yield word("applies")
-    if any(check.requirement.quantity == "leakage" for check in measured):
-        yield word("leak_conforms")
     if any(check.at_worst_speed for check in measured):
         yield word("worst_speed")
     names = {c.requirement.name for c in measured}
@@ -73,6 +73,16 @@ def _reservation(certificate: Certificate) -> str:
         return ""
     care = [check.name for check in quality.checks if check.grade != "good"]
     return word("care", checks=", ".join(word(f"check_{name}") for name in care))
+
+
+def _not_calibrated(certificate: Certificate) -> str:
+    """Return which instruments have no calibration certificate; empty if each has one."""
+    without = [
+        certificate.word(f"the_{key}")
+        for key, _, calibration in certificate.calibrations()
+        if not calibration.certificate
+    ]
+    return certificate.word("not_calibrated", instruments=", ".join(without)) if without else ""
 
 
 def _file(acceptance: Acceptance) -> str:

@@ -1,5 +1,8 @@
 """The certificate's words in English, by their keys."""
 
+from hbench.report.campaign.motion_rows import LEAKS
+from hbench.report.conformity.text import LEAKAGE_ASSUMES, U_OF_LEAKAGE
+
 ENGLISH = {
     "title": "Test certificate",
     "number": "Certificate no.",
@@ -52,7 +55,7 @@ ENGLISH = {
     "wear": "Condition",
     "areas": "Areas",
     "areas_mm2": "piston side {piston} mm², rod side {rod} mm²",
-    "received": "Received",
+    "received": "Date of receipt",
     "test_number": "Test number",
     "performed": "Date of the test",
     "place": "Place of the test",
@@ -96,10 +99,12 @@ ENGLISH = {
     "method_efficiency": "The hydro-mechanical efficiency is the mechanical power delivered "
     "divided by that taken up; leakage is not part of it.",
     "method_breakaway": "Breakaway is the largest friction while a slowly rising force{rate} "
-    "pushes the piston after the longest rest under load.",
+    "pushes the piston after the longest rest under load. The piston creeps meanwhile: where "
+    "friction falls with speed, breakaway can be below the friction at a lower steady speed.",
     "method_leakage": "Leakage follows from the decay of the chamber pressures with all valves "
-    "closed, with the bulk modulus of the bench file{bulk_modulus}. {leak_law}",
-    "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure.",
+    "closed, with the effective bulk modulus of the bench file{bulk_modulus}. {leak_law}",
+    "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure{holds}.",
+    "leak_holds": "; across the piston, the holds had {pressures} bar",
     "leak_power": "It was found to be proportional to the pressure to the power {exponent}; the "
     "values stated are those at {pressure} bar.",
     "method_speed_ripple": "The speed ripple is the standard deviation of the mean speeds over "
@@ -128,9 +133,7 @@ ENGLISH = {
     "n": "Runs",
     "leak": "Leak",
     "leakage_u": "Leakage ± U (ml/min per 100 bar)",
-    "across_piston": "across the piston",
-    "piston_side_out": "from the piston side outwards",
-    "rod_side_out": "from the rod side outwards",
+    **LEAKS,
     "fewer": "Of each series the lowest and the highest speed, the one next to the working "
     "speed and those of the statement of conformity are stated. All other points are in "
     "results.json of the campaign.",
@@ -139,26 +142,15 @@ ENGLISH = {
     "no_load": "No efficiency is stated at a load of 0 N: the cylinder delivers little more than "
     "the friction of the load side there.",
     # Uncertainty
-    "gum": "U is the expanded uncertainty according to JCGM 100 (GUM): the combined standard "
-    "uncertainty of the trials and of the instruments multiplied by the stated coverage factor "
-    "k, for a coverage probability of approximately 95 %. k is Student's factor for the "
+    "gum": "Where k is stated, U is the expanded uncertainty according to JCGM 100 (GUM): the "
+    "combined standard uncertainty of the trials and of the instruments multiplied by the coverage "
+    "factor k, for a coverage probability of approximately 95 %. k is Student's factor for the "
     "effective degrees of freedom, or 2 where the bench file sets it. U contains no "
     "contribution from the long-term behaviour of the specimen.",
     "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
-    "leak_interval": "{what}; no coverage factor is stated for it. It does not contain the "
-    "uncertainties of the bulk modulus and of the dead volumes: a bulk modulus that is 10 % too "
-    "low in the bench file makes the leakage 11 % too high. It assumes that the pressure "
-    "transducers do not drift during a hold and that the valves close tightly.",
-    "leak_of_fit": "U of the leakage is the half-width of the 95 % confidence interval of the fit "
-    "to all holds",
-    "leak_of_resolution": "U of the leakage is the resolution of the pressure converter: the leak "
-    "that changes the pressure by one code during a hold. The 95 % confidence interval of the fit "
-    "to all holds is narrower",
-    "leak_of_both": "U of the leakage is the half-width of the 95 % confidence interval of the fit "
-    "to all holds or, where this is narrower ({leaks}), the resolution of the pressure converter: "
-    "the leak that changes the pressure by one code during a hold",
+    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}.",
     # Conformity
     "of_limits": "Limits: {limits}.",
     "of_product": "Product: {product}.",
@@ -169,9 +161,9 @@ ENGLISH = {
     "rule_guard_band": "guard band (JCGM 106, 8.3.2; ILAC-G8): a value passes if it is inside "
     "the limit by at least U.",
     "applies": "The statement applies to the quantities in the table. “Conforms” is the "
-    "probability of conformity (JCGM 106, 7).",
-    "leak_conforms": "For leakage it assumes the bulk modulus and the dead volumes of the bench "
-    "file.",
+    "probability of conformity (JCGM 106, 7), by the Student distribution of U.",
+    "not_calibrated": "U rests on stated tolerances: no calibration certificate is recorded for "
+    "{instruments}.",
     "worst_speed": "Where a limit states no speed, each series is decided at the speed with "
     "the lowest probability of conformity.",
     "names": "Names of tests and limits are the laboratory's.",

@@ -49,7 +49,7 @@ GERMAN = {
     "wear": "Zustand",
     "areas": "Flächen",
     "areas_mm2": "Kolbenseite {piston} mm², Stangenseite {rod} mm²",
-    "received": "Eingang",
+    "received": "Eingangsdatum",
     "test_number": "Prüfnummer",
     "performed": "Datum der Prüfung",
     "place": "Ort der Prüfung",
@@ -92,10 +92,13 @@ GERMAN = {
     "method_efficiency": "Der hydraulisch-mechanische Wirkungsgrad ist die abgegebene "
     "mechanische Leistung geteilt durch die aufgenommene, ohne Leckage.",
     "method_breakaway": "Die Losbrechkraft ist die größte Reibung, während nach der "
-    "längsten Ruhezeit unter Last eine langsam steigende Kraft{rate} den Kolben schiebt.",
+    "längsten Ruhezeit unter Last eine langsam steigende Kraft{rate} den Kolben schiebt. Der "
+    "Kolben kriecht dabei: Wo die Reibung mit der Geschwindigkeit fällt, kann die Losbrechkraft "
+    "unter der Reibung bei einer kleineren konstanten Geschwindigkeit liegen.",
     "method_leakage": "Die Leckage folgt aus dem Abfall der Kammerdrücke bei geschlossenen "
-    "Ventilen, mit dem Kompressionsmodul der Prüfstandsdatei{bulk_modulus}. {leak_law}",
-    "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck.",
+    "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}. {leak_law}",
+    "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck{holds}.",
+    "leak_holds": "; am Kolben lagen während des Haltens {pressures} bar an",
     "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
     "die Werte bei {pressure} bar.",
     "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der mittleren "
@@ -135,27 +138,21 @@ GERMAN = {
     "at_back_pressure": "Gegendruck {pressure} bar",
     "no_load": "Bei 0 N Last ist kein Wirkungsgrad angegeben: der Zylinder überwindet dort kaum "
     "mehr als die Reibung der Lastseite.",
-    "gum": "U ist die erweiterte Messunsicherheit nach JCGM 100 (GUM): die kombinierte "
-    "Standardunsicherheit der Wiederholungen und der Messmittel, multipliziert mit dem "
-    "angegebenen Erweiterungsfaktor k, für eine Überdeckungswahrscheinlichkeit von etwa 95 %. "
+    "gum": "Wo k angegeben ist, ist U die erweiterte Messunsicherheit nach JCGM 100 (GUM): die "
+    "kombinierte Standardunsicherheit der Wiederholungen und der Messmittel, multipliziert mit dem "
+    "Erweiterungsfaktor k, für eine Überdeckungswahrscheinlichkeit von etwa 95 %. "
     "k ist der Studentfaktor der effektiven Freiheitsgrade, oder 2, wo die Prüfstandsdatei "
     "dies vorgibt. Die Langzeitstabilität des Prüflings ist nicht enthalten.",
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
-    "leak_interval": "{what}; ein Erweiterungsfaktor wird dafür nicht angegeben. Die "
-    "Unsicherheiten des Kompressionsmoduls und der Totvolumina sind nicht enthalten: Ein in der "
-    "Prüfstandsdatei um 10 % zu niedriger Kompressionsmodul macht die Leckage um 11 % zu hoch. "
-    "Angenommen ist, dass die Druckaufnehmer während des Haltens nicht driften und die Ventile "
-    "dicht schließen.",
-    "leak_of_fit": "U der Leckage ist die halbe Breite des 95-%-Vertrauensintervalls der "
-    "Anpassung an alle Halteversuche",
-    "leak_of_resolution": "U der Leckage ist die Auflösung der Druckwandlung: die Leckage, die den "
-    "Druck während des Haltens um eine Stufe ändert. Das 95-%-Vertrauensintervall der Anpassung an "
-    "alle Halteversuche ist schmaler",
-    "leak_of_both": "U der Leckage ist die halbe Breite des 95-%-Vertrauensintervalls der "
-    "Anpassung an alle Halteversuche oder, wo dieses schmaler ist ({leaks}), die Auflösung der "
-    "Druckwandlung: die Leckage, die den Druck während des Haltens um eine Stufe ändert",
+    "leak_interval": "U der Leckage ist die halbe Breite des 95-%-Intervalls der Anpassung an "
+    "alle Halteversuche, mindestens aber die Leckage, die einen Druck während des Haltens um eine "
+    "Stufe der Wandlung ändert. Angenommen ist, dass der effektive Kompressionsmodul und die "
+    "Totvolumina der Prüfstandsdatei genau sind (ein um 10 % zu niedriger Kompressionsmodul macht "
+    "die Leckage um 11 % zu hoch), dass das Öl während des Haltens seine Temperatur behält "
+    "(0,01 K ändern 100 ml Öl um 0,0007 ml), dass die Druckaufnehmer nicht driften und dass die "
+    "Ventile dicht schließen.",
     "of_limits": "Grenzwerte: {limits}.",
     "of_product": "Produkt: {product}.",
     "decision_rule": "Entscheidungsregel: {rule}",
@@ -165,9 +162,9 @@ GERMAN = {
     "rule_guard_band": "Schutzabstand (JCGM 106, 8.3.2; ILAC-G8): Ein Wert besteht, wenn er "
     "mindestens um U innerhalb liegt.",
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
-    "Wahrscheinlichkeit der Konformität (JCGM 106, 7).",
-    "leak_conforms": "Bei einer Leckage setzt sie Kompressionsmodul und Totvolumina der "
-    "Prüfstandsdatei voraus.",
+    "Wahrscheinlichkeit der Konformität (JCGM 106, 7), nach der Studentverteilung von U.",
+    "not_calibrated": "U beruht auf angegebenen Toleranzen: Ein Kalibrierschein ist nicht "
+    "verzeichnet für {instruments}.",
     "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "
     "Geschwindigkeit mit der kleinsten Wahrscheinlichkeit der Konformität entschieden.",
     "names": "Namen von Prüfungen und Grenzwerten sind die des Labors.",

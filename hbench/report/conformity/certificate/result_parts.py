@@ -64,7 +64,11 @@ def _leak_law(certificate: Certificate) -> str:
     leaks = certificate.results.motions.leakages
     powers = [leak for leak in leaks if leak.exponent != 1.0 and leak.reference_pa]
     if not powers:
-        return certificate.word("leak_laminar")
+        decays = [decay for leak in leaks for decay in leak.decays]
+        across = [from_si(abs(decay.p_p_pa - decay.p_r_pa), "bar") for decay in decays]
+        held = localized(certificate, span(across)) if across else ""
+        holds = certificate.word("leak_holds", pressures=held) if held else ""
+        return certificate.word("leak_laminar", holds=holds)
     exponents = span([leak.exponent for leak in powers])
     pressures = span([from_si(leak.reference_pa or 0.0, "bar") for leak in powers])
     return certificate.word(
@@ -200,18 +204,5 @@ def uncertainty_part(certificate: Certificate) -> Part:
     word = certificate.word
     paragraphs = [word("trials_only" if certificate.instruments is None else "gum")]
     if certificate.of("leakage"):
-        paragraphs.append(word("leak_interval", what=_leak_interval(certificate)))
+        paragraphs.append(word("leak_interval"))
     return Part("uncertainty", word("uncertainty"), paragraphs=tuple(paragraphs))
-
-
-def _leak_interval(certificate: Certificate) -> str:
-    """Return what U of the leakage is: the interval of its fit, or the converter's resolution."""
-    leaks = [leak for each in certificate.results.motions.leakages for leak in each.coefficients]
-    known = [leak for leak in leaks if leak.ci95 is not None]
-    by_resolution = dict.fromkeys(leak.name for leak in known if leak.by_resolution)
-    if not by_resolution:
-        return certificate.word("leak_of_fit")
-    if all(leak.by_resolution for leak in known):
-        return certificate.word("leak_of_resolution")
-    leaks_words = "; ".join(map(certificate.word, by_resolution))
-    return certificate.word("leak_of_both", leaks=leaks_words)

@@ -84,7 +84,9 @@ _STAGES = " Before: the {model}; after: with the {added}."
 _HELD_OUT = " Coloured: runs outside the fit; grey: runs of the fit."
 _OVERLAY = (
     "A run outside the fit as measured, and as simulated with the same firmware in closed loop. "
-    "Right: simulated less measured; points: means over 0.16 s, by which signals are compared."
+    "Right: simulated less measured; points: means over 0.16 s, by which signals are compared. The "
+    "limits above which a deviation matters are not those of these signals, but of the flows and "
+    "forces over all runs."
 )
 _OPEN_LOOP = (
     "The run outside the fit with the largest position error of the final model: as measured, and "

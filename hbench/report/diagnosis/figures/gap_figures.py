@@ -243,6 +243,8 @@ def _remark(candidate: Candidate) -> str:
     score = round(candidate.score, 1)
     if score <= 0:
         return f"{short(score)}: no gain"
+    if candidate.score <= candidate.threshold:
+        return short(score)
     return f"{short(score)}; explains {share(candidate.explained)}"
 
 

@@ -76,7 +76,7 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
             candidate.name,
             number(candidate.score + 0.0, 1),
             number(candidate.threshold, 1),
-            share(candidate.explained),
+            share(candidate.explained) if candidate.score > candidate.threshold else NONE,
             f"{number(candidate.size, 2)} × typical",
             "in full" if candidate.tried == "full" else "linearly",
         )

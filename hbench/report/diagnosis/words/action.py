@@ -23,7 +23,11 @@ from hbench.report.diagnosis.names import (
     parts_of,
 )
 from hbench.report.diagnosis.words.change import readings_words
-from hbench.report.diagnosis.words.coefficient import gap_words, parts_present
+from hbench.report.diagnosis.words.coefficient import (
+    alike_words,
+    gap_words,
+    parts_present,
+)
 from hbench.report.diagnosis.words.deviation import beyond_balances, too_small_words
 from hbench.report.diagnosis.words.edge import (
     EdgePattern,
@@ -158,7 +162,8 @@ def advice(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     words = inspection(diagnosis, effect)
     if too_small_words(diagnosis, effect):
         return _TOO_SMALL
-    gaps = (gap_words(each) for each in diagnosis.effects if each.name == effect.name)
+    own = [each for each in diagnosis.effects if each.name == effect.name]
+    gaps = [text for each in own for text in (gap_words(each), alike_words(each))]
     parts = (f"Inspect {words}." if words else "", *gaps, effect.repair)
     return " ".join(filter(None, parts))
 

@@ -5,6 +5,7 @@ import re
 from hbench.records import AddedEffect, FitParameter
 from hbench.report.diagnosis.names import CHAMBERS, PRESSURE_SYMBOLS, in_words
 from hbench.report.render.numbers import significant, with_ends
+from hbench.report.render.symbols import listed
 
 _OF_POWER = re.compile(r"_0 = (\d+) ([^,]+)")  # where a law of any exponent has the same value
 # Size there of a coefficient in another unit: its unit, and the power of the reference value in it.
@@ -183,6 +184,31 @@ def _size_text(effect: AddedEffect, name: str) -> str:
         return parameter_text(parameter, at if "exponent" in effect.parameters else "")
     unit, power = _AT_REFERENCE[parameter.unit]
     return parameter_text(_scaled(parameter, float(reference[1]) ** power, unit), at)
+
+
+def parts_words(effect: AddedEffect) -> str:
+    """Return the two parts of the bench where an effect is present, with its coefficients there.
+
+    Empty where these are more or fewer.
+    """
+    parts = parts_present(effect)
+    if len(parts) != 2:
+        return ""
+    return listed([f"{coefficient_words(name)} {_size_text(effect, name)}" for name in parts])
+
+
+def alike_words(effect: AddedEffect) -> str:
+    """State that both cylinders leak alike, which a common cause explains better; or nothing."""
+    both = [effect.parameters[name] for name in ("test", "load") if name in parts_present(effect)]
+    if effect.name != "internal_leakage" or len(both) < 2:
+        return ""
+    (low, high), (other_low, other_high) = ((p.ci95 or (p.value, p.value)) for p in both)
+    if max(low, other_low) > min(high, other_high):
+        return ""
+    return (
+        "Both cylinders leak alike: check first for a common cause, such as leakage of the "
+        "valves, which these runs may not distinguish from two like seals."
+    )
 
 
 def unit_text(unit: str) -> str:

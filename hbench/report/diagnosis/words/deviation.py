@@ -69,7 +69,10 @@ def sensors_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
         return (
             f"Sensor errors within the tolerances may cause as much in {names}: check these first."
         )
-    return "Sensor errors within the tolerances are fitted, and do not explain this deviation."
+    return (
+        "Sensor errors within the tolerances are fitted, and do not explain this deviation; a "
+        "sensor beyond its tolerance may."
+    )
 
 
 def _repeats(gap: Gap) -> str:
