@@ -216,7 +216,8 @@ ROWS = {
         },
         inspect="the piston seal of each leaking cylinder: how fast pressure equalises with closed "
         "valves, and the flow at a disconnected rod port",
-        repair="If this confirms the leak, replace that piston seal; look for scoring of the bore.",
+        repair="If the test confirms the leak, replace that piston seal; look for scoring of the "
+        "bore.",
         source="Merritt (1967), section 6.1",
     ),
     "external_leakage": Effect(
