@@ -291,7 +291,7 @@ def test_the_decision_states_the_value_nearest_to_its_limit():
 
     passed = words("PASS", decided(6.0))
     assert passed.startswith("PASS: 2 of 2 checks pass. Nearest to its limit is friction: 85.0")
-    assert "85.0 ± 6.0 N, limit at most 100 N, probability of conformity 99.0 %." in passed
+    assert "85.0 ± 6.0 N, limit at most 100 N, margin 15 N or 2.5 U, probability" in passed
     assert [check.decision for check in decided(2.49 * 6.0)] == ["PASS", "PASS"]
     assert [check.decision for check in decided(2.51 * 6.0)] == ["MARGINAL", "PASS"]
     failed = words("FAIL", decided(6.0, near=109.0))

@@ -84,7 +84,7 @@ def test_a_campaign_is_analyzed_as_by_one_process(tmp_path):
     folder, schedule = tmp_path / "demo", tmp_path / "schedule.yaml"
     schedule.write_text(SCHEDULE.format(bench=ROOT / "configs" / "bench-aau.yaml"))
     for arguments in ("run", schedule, "-o", folder), ("analyze", folder):
-        command = [sys.executable, "-m", "hbench", *map(str, arguments)]
+        command = [sys.executable, "-P", "-m", "hbench", *map(str, arguments)]
         subprocess.run(command, check=True, capture_output=True)
     campaign = load_campaign(folder)
     assert len(campaign.latest) == 114

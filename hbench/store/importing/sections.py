@@ -21,8 +21,8 @@ Positions = tuple[float, float]  # lowest and highest [m]
 _NOWHERE: Positions = (np.inf, -np.inf)
 
 _CUT_OFF = (
-    "The start or the end of the file cuts its strokes off. Leave the file out, or import it as a "
-    "whole: 'kind: triangle' without 'cut'."
+    "The start or the end of the file cuts its strokes off: leave the file out, or import it as a "
+    "whole ('kind: triangle' without 'cut'). Or a unit of x_m or t_s in the map is wrong."
 )
 _TOO_SHORT = "Check the units of x_m and t_s in the map, or reduce 'min_stroke'."
 
