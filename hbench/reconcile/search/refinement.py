@@ -91,7 +91,7 @@ class EffectRefinement(CandidateEvaluator):
             without = self.without(model, [name], others)
             if self._lost(model, without, (*others, name), others) > CRITERIA.score:
                 continue
-            without = self.with_columns(without, columns_of(model, [name]))
+            without = self.with_columns(without, _columns_of(model, [name]))
             evaluated = self._evaluate_in_full(without, others, name)
             evaluated = self._with_threshold(evaluated, others, [name])
             if not CRITERIA.accepts(evaluated.candidate):
@@ -104,7 +104,7 @@ class EffectRefinement(CandidateEvaluator):
     ) -> LinearisedModel:
         """Return the model without some effects, refitted with the ``others``."""
         start = self.linearise_at(model, self._hypothesis_without(model, removed))
-        return self.refit(start, others, columns_of(model, others))
+        return self.refit(start, others, _columns_of(model, others))
 
     def _lost(
         self,
@@ -146,12 +146,12 @@ class EffectRefinement(CandidateEvaluator):
             {key: model.columns[key] for key in taking_part},
         )
         start = self.with_columns(start, taking_part)
-        best = self.refit(start, names, columns_of(start, names))
+        best = self.refit(start, names, _columns_of(start, names))
         for name in names:
             shapes = [".".join(which) for which in shape_coefficients(name)]
             if new := [shape for shape in shapes if shape not in best.columns]:
                 shaped = self.with_columns(best, new)
-                shaped = self.refit(shaped, names, columns_of(shaped, names))
+                shaped = self.refit(shaped, names, _columns_of(shaped, names))
                 gain = [log_likelihood(self._cross_validate(m, names))[0] for m in (best, shaped)]
                 best = shaped if gain[1] > gain[0] else best
         fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
@@ -185,6 +185,6 @@ class EffectRefinement(CandidateEvaluator):
         return replace(evaluated, candidate=replace(candidate, threshold=threshold))
 
 
-def columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:
+def _columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:
     """Return the names of the columns that some effects have in a model."""
     return [".".join(which) for which in model.coefficients_of(names)]
