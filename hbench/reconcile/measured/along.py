@@ -7,8 +7,9 @@ are parabolas with the record's mean, so that means of products such as u sqrt(d
 
 The spool (2.16) follows the limited command by the exact solution of its equation over a step,
 LuGre's bristles likewise. Other states take an exponential step, which no lag is too short for:
-z -> z + r (exp(J h) - 1) / J, with the rate r and its derivative J by the state itself. The laws
-have its mean over the step.
+z -> z + r (exp(J h) - 1) / J, with the rate r and its derivative J by the state itself, at fixed
+openings of the valves: moved with the other states, they would count as part of J. The laws have
+the mean over the step.
 """
 
 from functools import cache
@@ -251,7 +252,7 @@ def _integrate(
                     slopes[j] = _NUDGE * max(1.0, abs(state[j]))
                     state[j] += slopes[j]
                 step = _NUDGE * supply
-                openings(state, par, par.effects, others)  # the laws keep theirs, a state or not
+                openings(state, par, par.effects, others)  # their rates; the laws keep ``opened``
                 _laws(opened, supply + step, state, par, levels[0, k], levels[1, k], others)
                 for j in range(first, end):
                     state[j] -= slopes[j]
