@@ -17,12 +17,13 @@ from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.learned.table import is_mode, mode_of
 from hbench.reconcile.measured.disturbances import is_disturbance
-from hbench.reconcile.nuisance import BOUND, nuisances, standard_deviation
+from hbench.reconcile.nuisance import BOUND, REPLACED, nuisances, standard_deviation
 from hbench.reconcile.products import Products
 from hbench.reconcile.window_sums import products
 
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default
+_FIXED = 0.01  # standard deviation of a factor that is not refitted, in those of its prior
 _LARGEST_DISTURBANCE = 3**0.5  # in standard deviations: equally likely within its limit
 _NO_EFFECT = "/~#"  # first letters of the names of factors, disturbances and modes
 _LARGEST_MODE = 30.0  # of a learned law, in standard deviations of its prior
@@ -91,15 +92,22 @@ class LinearisedModel:
         return replace(self, tight=tight)
 
     def priors(self, names: Iterable[str]) -> Priors:
-        """Return the priors of all columns where only the effects ``names`` may be any size."""
+        """Return the priors of all columns where only the effects ``names`` may be any size.
+
+        Factors that these replace are those of the given model.
+        """
+        wanted = set(names)
         own = np.zeros(len(self.data.names), bool)
-        own[[self.column(which) for which in self.coefficients_of(names)]] = True
-        return Priors(
+        own[[self.column(which) for which in self.coefficients_of(wanted)]] = True
+        priors = Priors(
             *(
                 np.where(own, getattr(self.wide, name), getattr(self.tight, name))
                 for name in ("centre", "sigma", "low", "high")
             )
         )
+        replaced = {f"/{path}" for effect, path in REPLACED.items() if effect in wanted}
+        at = np.array([name in replaced for name in self.data.names], bool)
+        return replace(priors, sigma=np.where(at, _FIXED, priors.sigma))
 
 
 def linearise(

@@ -132,9 +132,10 @@ def test_a_deadband_shifts_the_command_that_gives_a_velocity(par, start, way):
 @pytest.mark.parametrize("way", [1, -1])
 def test_an_asymmetric_valve_is_one_with_another_gain_in_each_direction(par, start, way):
     """At each instant: the same opening times 1 +- k gives the same flows."""
-    uneven = with_effects(par, {"valve_asymmetry": {"test": 0.1, "load": -0.05}})
+    shares = {"test": 0.1, "load": -0.05, "load_apart": 0.02}
+    uneven = with_effects(par, {"valve_asymmetry": shares})
     u = way * np.array([0.7, 0.3, -1.4])
-    gain = np.array([1 + way * 0.1, 1 - way * 0.05, 1 + way * 0.05])
+    gain = np.array([1 + way * 0.1, 1 - way * 0.03, 1 + way * 0.07])
     one, other = run(uneven, start, u), run(par, start, u * gain)
     assert one.state[:, X : P_LR + 1] == pytest.approx(other.state[:, X : P_LR + 1], rel=1e-9)
 

@@ -401,6 +401,17 @@ def test_effects_take_part_in_a_fit_only_where_they_are_tried(measured):
     assert tried.low[3] == 0.0  # no negative slope
 
 
+def test_beside_a_slow_valve_the_bandwidth_is_that_of_the_given_model(measured):
+    """It was refitted by two priors; with the effect it returns by these two and stays there."""
+    names = ["/valve.gain", "/valve.bandwidth", "valve_lag.time"]
+    width = nuisances(measured.plant)["valve.bandwidth"]
+    model = model_of(measured, names, Hypothesis({"valve.bandwidth": float(np.exp(2 * width))}))
+    without, beside = model.priors([]), model.priors(["valve_lag"])
+    assert without.sigma[:2] == pytest.approx([1.0, 1.0])
+    assert beside.sigma[:2] == pytest.approx([1.0, 0.01])
+    assert without.centre[:2] == beside.centre[:2] == pytest.approx([0.0, -2.0])
+
+
 def test_a_model_about_itself_has_its_tolerances_about_its_coefficients(measured):
     """For data that the model itself makes: 0.05 V is the middle, not 0 V."""
     at = Hypothesis().with_coefficients({NULL: 0.05})

@@ -46,7 +46,7 @@ ROWS = {
         balances=FLOWS,
         laws={"openings": flows.valve_lag},
         states=3,
-        law="time dy/dt = u - y, y the opening",
+        law="time dy/dt = u - y, y the opening, u the spool with the bandwidth of the model file",
         signals="Velocity and pressures after a change of the command; nothing at constant speed.",
         confused_with={
             "added_mass": Separation(
@@ -94,10 +94,15 @@ ROWS = {
     ),
     "valve_asymmetry": Effect(
         description="a valve opens further in one direction than in the other",
-        coefficients={**_SHARES, "knee": Coefficient("V", 0, 0, 10)},
+        coefficients={
+            **_SHARES,
+            "load_apart": Coefficient("%", 5, -50, 50),
+            "knee": Coefficient("V", 0, 0, 10),
+        },
         balances=FLOWS,
         laws={"openings": flows.valve_asymmetry},
-        law="opening = u (1 + k sign u), k = test or load; less below the knee",
+        law="opening = u (1 + k sign u), k = test (T), load + load_apart (L1), load - load_apart "
+        "(L2), less below the knee",
         signals="Commands at the same speed differ between extending and retracting.",
         confused_with={
             "internal_leakage": Separation(

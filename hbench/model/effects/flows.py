@@ -130,13 +130,16 @@ def valve_asymmetry(
     u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
 ) -> Openings:  # fmt: skip
-    """Unequal gain of the two directions: u (1 + k sign u). c: k [1], test and load valves.
+    """Unequal gain of the two directions: u (1 + k sign u). c: k [1] of the test valve and the mean
+    of the load valves, then by how much L1 is above this mean and L2 below.
 
     A knee [V] other than 0 makes small openings more equal: k |u| / (|u| + knee).
     """
-    test, load, knee = c
+    test, load, apart, knee = c
     return Openings(
-        uneven(u.test, test, knee), uneven(u.load_1, load, knee), uneven(u.load_2, load, knee)
+        uneven(u.test, test, knee),
+        uneven(u.load_1, load + apart, knee),
+        uneven(u.load_2, load - apart, knee),
     )
 
 

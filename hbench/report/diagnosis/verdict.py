@@ -32,6 +32,7 @@ from hbench.report.diagnosis.words.change import (
 from hbench.report.diagnosis.words.coefficient import (
     coefficient_words,
     description_words,
+    of_valves,
     only_coefficient,
     parts_present,
     parts_words,
@@ -110,8 +111,8 @@ def _with_parts(effect: AddedEffect) -> str:
 def _parts(effect: AddedEffect) -> str:
     parts = parts_present(effect)
     if set(parts) == {"test", "load"}:
-        return "both cylinders"
-    return listed([coefficient_words(name) for name in parts])
+        return "all valves" if of_valves(effect.name) else "both cylinders"
+    return listed([coefficient_words(name, effect.name) for name in parts])
 
 
 def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:

@@ -3,9 +3,9 @@
 What differs from ``hbench.model``, beside every size: flow coefficients that fall at small pressure
 drops (1 - exp(-sqrt(dP / 0.7 bar))), a bulk modulus that falls at low pressure, Stribeck friction
 with 1 / (1 + (v / v_s)^2), Dahl's bristles with an exponent of 1.5, ripple of friction along both
-bores, cavitation, a supply with droop and a pump's ripple, unequal valves with nulls of their own,
-a position controller with feedforward, transducers with offset, drift and 14 bits, a logger of
-250 Hz behind filters of 100 Hz. Steps of 20 us, semi-implicit Euler.
+bores, cavitation, a supply with droop and a pump's ripple, unequal valves with unequal edges and
+nulls of their own, a position controller with feedforward, transducers with offset, drift and 14
+bits, a logger of 250 Hz behind filters of 100 Hz. Steps of 20 us, semi-implicit Euler.
 
 The supply's droop of 0.06 bar min/l, with a lag of 30 ms, is in every campaign, not in ``MODEL``.
 """
@@ -40,6 +40,7 @@ class Bench(NamedTuple):
 
     gains: tuple[float, float, float]  # m^3 / (s V sqrt(Pa))
     nulls_v: tuple[float, float, float]
+    edges: tuple[float, float]  # more gain of the negative side of L1 and L2
     volumes_m3: tuple[float, float, float, float]  # dead, of Tp, Tr, Lp, Lr
     spool_rad_s: float
     bulk_modulus_pa: float
@@ -132,8 +133,10 @@ def stroke(bench, effects, start_m, end_m, speed, p_lp_ref, p_lr_ref, levels, du
                 opening[i] = spool[i]
         uneven = 1.0 + (effects.uneven if opening[0] > 0.0 else 0.0)
         o_t = _opening(opening[0], effects.overlap_v, uneven, null_t)
-        o_1 = _opening(opening[1], effects.overlap_v, 1.0, null_1)
-        o_2 = _opening(opening[2], effects.overlap_v, 1.0, null_2)
+        edge_1 = 1.0 if opening[1] > 0.0 else 1.0 + bench.edges[0]
+        edge_2 = 1.0 if opening[2] > 0.0 else 1.0 + bench.edges[1]
+        o_1 = _opening(opening[1], effects.overlap_v, edge_1, null_1)
+        o_2 = _opening(opening[2], effects.overlap_v, edge_2, null_2)
 
         p_t, drawn = TANK_PA, 0.0
         q_tp, q_tr, q_lp, q_lr = 0.0, 0.0, 0.0, 0.0

@@ -107,6 +107,7 @@ def write_campaign(
     bench = Bench(
         gains=_about(rng, 6e-8, 3),
         nulls_v=tuple(rng.uniform(-0.04, 0.04, 3).tolist()),
+        edges=tuple(np.random.default_rng([seed, 6]).uniform(-0.03, 0.03, 2).tolist()),
         volumes_m3=tuple((np.array([3e-4, 3.2e-4, 3.5e-4, 3e-4]) * _about(rng, 1.0, 4)).tolist()),
         spool_rad_s=_about(rng, 440.0, 1)[0],
         bulk_modulus_pa=_about(rng, 8e8, 1)[0],

@@ -33,7 +33,8 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
         )
         for i, name in enumerate(added.parameters):
             effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
-            rows.append((effect, coefficient_words(name), coefficient_text(added, name), *cells))
+            words = coefficient_words(name, added.name)
+            rows.append((effect, words, coefficient_text(added, name), *cells))
     of_gaps = (
         ", and gaps of runs outside the fit in the quantities that they change"
         if in_scatters

@@ -22,6 +22,11 @@ _COEFFICIENTS = {
        for part in ("test", "load") for side in ("piston", "rod")},
     **{chamber: f"chamber {chamber.capitalize()}" for chamber in CHAMBERS},
 }  # fmt: skip
+_OF_VALVES = {
+    "test": "test valve",
+    "load": "load valves",
+    "load_apart": "load valves, L1 above and L2 below their mean",
+}
 _QUOTED = re.compile(r"coefficient '(\w+)'")
 _ASYMMETRY = "direction_asymmetry"  # positive: larger while extending
 # Exponents of the flow through a gap over its pressure drop, and what causes such a gap by effect.
@@ -34,9 +39,16 @@ _ZERO = "not distinguishable from 0"
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 
-def coefficient_words(name: str) -> str:
-    """Return the name of an effect's coefficient in words."""
+def coefficient_words(name: str, effect: str = "") -> str:
+    """Return the name of a coefficient in words; that of an ``effect`` where this is known."""
+    if of_valves(effect) and name in _OF_VALVES:
+        return _OF_VALVES[name]
     return _COEFFICIENTS.get(name) or PRESSURE_SYMBOLS.get(name) or in_words(name)
+
+
+def of_valves(effect: str) -> bool:
+    """Return whether an effect is one of the valves, so that its coefficients name valves."""
+    return effect.startswith("valve_")
 
 
 def keys_as_words(text: str) -> str:
@@ -57,7 +69,10 @@ def coefficients_words(effect: AddedEffect) -> str:
     free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
     chosen = free or effect.parameters
     zero = [name for name, p in chosen.items() if _contains_zero(p)]
-    texts = {name: f"{coefficient_words(name)} {_size_text(effect, name)}" for name in chosen}
+    texts = {
+        name: f"{coefficient_words(name, effect.name)} {_size_text(effect, name)}"
+        for name in chosen
+    }
     known = [text for name, text in texts.items() if name not in zero]
     words = ("; " if any(", " in text for text in known) else ", ").join(known)
     unknown = f"{_ZERO}: {', '.join(texts[name] for name in zero)}" if zero else ""
@@ -194,7 +209,9 @@ def parts_words(effect: AddedEffect) -> str:
     parts = parts_present(effect)
     if len(parts) != 2:
         return ""
-    return listed([f"{coefficient_words(name)} {_size_text(effect, name)}" for name in parts])
+    return listed(
+        [f"{coefficient_words(name, effect.name)} {_size_text(effect, name)}" for name in parts]
+    )
 
 
 def alike_words(effect: AddedEffect) -> str:
