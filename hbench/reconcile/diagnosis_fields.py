@@ -12,7 +12,7 @@ from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
 from hbench.reconcile.measured.balances import BALANCES
-from hbench.reconcile.search.candidates import TIE
+from hbench.reconcile.search.acceptance import TIE
 from hbench.records import (
     AddedEffect,
     BeforeAfter,

@@ -137,7 +137,7 @@ def test_an_ambiguous_set_is_decided_by_the_experiment_that_is_proposed(
 
     The set is ambiguous with a margin of a third of the score: the search is that cautious here.
     """
-    monkeypatch.setattr("hbench.reconcile.search.candidates._AMBIGUOUS_SHARE", 1 / 3)
+    monkeypatch.setattr("hbench.reconcile.search.acceptance._AMBIGUOUS_SHARE", 1 / 3)
     others = dict.fromkeys(set(EFFECTS) - CANDIDATES, "not in this test")
     place = "hbench.reconcile.diagnose.observable_effects"
     monkeypatch.setattr(place, lambda runs, plant: (tuple(CANDIDATES), others))

@@ -17,7 +17,7 @@ from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.measured.balances import WindowedRun
 from hbench.reconcile.products import Products, column_products
-from hbench.reconcile.search.candidates import TIE
+from hbench.reconcile.search.acceptance import TIE
 from hbench.reconcile.strokes.series import MeasuredStrokes, Stroke, StrokePair
 from hbench.records import RunPlan, Specimen
 

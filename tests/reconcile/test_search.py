@@ -17,8 +17,9 @@ from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
+from hbench.reconcile.search.acceptance import CRITERIA
 from hbench.reconcile.search.campaign_search import CampaignSearch
-from hbench.reconcile.search.candidates import CRITERIA, EvaluatedCandidate, explained_share
+from hbench.reconcile.search.candidates import EvaluatedCandidate, explained_share
 from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import Candidate
@@ -392,7 +393,7 @@ def test_the_gap_of_a_larger_effect_is_not_held_against_a_smaller_one():
     ("other", "kept"),
     [
         ({"load_friction": {"test": "4 %", "load": "4 %"}}, "settled"),
-        ({"presliding": {"force": "150 N"}}, "fine"),
+        ({"seal_pressure_friction": {"test_piston": "0.6 N/bar"}}, "fine"),
     ],
 )
 def test_refinement_ends_with_the_nuisances_that_leave_the_smaller_gap(other, kept):

@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from hbench.reconcile.evidence import Priors
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
-from hbench.reconcile.search.candidates import CRITERIA
+from hbench.reconcile.search.acceptance import CRITERIA
 from hbench.reconcile.separation.separability import (
     Separation,
     principal_angle_deg,

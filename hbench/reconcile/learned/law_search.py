@@ -43,7 +43,8 @@ from hbench.reconcile.learned.table import (
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.search.candidates import CRITERIA, CandidateEvaluator, score_to_exceed
+from hbench.reconcile.search.acceptance import CRITERIA, score_to_exceed
+from hbench.reconcile.search.candidates import CandidateEvaluator
 
 _MOST_LAWS = 4
 _SIGNIFICANCE = 0.05  # of the reduction at held-out points

@@ -40,13 +40,8 @@ from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.hypothesis import effect_coefficients
 from hbench.reconcile.linearised import LinearisedModel, linearise
-from hbench.reconcile.search.candidates import (
-    CRITERIA,
-    TIE,
-    EvaluatedCandidate,
-    indistinguishable,
-    is_close,
-)
+from hbench.reconcile.search.acceptance import CRITERIA, TIE, indistinguishable, is_close
+from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search.refinement import EffectRefinement
 from hbench.reconcile.search_result import SearchResult, SearchStep, added_names
 from hbench.records import Candidate

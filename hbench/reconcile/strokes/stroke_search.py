@@ -26,14 +26,8 @@ from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.nuisance import nuisances
-from hbench.reconcile.search.candidates import (
-    NULLS,
-    TIE,
-    AcceptanceCriteria,
-    CandidateEvaluator,
-    EvaluatedCandidate,
-    indistinguishable,
-)
+from hbench.reconcile.search.acceptance import NULLS, TIE, AcceptanceCriteria, indistinguishable
+from hbench.reconcile.search.candidates import CandidateEvaluator, EvaluatedCandidate
 from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.records import Candidate, FitParameter
 

@@ -1,0 +1,98 @@
+"""Acceptance of candidate effects: thresholds of scores, least shares and sizes, and rivals."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.evidence import random_signs
+from hbench.records import Candidate
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
+
+TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogue's order
+NULLS = 50  # random null data sets
+_FEW_NULLS = 10  # suffice where a score is far above the threshold that they give
+_FAR = 3.0  # times this threshold
+_FALSE = 0.05  # probability that a round of a search accepts an effect where none is missing
+_AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger one counts
+
+
+@dataclass(frozen=True)
+class AcceptanceCriteria:
+    """Least score, explained share and size of an effect that may be added to a model."""
+
+    score: float  # nats: least threshold
+    explained: float  # share of the excess gap in the balances that the effect touches
+    size: float  # largest coefficient, in typical sizes
+
+    def threshold(self, null_scores: np.ndarray, families: int) -> float:
+        """Return the score to exceed.
+
+        ``null_scores`` (n,) are the largest scores of a family of candidates on null data sets. A
+        further one exceeds the threshold with a probability of 5 % divided by the number of
+        ``families`` in a round (Bonferroni). The tail above the median is taken as exponential, as
+        that of a gain in ln L is (Wilks); with k scores above it the predictive distribution is
+        P(excess > t) = (1 + t / (k mean))^-k.
+        """
+        median = float(np.median(null_scores))
+        above = null_scores[null_scores > median] - median
+        if not len(above):
+            return self.score
+        odds = (0.5 * families / _FALSE) ** (1 / len(above))
+        return max(self.score, median + float(above.sum()) * (odds - 1))
+
+    def accepts(self, candidate: Candidate) -> bool:
+        """Return whether a candidate exceeds its own threshold and meets the other criteria."""
+        return (
+            candidate.score > candidate.threshold
+            and candidate.explained > self.explained
+            and candidate.size >= self.size
+        )
+
+
+# 5 nats are odds of 150 to 1. A quarter is enough: the remainder may be other effects.
+CRITERIA = AcceptanceCriteria(score=5.0, explained=LEAST_EXPLAINED, size=LEAST_SIZE)
+
+
+def ambiguity_margin(best: float) -> float:
+    """Return the distance [nats] from the ``best`` score within which scores are close to it."""
+    return max(_AMBIGUOUS_NATS, _AMBIGUOUS_SHARE * best)
+
+
+def is_close(candidate: Candidate, best: Candidate) -> bool:
+    """Return whether a candidate's score is close to that of the ``best`` one."""
+    return candidate.score >= best.score - ambiguity_margin(best.score)
+
+
+def indistinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Return the candidates whose scores are close to that of the first, the best one.
+
+    An effect on other balances is no rival: it explains something else.
+    """
+    best = accepted[0]
+    balances = set(EFFECTS[best.name].balances)
+    return tuple(
+        each
+        for each in accepted
+        if is_close(each, best) and not balances.isdisjoint(EFFECTS[each.name].balances)
+    )
+
+
+def score_to_exceed(
+    score: float,
+    scores_on_nulls: Callable[[np.ndarray], Sequence[np.ndarray]],
+    points: int,
+    families: int,
+) -> float:
+    """Return what a ``score`` must exceed: the threshold of a family of candidates.
+
+    ``scores_on_nulls`` returns the scores (b,) of each candidate for random signs (b, ``points``).
+    """
+    signs = random_signs(NULLS, points, seed=1)
+    for few in (signs[:_FEW_NULLS], signs):
+        largest = np.max(scores_on_nulls(few), axis=0, initial=0.0)
+        threshold = CRITERIA.threshold(largest, families)
+        if score > _FAR * threshold:
+            break
+    return threshold
