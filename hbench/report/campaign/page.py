@@ -105,10 +105,10 @@ def report_document(
         *_efficiency(results, figures.get("efficiency", ())),
         *more,
         *(() if first else rejected),
-        *_points(results),
-        *fit_remarks(results),
         settings_section(results, LONG_LIST),
         method_section(results),
+        *_points(results),
+        *fit_remarks(results),
     )
     alarm = aborted_words(results)
     return Document(
@@ -313,4 +313,4 @@ def _points(results: Results) -> tuple[Section, ...]:
     if not subsections:
         return ()
     note = () if all(part.printed for part in subsections) else (_NOT_PRINTED,)
-    return (Section("All points", note, parts=tuple(subsections), anchor="points"),)
+    return (Section("Appendix: all points", note, parts=tuple(subsections), anchor="points"),)

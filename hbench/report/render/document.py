@@ -184,19 +184,24 @@ def page(document: Document) -> str:
     loader = _environment().loader
     assert loader is not None  # _environment gives one
     script = loader.get_source(_environment(), "page.js")[0]
-    titled = [section for section in document.sections if section.title]
     return (
         _environment()
         .get_template("document.html.j2")
         .render(
             document=document,
-            menu=titled if len(titled) >= _MENU else [],
+            menu=menu(document),
             script=Markup(script),
             script_hash=b64encode(sha256(script.encode()).digest()).decode("ascii"),
             dark=DARK,
             version=version("hbench"),
         )
     )
+
+
+def menu(document: Document) -> list[Section]:
+    """Return the sections that the contents list: those with a title, of a long document."""
+    titled = [section for section in document.sections if section.title]
+    return titled if len(titled) >= _MENU else []
 
 
 def anchor(section: Section) -> str:
