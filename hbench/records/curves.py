@@ -46,6 +46,9 @@ class CurvePoint:
     trials_hersey_m: tuple[float, ...] = ()  # of each trial, at its temperature
 
 
+Determination = Literal["determined", "hardly determined", "not determined"]
+
+
 @dataclass(frozen=True)
 class FitParameter:
     """One fitted number. ``se`` and ``ci95`` are None where the data does not determine it.
@@ -67,9 +70,17 @@ class FitParameter:
     bias: float | None = None
 
     @property
-    def determined(self) -> bool:
-        """Whether the data determines the parameter: no active bound, and an interval not wide."""
-        return self.at_bound is None and self.ci95 is not None and not self.wide
+    def determination(self) -> Determination:
+        """How well the data determines the parameter.
+
+        Not: it is at a bound, has no interval, or ``wide``. Hardly: its interval contains 0 or has
+        a half-width of more than half of the value.
+        """
+        if self.at_bound is not None or self.ci95 is None or self.wide:
+            return "not determined"
+        low, high = self.ci95
+        hardly = low <= 0.0 <= high or high - low > abs(self.value)
+        return "hardly determined" if hardly else "determined"
 
 
 @dataclass(frozen=True)
@@ -82,7 +93,7 @@ class ParameterPair:
     correlation: float | None  # -1 to 1
 
 
-FitVerdict = Literal["determined", "not determined", "not converged"]
+FitVerdict = Literal[Determination, "not converged"]
 
 
 @dataclass(frozen=True)
@@ -131,16 +142,26 @@ class Fit:
     @property
     def undetermined(self) -> tuple[str, ...]:
         """Names of the parameters that the data does not determine."""
-        return tuple(name for name, p in self.parameters.items() if not p.determined)
+        return self._which("not determined")
+
+    @property
+    def hardly_determined(self) -> tuple[str, ...]:
+        """Names of the parameters that the data hardly determines."""
+        return self._which("hardly determined")
+
+    def _which(self, determination: Determination) -> tuple[str, ...]:
+        return tuple(n for n, p in self.parameters.items() if p.determination == determination)
 
     @property
     def verdict(self) -> FitVerdict:
-        """Verdict on the fit; "not determined" if that is so for one parameter or more."""
+        """Verdict on the fit: that of its least determined parameter, if it converged."""
         if not self.parameters:
             return "not determined"  # too few points
         if not self.converged:
             return "not converged"
-        return "not determined" if self.undetermined else "determined"
+        if self.undetermined:
+            return "not determined"
+        return "hardly determined" if self.hardly_determined else "determined"
 
 
 @dataclass(frozen=True)

@@ -359,6 +359,7 @@ class Diagnosis:
     refit_priors: dict[str, FloatOrNan] = field(default_factory=dict)
     # Largest offset of each sensor within its tolerance, by reading, in a bench's unit.
     zero_tolerances: dict[str, FloatOrNan] = field(default_factory=dict)
+    material: FloatOrNan = float("nan")  # share of a quantity's range up to which it may deviate
 
     @property
     def confirmed(self) -> tuple[AddedEffect, ...]:
