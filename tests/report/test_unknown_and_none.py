@@ -56,13 +56,13 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
         "repeatability): 12.0 as given, 9.50 refitted. A correct model whose values are"
     )
     assert line in ordinary_spaces(diagnosis_page(compared, ())) and "9.50" not in text
-    assert "more steady runs where the deviation is largest, while retracting, and" in lead
+    assert "measure more steady runs while retracting and vary speed, load" in lead
 
 
 def test_the_cause_is_narrowed_where_the_deviation_is_largest_and_else_by_what_is_missing(compared):
     """Missing data may be of another balance."""
     missing = replace(compared, missing=("one load at two pressures",))
-    assert "measure more steady runs where the deviation is largest" in verdict_words(missing)
+    assert "measure more steady runs while retracting" in verdict_words(missing)
     nowhere = replace(missing, regions=())
     assert "To narrow the cause, measure one load at two pressures." in verdict_words(nowhere)
 
@@ -188,6 +188,9 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
                    not_tried={"rest_time": "no breakaway"})  # fmt: skip
     text = summary(none)
     brief = short_summary(none)
+    assert "Not simulated" not in text
+    proposed = summary(replace(none, next_experiment="next.yaml adds steps runs."))
+    assert "next.yaml adds steps runs. Not simulated: rest time (no breakaway)." in proposed
     assert "9.50" not in text + brief  # the verdict and the section on the gap have it
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "mass and rest time (not tried): these can be present." in text
@@ -227,7 +230,7 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
     assert "agrees" in text and "is not significant (p = 0.300)." in text
-    assert "it deviates by 1.25 times the repeatability, where 1.20 is expected" in text
+    assert "the model deviates by 1.25 times the repeatability, where 1.20 is expected" in text
     assert "largest of these gaps" not in text  # of a single quantity
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
@@ -247,7 +250,7 @@ def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(comp
     text = ordinary_spaces(verdict_words(none))
     assert "the model agrees with the measurement. These runs give no reason to inspect" in text
     assert (
-        "In runs outside the fit it deviates by 1.46 times "
+        "In runs outside the fit the model deviates by 1.46 times "
         "the repeatability, where 2.18 is expected of a correct model whose values are as "
         "uncertain. The largest of these gaps is 2.79 in the flow to the load piston side (4.48 "
         "expected)."

@@ -26,7 +26,7 @@ from hbench.report.diagnosis.sentences import (
     title,
     worse_words,
 )
-from hbench.report.diagnosis.tables.separability_tables import detectable
+from hbench.report.diagnosis.tables.separability_tables import detectable, untried_words
 from hbench.report.diagnosis.words.action import (
     advice,
     confirmation,
@@ -309,7 +309,9 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _CLOSEST, best_candidate(diagnosis) if hint(diagnosis) else ""
     yield _REFIT, refit_words(diagnosis)
     yield _DETECTABLE, detectable(diagnosis)
-    yield "Runs that show more", diagnosis.next_experiment or ""
+    if diagnosis.next_experiment:
+        yield "Runs that show more", diagnosis.next_experiment
+        yield "Runs that show more", untried_words(diagnosis)
     largest = largest_deviation(diagnosis.where)
     first = [largest.name] if largest else []
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from hbench.records import DIRECTIONS, FEWEST_CAMPAIGNS, Fleet, Quantity, Spread
 from hbench.records.numbers import NORMAL_95
 from hbench.report.campaign.series_words import TITLES
+from hbench.report.fleet.dates import set_dates
 from hbench.report.fleet.names import folder_name, without_condition
 from hbench.report.fleet.precision_figures import precision_sketches
 from hbench.report.render import style
@@ -23,7 +24,6 @@ _NO_BARS = "\nA point without bars has no standard error: do not rely on its val
 _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % of them."
 _NAMED = 30  # campaigns: up to so many have their names below the axis
 _LONGEST = 16  # letters of such a name
-_DAYS = 2.0  # a shorter fleet is shown over hours
 
 
 def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
@@ -78,16 +78,10 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
     spreads = list(spreads)
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
-    hours = fleet.by_date and _span_days(fleet) < _DAYS
     for spread in spreads:
-        _course(axes, spread, 24.0 if hours else 1.0)
-    since = "" if fleet.first is None else f" since {fleet.first:%Y-%m-%d %H:%M} UTC"
-    x_label = (
-        f"Time{since} ({'h' if hours else 'd'})" if fleet.by_date else "Number in order of path"
-    )
-    axes.set(xlabel=x_label, ylabel=f"{_short(quantity)} ({quantity.unit})")
-    if not hours:
-        axes.xaxis.get_major_locator().set_params(integer=True)
+        _course(axes, spread)
+    axes.set_ylabel(f"{_short(quantity)} ({quantity.unit})")
+    set_dates(axes, fleet)
     if not fleet.by_date and 0 < len(names := _names(fleet)) <= _NAMED:
         axes.set_xticks(range(1, len(names) + 1), names, rotation=40, ha="right", fontsize=8)
         axes.set_xlabel("Campaign")
@@ -97,10 +91,10 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
     return figure
 
 
-def _course(axes: Axes, spread: Spread, times: float) -> None:
+def _course(axes: Axes, spread: Spread) -> None:
     look, scale = _look(spread), spread.quantity.scale
     title = _title(spread)
-    at = times * np.array([block.at for block in spread.blocks])
+    at = np.array([block.at for block in spread.blocks])
     median, low, high = (
         scale * np.array([getattr(block, name) for block in spread.blocks])
         for name in ("median", "low", "high")
@@ -182,9 +176,3 @@ def _trends(spreads: Iterable[Spread]) -> str:
     if not untested:
         return text
     return f"{text} Not tested: {' and '.join(untested)}, with fewer than {FEWEST_CAMPAIGNS}."
-
-
-def _span_days(fleet: Fleet) -> float:
-    if fleet.first is None or fleet.last is None:
-        return 0.0
-    return (fleet.last - fleet.first).total_seconds() / 86_400

@@ -124,11 +124,11 @@ def numbered(document: Document, on_paper: bool = False) -> Document:
     A table without a title has that of its section. ``[[anchor]]`` in the verdict or in the text of
     a section becomes the number of the first table in the section with this anchor, or without one
     its title.
-    Parts that are not printed have no numbers, and are left out ``on_paper``, so that the numbers
+    Parts that are not printed are left out ``on_paper`` but have their numbers, so that the numbers
     of a page are those of its print.
     """
     counted = _Numbers(on_paper)
-    sections = tuple(counted.numbered(section, "", True) for section in document.sections)
+    sections = tuple(counted.numbered(section, "") for section in document.sections)
     return replace(
         document,
         sections=tuple(map(counted.referred, sections)),
@@ -148,19 +148,21 @@ class _Numbers:
         self.figures = self.tables = 0
         self.name_of: dict[str, str] = {}
 
-    def numbered(self, section: Section, title: str, printed: bool) -> Section:
-        title, printed = _COUNT.sub("", section.title) or title, printed and section.printed
+    def numbered(self, section: Section, title: str) -> Section:
+        title = _COUNT.sub("", section.title) or title
         drawings, tables, first = [], [], self.tables + 1
         for drawing in section.drawings:
-            self.figures += printed
-            number = f"Figure {self.figures}" if printed else ""
-            drawings.append(replace(drawing, title=_dotted(number, drawing.title)))
+            self.figures += 1
+            drawings.append(
+                replace(drawing, title=_dotted(f"Figure {self.figures}", drawing.title))
+            )
         for table in section.tables:
-            self.tables += printed
-            number = f"Table {self.tables}" if printed else ""
-            tables.append(replace(table, title=_dotted(number, table.title or title)))
-        shown = (part for part in section.parts if part.printed or not self.on_paper)
-        parts = tuple(self.numbered(part, title, printed) for part in shown)
+            self.tables += 1
+            named = _dotted(f"Table {self.tables}", table.title or title)
+            tables.append(replace(table, title=named))
+        numbered_parts = [(part, self.numbered(part, title)) for part in section.parts]
+        shown = (new for part, new in numbered_parts if part.printed or not self.on_paper)
+        parts = tuple(shown)
         if section.title:
             name = f"Table {first}" if self.tables >= first else f"“{section.title}”"
             self.name_of.setdefault(anchor(section), name)

@@ -56,7 +56,7 @@ def narrowing_words(diagnosis: Diagnosis, name: str) -> str:
     set_by_run = [place for place in places if place.axis != "time in the run"]
     if diagnosis.missing and not set_by_run:
         return f"To narrow the cause, measure {diagnosis.missing[0]}."
-    where = "".join(f" where the deviation is largest, {place.words}," for place in set_by_run[:1])
+    where = "".join(f" {place.words}" for place in set_by_run[:1])
     varied = "speed and acceleration" if diagnosis.errors else "speed, load and pressure"
     kind = "runs" if diagnosis.errors else "steady runs"
     return f"To narrow the cause, measure more {kind}{where} and vary {varied} one at a time."
