@@ -203,7 +203,7 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             parts = (Section(items=table.messages),) if table.messages else ()
             title, tables = name.capitalize(), (replace(table, title=words), *more)
             if name in _FOLDED:
-                fold = f"{words}, by series ({len(table.rows)})"
+                fold = f"{words}: figure and table"
                 inside = Section(fold, drawings=drawings, tables=tables, parts=parts, folded=True)
                 yield Section(title, (_FOLDED[name](results),), parts=(inside,))
             else:
