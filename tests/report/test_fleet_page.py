@@ -270,6 +270,13 @@ def test_charts_are_over_the_dates_of_the_campaigns_however_long_their_names_are
         assert first[head.index("Start of the campaign (UTC)")] == f"{fleet.first:%Y-%m-%d %H:%M}"
 
 
+def test_a_number_whose_mean_has_a_step_has_no_line_of_a_trend(shifted):
+    drawings = {drawing.name: drawing for drawing in draw_fleet(shifted)}
+    assert ("friction_n", "extend") in {(q.name, side) for q, side in stepped_numbers(shifted)}
+    friction = drawings["drift-friction-n"]
+    assert "Extending, trend" not in friction.csv.decode()
+
+
 def test_unlike_campaigns_are_grouped_with_the_reason(shifted):
     page = fleet_page(shifted, ())
     assert shifted.compared == 26

@@ -111,7 +111,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
             "Identified parameters",
             (_SECTION,),
             tables=parameters[:1],
-            parts=_folded("Other laws", parameters[1:]),
+            parts=_folded(f"Parameters of the other laws ({len(parameters) - 1})", parameters[1:]),
         ),
         Section(
             "Verification",
@@ -122,7 +122,11 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         Section(
             "Verification profile",
             drawings=shown,
-            parts=(Section(f"Other laws ({len(others)})", drawings=others, folded=True),)
+            parts=(
+                Section(
+                    f"The other laws over the profile ({len(others)})", drawings=others, folded=True
+                ),
+            )
             if others
             else (),
         ),
