@@ -89,7 +89,6 @@ def acceptance_text(acceptance: Acceptance) -> str:
     rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
     load, checks = without_common_load(without_common_rod_pressure(acceptance.checks))
     table = acceptance_table(replace(acceptance, checks=tuple(checks)))
-    table = replace(table, rows=tuple(tuple(map(_ascii, row)) for row in table.rows))
     lines = [
         f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
         *list(table_lines(table, _WIDE))[1:],

@@ -175,7 +175,7 @@ def _trends(spreads: Iterable[Spread], stepped: Collection[tuple[Quantity, Side]
         for spread in drawn
         if spread.trend is not None and (spread.quantity, spread.direction) not in stepped
     ]
-    if not trends and not steps:
+    if all(spread.trend is None for spread in drawn):
         return f"The trend is not tested: that takes at least {FEWEST_CAMPAIGNS} campaigns."
     text = "By date of the campaign."
     if any(trend.real for trend in trends):

@@ -2,6 +2,7 @@
 
 import re
 from base64 import b64encode
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import sha256
@@ -36,6 +37,7 @@ BANNERS = {
 _SENTENCE = re.compile(r"(?<=[\w)]\.) (?=[A-Z])")
 _PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
+_LONG_FLAG = 18  # letters of a flag that is not broken
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
 
@@ -200,6 +202,11 @@ def page(document: Document) -> str:
     )
 
 
+def has_unprinted(sections: Iterable[Section]) -> bool:
+    """Return whether some part of some sections is not printed."""
+    return any(not each.printed or has_unprinted(each.parts) for each in sections)
+
+
 def menu(document: Document) -> list[Section]:
     """Return the sections that the contents list: those with a title, of a long document."""
     titled = [section for section in document.sections if section.title]
@@ -272,7 +279,7 @@ def numeric(table: WordTable | Table) -> set[int]:
 def _cell_classes(cell: tuple[bool, str, str]) -> str:
     """Return the classes of a cell by its kind, its text and its flag."""
     number, text, flag = cell
-    long = max(len(text), len(flag)) > _LONG and (flag or " " in _kept(text))
+    long = len(flag) > _LONG_FLAG or len(text) > _LONG and (flag or " " in _kept(text))
     kinds = ["n"] if number else ["long"] if long else []
     kinds += ["short"] if not number and len(text) <= _SHORT else []
     return " ".join((*kinds, *(["flagged"] if flag else []), *_endless(f"{text} {flag}")))

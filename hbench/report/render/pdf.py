@@ -19,7 +19,7 @@ from matplotlib.image import imread
 from PIL import Image
 
 from hbench.records import WordTable
-from hbench.report.render.document import Document, Section, menu, numbered, numeric
+from hbench.report.render.document import Document, Section, has_unprinted, menu, numbered, numeric
 from hbench.report.render.figures import Drawing
 from hbench.report.render.markdown import words
 from hbench.report.render.numbers import unbroken
@@ -50,6 +50,7 @@ _LABEL = 0.22  # share of a fact's name
 _ALARM, _BANNER = "#9b1111", "#8a3a00"
 _INSET = 10.0  # of a text inside a frame
 _HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
+_NUMBERS = "Numbers of tables and figures are those of the page, which has some more tables."
 _HEADER = 34.0  # base of the running header and, from below, of the footer
 
 
@@ -65,6 +66,7 @@ def pdf(document: Document) -> bytes:
 
 def sheets(document: Document) -> list[Figure]:
     """Return the sheets of paper that ``document`` fills."""
+    more_on_the_page = has_unprinted(document.sections)
     document = numbered(document, on_paper=True)
     pen = Pen()
     pen.words(document.title, _TITLE, weight="bold")
@@ -85,6 +87,8 @@ def sheets(document: Document) -> list[Figure]:
         pen.rule()
     listed = menu(document)
     set_contents = _contents(pen, [section.title for section in listed])
+    if more_on_the_page:
+        pen.words(_NUMBERS, CELLS, color=QUIET)
     pages = {section.title: _set(pen, section, _SECTION) for section in document.sections}
     pen.place_waiting()
     set_contents(pages)

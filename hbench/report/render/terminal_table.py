@@ -9,8 +9,11 @@ _LEAST = 24  # letters of a column that is wrapped
 
 
 def table_lines(table: WordTable, width: int | None = None) -> Iterable[str]:
-    """Yield the title and the rows of a table in columns; the last is wrapped within ``width``."""
-    rows = [table.head, *table.rows]
+    """Yield the title and the rows of a table in columns; the last is wrapped within ``width``.
+
+    ``±`` becomes ``+-`` before the columns are aligned, since terminals may lack it.
+    """
+    rows = [[cell.replace("±", "+-") for cell in row] for row in (table.head, *table.rows)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     if width is not None:
         widths[-1] = max(_LEAST, width - sum(widths[:-1]) - 2 * (len(widths) - 1))
