@@ -8,7 +8,14 @@ from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 from typing import Literal
 
-from hbench.records.numbers import Count, FloatOrNan, KindName
+from hbench.records.numbers import (
+    Count,
+    Determination,
+    FitParameter,
+    FloatOrNan,
+    KindName,
+    ParameterPair,
+)
 from hbench.records.runs import Direction, Factors, Specimen
 
 
@@ -44,53 +51,6 @@ class CurvePoint:
     trials_temp_k: tuple[float, ...] = ()  # of each trial; empty where one is not known
     hersey_m: float | None = None  # eta |v| / p, see analysis/temperature/hersey.py
     trials_hersey_m: tuple[float, ...] = ()  # of each trial, at its temperature
-
-
-Determination = Literal["determined", "hardly determined", "not determined"]
-
-
-@dataclass(frozen=True)
-class FitParameter:
-    """One fitted number. ``se`` and ``ci95`` are None where the data does not determine it.
-
-    At an active bound there is no standard error, and ``ci95`` begins or ends at the bound.
-    """
-
-    value: float
-    se: float | None
-    ci95: tuple[FloatOrNan, FloatOrNan] | None
-    at_bound: Literal["lower", "upper"] | None
-    unit: str
-    # 95 % intervals by method: linearised, profile (which ``ci95`` is), bootstrap if asked for.
-    intervals: dict[str, tuple[FloatOrNan, FloatOrNan] | None] = field(default_factory=dict)
-    disagree: bool = False  # whether these differ by much
-    # Half of ci95 exceeds a tenth of the typical size, and the value, or a bound cuts ci95 off.
-    wide: bool = False
-    # Mean error of the estimate by the law's curvature; not corrected. None without a ``se``.
-    bias: float | None = None
-
-    @property
-    def determination(self) -> Determination:
-        """How well the data determines the parameter.
-
-        Not: it is at a bound, has no interval, or ``wide``. Hardly: its interval contains 0 or has
-        a half-width of more than half of the value.
-        """
-        if self.at_bound is not None or self.ci95 is None or self.wide:
-            return "not determined"
-        low, high = self.ci95
-        hardly = low <= 0.0 <= high or high - low > abs(self.value)
-        return "hardly determined" if hardly else "determined"
-
-
-@dataclass(frozen=True)
-class ParameterPair:
-    """Covariance of two fitted parameters; of a parameter with itself, its variance."""
-
-    parameter: str
-    with_parameter: str
-    covariance: float | None  # in the product of their units; None: not determined, or at a bound
-    correlation: float | None  # -1 to 1
 
 
 FitVerdict = Literal[Determination, "not converged"]

@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hbench.records.curves import FitParameter
-from hbench.records.numbers import FloatOrNan
+from hbench.records.numbers import FitParameter, FloatOrNan
 from hbench.records.runs import Provenance, RunPlan
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
