@@ -256,6 +256,7 @@ def assembled(
             name for name in measured.start.effects if name in sections.get("effects", {})
         ),
         zero_tolerances=zero_tolerances(measured.tolerances),
+        material=measured.material,
     )
 
 

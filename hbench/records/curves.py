@@ -8,7 +8,14 @@ from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 from typing import Literal
 
-from hbench.records.numbers import Count, FloatOrNan, KindName
+from hbench.records.numbers import (
+    Count,
+    Determination,
+    FitParameter,
+    FloatOrNan,
+    KindName,
+    ParameterPair,
+)
 from hbench.records.runs import Direction, Factors, Specimen
 
 
@@ -46,43 +53,7 @@ class CurvePoint:
     trials_hersey_m: tuple[float, ...] = ()  # of each trial, at its temperature
 
 
-@dataclass(frozen=True)
-class FitParameter:
-    """One fitted number. ``se`` and ``ci95`` are None where the data does not determine it.
-
-    At an active bound there is no standard error, and ``ci95`` begins or ends at the bound.
-    """
-
-    value: float
-    se: float | None
-    ci95: tuple[FloatOrNan, FloatOrNan] | None
-    at_bound: Literal["lower", "upper"] | None
-    unit: str
-    # 95 % intervals by method: linearised, profile (which ``ci95`` is), bootstrap if asked for.
-    intervals: dict[str, tuple[FloatOrNan, FloatOrNan] | None] = field(default_factory=dict)
-    disagree: bool = False  # whether these differ by much
-    # Half of ci95 exceeds a tenth of the typical size, and the value, or a bound cuts ci95 off.
-    wide: bool = False
-    # Mean error of the estimate by the law's curvature; not corrected. None without a ``se``.
-    bias: float | None = None
-
-    @property
-    def determined(self) -> bool:
-        """Whether the data determines the parameter: no active bound, and an interval not wide."""
-        return self.at_bound is None and self.ci95 is not None and not self.wide
-
-
-@dataclass(frozen=True)
-class ParameterPair:
-    """Covariance of two fitted parameters; of a parameter with itself, its variance."""
-
-    parameter: str
-    with_parameter: str
-    covariance: float | None  # in the product of their units; None: not determined, or at a bound
-    correlation: float | None  # -1 to 1
-
-
-FitVerdict = Literal["determined", "not determined", "not converged"]
+FitVerdict = Literal[Determination, "not converged"]
 
 
 @dataclass(frozen=True)
@@ -131,16 +102,26 @@ class Fit:
     @property
     def undetermined(self) -> tuple[str, ...]:
         """Names of the parameters that the data does not determine."""
-        return tuple(name for name, p in self.parameters.items() if not p.determined)
+        return self._which("not determined")
+
+    @property
+    def hardly_determined(self) -> tuple[str, ...]:
+        """Names of the parameters that the data hardly determines."""
+        return self._which("hardly determined")
+
+    def _which(self, determination: Determination) -> tuple[str, ...]:
+        return tuple(n for n, p in self.parameters.items() if p.determination == determination)
 
     @property
     def verdict(self) -> FitVerdict:
-        """Verdict on the fit; "not determined" if that is so for one parameter or more."""
+        """Verdict on the fit: that of its least determined parameter, if it converged."""
         if not self.parameters:
             return "not determined"  # too few points
         if not self.converged:
             return "not converged"
-        return "not determined" if self.undetermined else "determined"
+        if self.undetermined:
+            return "not determined"
+        return "hardly determined" if self.hardly_determined else "determined"
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hbench.records.curves import FitParameter
-from hbench.records.numbers import FloatOrNan
+from hbench.records.numbers import FitParameter, FloatOrNan
 from hbench.records.runs import Provenance, RunPlan
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
@@ -359,6 +358,7 @@ class Diagnosis:
     refit_priors: dict[str, FloatOrNan] = field(default_factory=dict)
     # Largest offset of each sensor within its tolerance, by reading, in a bench's unit.
     zero_tolerances: dict[str, FloatOrNan] = field(default_factory=dict)
+    material: FloatOrNan = float("nan")  # share of a quantity's range up to which it may deviate
 
     @property
     def confirmed(self) -> tuple[AddedEffect, ...]:

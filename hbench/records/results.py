@@ -41,6 +41,7 @@ class Results:
                 law=law,
                 fits=counts.total(),
                 determined=counts["determined"],
+                hardly_determined=counts["hardly determined"],
                 not_determined=counts["not determined"],
                 not_converged=counts["not converged"],
             )

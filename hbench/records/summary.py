@@ -276,5 +276,6 @@ class FitVerdicts:
     law: str
     fits: int
     determined: int
+    hardly_determined: int  # with a parameter that the data hardly determines
     not_determined: int  # with a parameter that the data does not determine
     not_converged: int

@@ -6,7 +6,7 @@ from hbench.records import Results
 from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.settings import aborted_words, identity_facts
 from hbench.report.campaign.summary import summary_section
-from hbench.report.headline import headline_words
+from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.render.document import BANNERS
 from hbench.report.render.word_tables import Cell
 
@@ -46,7 +46,11 @@ def about_rows(results: Results, names: Iterable[str]) -> list[tuple[str, ...]]:
     """
     summary = summary_section(results)
     tables = summary.tables or (summary.parts[0].tables if results.headline.series else ())
-    verdict = (aborted_words(results), headline_words(results), quality_verdict(results.quality))
+    verdict = (
+        aborted_words(results),
+        headline_words(results),
+        quality_verdict(results.quality, drift_stated=bool(possible_drift_words(results))),
+    )
     about = (
         ("Campaign", results.provenance.name),
         ("Source", BANNERS[results.provenance.source]),

@@ -54,14 +54,15 @@ def fit_sections(results: Results) -> tuple[Section, ...]:
     if subsections:
         text = (
             "Each value has its 95 % interval. Do not use a parameter that is not determined: very "
-            "different values fit the measured points as well."
+            "different values fit the measured points as well. The interval of a hardly determined "
+            "one contains 0 or is wider than ±50 % of the value."
         )
         if any(determines_none(fit) for curve in of_points.curves for fit in curve.fits):
             text += (
                 " A row of dashes: the fit determines no parameter, for the reason in its remark."
             )
         if fit_remarks(results):
-            text += f" Remarks on the fits are at the end, from [[{_REMARKS}]] on."
+            text += f" The remarks on the fits are in the appendix, from [[{_REMARKS}]] on."
         sections.append(
             Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
         )
@@ -96,4 +97,5 @@ def fit_remarks(results: Results) -> tuple[Section, ...]:
         if table.rows:
             title = f"{law_words(law)} ({len(table.rows)})"
             parts.append(Section(title, tables=(table,), folded=True))
-    return (Section("Remarks on the fits", parts=tuple(parts), anchor=_REMARKS),) if parts else ()
+    title = "Appendix: remarks on the fits"
+    return (Section(title, parts=tuple(parts), anchor=_REMARKS),) if parts else ()

@@ -37,7 +37,7 @@ def headline_words(results: Results) -> str:
     the other quantities.
     """
     series = results.headline.series
-    if results.quality.grade == "poor" or aborted_words(results) or not series:
+    if not _has_headline(results):
         return ""
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
     speed = f" at {speed_words(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
@@ -55,13 +55,18 @@ def headline_words(results: Results) -> str:
         return ""
     name, words, numbers = parts[0]
     where = f", over {_of_series(numbers, series)}" if len(series) > 1 else ""
-    return f"{name[:1].upper()}{name[1:]} is {words}{where}{_beyond_u(results)}."
+    return f"{name[:1].upper()}{name[1:]} is {words}{where}{possible_drift_words(results)}."
 
 
-def _beyond_u(results: Results) -> str:
-    """State a possible drift that U does not contain; empty without one."""
+def _has_headline(results: Results) -> bool:
+    poor = results.quality.grade == "poor"
+    return bool(results.headline.series) and not (poor or aborted_words(results))
+
+
+def possible_drift_words(results: Results) -> str:
+    """State a possible drift that U does not contain; empty without one, or without a headline."""
     drift = results.drift
-    if drift is None or drift.separated or not drift.hidden:
+    if not _has_headline(results) or drift is None or drift.separated or not drift.hidden:
         return ""
     return f"; U does not contain a possible drift of up to {number(drift.possible_percent, 0)} %"
 

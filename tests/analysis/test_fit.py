@@ -233,8 +233,8 @@ def test_a_parameter_whose_interval_a_bound_cuts_off_is_not_determined(make_curv
         if coulomb.at_bound or coulomb.ci95[1] - coulomb.ci95[0] > 2 * coulomb.value:
             continue  # not determined for another reason
         cut_off += coulomb.ci95[0] == 0.0
-        inside += coulomb.ci95[0] > 0.0 and coulomb.determined
-        assert coulomb.determined == (coulomb.ci95[0] > 0.0)
+        inside += coulomb.ci95[0] > 0.0
+        assert (coulomb.determination == "not determined") == (coulomb.ci95[0] == 0.0)
         assert ("f_coulomb_n" in fit.undetermined) == (coulomb.ci95[0] == 0.0)
     assert cut_off and inside
 

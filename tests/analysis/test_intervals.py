@@ -83,6 +83,7 @@ def test_an_interval_wider_than_its_value_and_than_a_tenth_of_its_size_determine
     units = {"exact": "N", "small": "N", "wide": "N"}
     spread, size = np.diag([0.01, 0.01, 1.0]), np.array([10.0, 20.0, 20.0])
     found = fit_parameters(units, np.array([5.0, 0.0, 5.0]), spread, 1, [None] * 3, size)
-    assert [p.determined for p in found.values()] == [True, True, False]
+    grades = ["determined", "hardly determined", "not determined"]
+    assert [p.determination for p in found.values()] == grades
     assert found["wide"].ci95 is not None
     assert parameter_messages(found) == ["the data does not determine wide"]

@@ -86,7 +86,7 @@ def test_a_line_whose_interval_exceeds_its_value_is_not_determined(make_curve):
     slope = fit.parameters["high_slope_n_s_m"]
     assert slope.ci95[1] - slope.value > max(abs(slope.value), 0.1 * 500.0 / V_MAX)
     assert "high_slope_n_s_m" in fit.undetermined
-    assert fit.parameters["low_force_n"].determined
+    assert fit.parameters["low_force_n"].determination == "determined"
     assert "does not determine" in fit.message.partition("Tustin fit")[0]
 
 

@@ -1,6 +1,7 @@
 """``hbench accept``: decision, files and exit codes."""
 
 import json
+import re
 from xml.etree import ElementTree
 
 import jsonschema
@@ -45,6 +46,20 @@ def test_the_worst_decision_counts_and_fail_gives_the_exit_code(accept, limits, 
     assert said.exit_code == 0
     assert said.stdout.startswith(f"{decision}: ")
     assert accept(*limits, arguments=["--fail"]).exit_code == code
+
+
+def test_the_table_fits_100_columns_with_decision_value_limit_and_probability(accept):
+    name = "A requirement of the customer with a long name, paragraph 5.3.2"
+    said = accept(MET | {"name": name}, NOT_MEASURED).stdout
+    lines = said.splitlines()
+    assert max(map(len, lines)) <= 100
+    head = next(line for line in lines if line.startswith("decision"))
+    first = next(line for line in lines if line.startswith("PASS "))
+    cells = re.split(r" {2,}", first)
+    assert cells[0] == "PASS" and re.fullmatch(r"\d+ \+- \d+ N|[\d.]+ \+- [\d.]+ kN", cells[1])
+    assert cells[2:4] == ["at most 10000 N", "> 99.9 %"]
+    assert first.index("at most") == head.index("limit")  # in columns
+    assert name in " ".join(said.split())
 
 
 def test_the_files_hold_each_decision(accept, tmp_path):

@@ -451,6 +451,7 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
             os.utime(one, (1e9 + number, 1e9 + number))
     with watched(folder, workflow.Station) as page:
         (chart,) = page.state()["charts"]
+        assert page.state()["unusual"] is True and chart["last_unusual"] is True
         dom = shown_by(require_tool("chromium"), page, tmp_path)
     assert 'aria-label="Control chart of 13 cylinders: breakaway' in dom and "+3 σ" in dom
     assert dom.count('class="value signal"') == 1 and dom.count('class="value"') == 12
@@ -482,6 +483,7 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     with watched(tmp_path / "few", workflow.Station) as page:
         (chart,) = page.state()["charts"]
         (cylinder,) = page.state()["cylinders"]
+        assert page.state()["unusual"] is False
     assert cylinder["decision"] == "FAIL" and "do not deliver" in cylinder["next"][0]
     assert chart["control"] is None and chart["values"] == pytest.approx([3.0])
 

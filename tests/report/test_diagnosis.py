@@ -221,14 +221,14 @@ def test_a_closed_loop_is_told_only_where_signals_were_simulated(named):
     assert "simulated in closed loop" not in diagnosis_page(replace(named, gap_heldout=gaps), ())
 
 
-def test_an_unknown_disagreement_is_shown_first_against_velocity_position_time_and_load(
+def test_an_unknown_disagreement_is_shown_by_place_and_then_against_velocity_position_and_load(
     unknown, undrawn
 ):
     drawings = draw_diagnosis(replace(unknown, overlays=(), ranking=(), refitted={}))
     page = diagnosis_page(unknown, drawings)
     assert (
-        page.index('<h2 id="shape')
-        < page.index('<h2 id="where')
+        page.index('<h2 id="where')
+        < page.index('<h2 id="shape')
         < page.index('<h2 id="gap-between')
     )
     assert [d.name for d in drawings if d.section == "shape"] == ["shape-flow-tr", "shape-flow-tp"]

@@ -256,6 +256,7 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     )
     assert over.startswith(sure)  # and no difference of a curve is called significant
     assert "Mean friction differs" not in over
+    assert "does not contain a new mounting of the cylinder" in over and "mounting" not in large
 
     def verdicts(text):
         rows = [line for line in text.splitlines() if line.startswith(("extending", "mean over"))]

@@ -86,6 +86,14 @@ def test_results_have_no_number_of_a_change_that_is_not_known(small):
     assert written(replace(drift, p=0.3))[0] == values  # what is possible is stated
 
 
+def test_the_verdict_states_a_drift_that_cannot_be_excluded_once(small):
+    drift = Drift(**MEASURED | {"p": 0.3, "separated": False})
+    quality = replace(small.quality, grade="with care", checks=drift_checks(drift))
+    verdict = report_document(replace(small, drift=drift, quality=quality), ()).verdict
+    assert verdict.count("20 %") == 1 and "U does not contain a possible drift of up to" in verdict
+    assert "The drift would appear as an effect of speed." in verdict
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -114,9 +122,10 @@ def test_a_drift_that_u_does_not_contain_and_no_check_grades_is_a_reserve_of_the
     wide = Drift(**MEASURED | order | {"change_percent": -5.0, "change_percent_ci95": 24.0})
     words = "A drift of up to 29 % cannot be excluded, and U does not contain it."
     assert drift_reserve(wide) == words
-    verdict, step, _ = report_document(replace(small, drift=wide), ()).verdict.partition(
-        " Next step: "
-    )
+    verdict = report_document(replace(small, drift=wide), ()).verdict
+    assert verdict.count("29 %") == 1 and words not in verdict  # the first sentence states it
+    none = replace(small, drift=wide, headline=replace(small.headline, series=()))
+    verdict, step, _ = report_document(none, ()).verdict.partition(" Next step: ")
     assert verdict.endswith(words) and step
     assert drift_advice(wide).startswith("U does not contain it.")
     assert drift_reserve(replace(wide, p=0.01)) == "U does not contain this drift."

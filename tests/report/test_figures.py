@@ -315,8 +315,11 @@ def test_every_series_of_a_large_campaign_looks_different():
 
 def _determined(fit):
     known = {
-        name: replace(p, se=1.0, ci95=(p.value - 1.0, p.value + 1.0), at_bound=None, wide=False)
-        for name, p in fit.parameters.items()
+        name: replace(
+            p, se=0.1 * p.value, ci95=(0.8 * p.value, 1.2 * p.value), at_bound=None, wide=False
+        )
+        for name, each in fit.parameters.items()
+        for p in [replace(each, value=each.value or 1.0)]
     }
     return replace(fit, converged=True, parameters=known)
 

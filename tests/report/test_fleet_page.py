@@ -1,7 +1,9 @@
 """The page of a fleet, of tables whose truth is known."""
 
+import csv
 import json
 import re
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -254,6 +256,25 @@ def test_charts_show_a_shift_by_ewma_rules_and_a_step(shifted):
     assert (
         document["charts"][0]["step"]["real"] is True and len(document["charts"][0]["ewma"]) == 26
     )
+
+
+def test_charts_are_over_the_dates_of_the_campaigns_however_long_their_names_are(tmp_path):
+    fleet = summary_of(made_table(tmp_path, 30, drift_n=90, off={7: 300.0}, name="W" * 200))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of a layout without room
+        drawings = draw_fleet(fleet)
+    charts = [drawing for drawing in drawings if drawing.section in ("charts", "drifts")]
+    assert charts
+    for drawing in charts:
+        head, first, *_ = csv.reader(drawing.csv.decode().splitlines())
+        assert first[head.index("Start of the campaign (UTC)")] == f"{fleet.first:%Y-%m-%d %H:%M}"
+
+
+def test_a_number_whose_mean_has_a_step_has_no_line_of_a_trend(shifted):
+    drawings = {drawing.name: drawing for drawing in draw_fleet(shifted)}
+    assert ("friction_n", "extend") in {(q.name, side) for q, side in stepped_numbers(shifted)}
+    friction = drawings["drift-friction-n"]
+    assert "Extending, trend" not in friction.csv.decode()
 
 
 def test_unlike_campaigns_are_grouped_with_the_reason(shifted):

@@ -102,6 +102,25 @@ def test_a_long_table_begins_on_the_sheet_that_has_room_in_a_pdf():
     assert {"Section b", "b0", "b5"} <= set(texts_of(one)) and "b24" in texts_of(two)
 
 
+def test_a_table_of_a_quarter_sheet_is_whole_in_a_pdf():
+    one, two = sheets(Document("t", "", (of_rows("a", 42), of_rows("b", 18))))
+    assert {"a0", "a41"} <= set(texts_of(one))
+    assert {"Table 2. Section b", *(f"b{i}" for i in range(18))} <= set(texts_of(two))
+
+
+def test_the_contents_of_a_pdf_give_the_page_of_each_section():
+    made = Document("t", "", tuple(of_rows(name, 40) for name in "abcd"))
+    filled = sheets(made)
+    (contents,) = [text for text in texts_of(filled[0]) if text.startswith("Contents:")]
+    listed = contents.replace("\N{NO-BREAK SPACE}", " ").removeprefix("Contents: ").split(" · ")
+    assert len(listed) == 4 and not listed[-1].endswith(" 1")
+    for each in listed:
+        title, page = each.rsplit(" ", 1)
+        assert title in texts_of(filled[int(page) - 1])
+    short = Document("t", "", (of_rows("a", 3),))
+    assert not any(text.startswith("Contents") for text in texts_of(sheets(short)[0]))
+
+
 def test_what_follows_a_figure_without_room_fills_the_sheet_in_a_pdf():
     figure = Figure(figsize=(3, 4))
     drawings = tuple(
@@ -184,6 +203,7 @@ def test_each_figure_of_a_pdf_has_its_own_caption_in_its_column_and_unprinted_pa
     )
     assert one[1] == two[1] > three[1] and one[0] < 0.3 < 0.5 < two[0] == three[0]
     assert "Kept" in places and "Gone" not in places
+    assert any("are those of the page, which has some more" in words for words in places)
     bare = tuple(Drawing(n, "s", n, "", svg, png) for n in ("One", "Two"))
     (sheet,) = sheets(Document("t", "", (Section("S", drawings=bare),)))
     assert "Figure 2. Two." in {text.get_text() for text in sheet.texts}

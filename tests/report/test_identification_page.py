@@ -18,6 +18,7 @@ from hbench.records import (
     Trace,
 )
 from hbench.records.identification import PARTS, SteadyParts
+from hbench.report.campaign.fit_tables import verdict_words
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.text import ERRORS, SUMMARY, identification_tables
@@ -152,6 +153,27 @@ def test_laws_are_listed_by_their_error_with_what_is_not_determined():
     assert remarks["Force of element 2 θ_2"] == "not determined"
     assert remarks["Coulomb force F_C"] == ""
     assert "(-30 to 4406, not determined)" in overlay_yaml(found, lines, lines.fit)
+
+
+def test_a_parameter_whose_interval_contains_0_or_exceeds_half_of_it_is_hardly_determined():
+    intervals = {
+        "f_coulomb_n": (-5.0, 25.0),
+        "f_stiction_n": (40.0, 130.0),
+        "b_viscous_n_s_m": (90.0, 110.0),
+    }
+    parameters = {
+        name: FitParameter((low + high) / 2, 1.0, (low, high), None, "N")
+        for name, (low, high) in intervals.items()
+    }
+    tustin = law("tustin", 10.0, parameters)
+    found = identified(tustin)
+    (summary,) = (table for table in identification_tables(found) if table.title == SUMMARY)
+    assert summary.rows[0][summary.head.index("Hardly determined")] == "F_C, F_s"
+    assert summary.rows[0][summary.head.index("Not determined")] == "none"
+    words = "The runs hardly determine its Coulomb force FC and static friction Fs."
+    assert words in verdict(found)
+    assert "(40 to 130, hardly determined)" in overlay_yaml(found, tustin, tustin.fit)
+    assert verdict_words(tustin.fit) == "F_C, F_s hardly determined"
 
 
 def test_the_remarks_on_a_law_of_each_direction_are_read_for_themselves():

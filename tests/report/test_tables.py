@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from hbench.records import Results
+from hbench.records import Results, WordTable
 from hbench.report.campaign.fit_tables import correlation_table
 from hbench.report.campaign.motion_tables import MOTION_TABLES
 from hbench.report.campaign.results_document import results_json
@@ -27,6 +27,7 @@ from hbench.report.campaign.tables import (
 from hbench.report.campaign.terminal import summary_text
 from hbench.report.first_sheet import about_rows
 from hbench.report.render.numbers import with_minus, without_powers
+from hbench.report.render.terminal_table import table_lines
 from hbench.report.setting_words import value_words
 
 NUMBER = (int, float)
@@ -315,3 +316,12 @@ def test_the_first_sheet_of_a_workbook_describes_every_table(stribeck):
     names = [name.removesuffix(".csv") for name in (*TABLES, *MOTION_TABLES) if ".csv" in name]
     described = {row[0] for row in about_rows(stribeck, names) if len(row) == 2}
     assert set(names) <= described
+
+
+def test_a_tables_columns_are_aligned_on_a_terminal_where_some_cells_have_an_interval():
+    rows = (("a", "1.0 ± 0.1", "one"), ("b", "1.0", "two"))
+    _, head, *lines = table_lines(WordTable("", ("name", "value", "word"), rows))
+    assert [line.index(word) for line, word in zip(lines, ("one", "two"), strict=True)] == [
+        head.index("word")
+    ] * 2
+    assert "1.0 +- 0.1" in lines[0]

@@ -131,7 +131,11 @@ def parameter_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
         for name, p in parameters.items()
         if p.at_bound
     ]
-    unknown = [name for name, p in parameters.items() if not p.determined and not p.at_bound]
+    unknown = [
+        name
+        for name, p in parameters.items()
+        if p.determination == "not determined" and not p.at_bound
+    ]
     if unknown:
         messages.append(f"the data does not determine {' and '.join(unknown)}")
     return messages

@@ -89,9 +89,10 @@ def verdict_words(fit: Fit) -> str:
     """Write a fit's verdict, such as ``F_C, v_s not determined``."""
     if determines_none(fit):
         return "none determined"
-    if fit.verdict != "not determined" or not fit.undetermined:
+    graded = (("not determined", fit.undetermined), ("hardly determined", fit.hardly_determined))
+    if fit.verdict == "not converged" or not any(names for _, names in graded):
         return fit.verdict
-    return f"{', '.join(map(_symbol, fit.undetermined))} not determined"
+    return "; ".join(f"{', '.join(map(_symbol, names))} {how}" for how, names in graded if names)
 
 
 def determines_none(fit: Fit) -> bool:

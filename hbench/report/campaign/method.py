@@ -116,7 +116,8 @@ _NUMBERS = {
     "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side. "
     "A parameter is not determined if it has no interval, or if the half-width of its interval, "
     "linearised or by profile (the wider counts), exceeds a tenth of its typical size, and exceeds "
-    "its value too or is cut off by a bound of the fit. "
+    "its value too or is cut off by a bound of the fit. It is hardly determined if its interval "
+    "contains 0 or has a half-width of more than half of its value. "
     "The two intervals differ where a law is nonlinear within them or a bound is near. Correlated "
     "parameters do not vary by themselves: covariances.csv contains their covariances. Few points "
     "shift the estimates (Box 1971): fits.csv contains this bias, which is not corrected.",

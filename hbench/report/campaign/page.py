@@ -19,7 +19,7 @@ from hbench.report.campaign.summary import (
 )
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
-from hbench.report.headline import headline_words
+from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
@@ -105,10 +105,10 @@ def report_document(
         *_efficiency(results, figures.get("efficiency", ())),
         *more,
         *(() if first else rejected),
-        *_points(results),
-        *fit_remarks(results),
         settings_section(results, LONG_LIST),
         method_section(results),
+        *_points(results),
+        *fit_remarks(results),
     )
     alarm = aborted_words(results)
     return Document(
@@ -130,10 +130,11 @@ def _verdict(results: Results, decision: Section | None, step: str, complete_u: 
         rests = decision_reserve(results.quality, complete_u)
         parts = (*decision.paragraphs, rests, decided_step_words(results, step))
     else:
+        drift = possible_drift_words(results)
         parts = (
             headline_words(results),
-            quality_verdict(results.quality, not aborted_words(results)),
-            drift_reserve(results.drift),
+            quality_verdict(results.quality, not aborted_words(results), bool(drift)),
+            "" if drift else drift_reserve(results.drift),
             next_step_words(results),
         )
     return " ".join(filter(None, parts))
@@ -202,9 +203,8 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             parts = (Section(items=table.messages),) if table.messages else ()
             title, tables = name.capitalize(), (replace(table, title=words), *more)
             if name in _FOLDED:
-                inside = Section(
-                    "Details", drawings=drawings, tables=tables, parts=parts, folded=True
-                )
+                fold = f"{words}: figure and table"
+                inside = Section(fold, drawings=drawings, tables=tables, parts=parts, folded=True)
                 yield Section(title, (_FOLDED[name](results),), parts=(inside,))
             else:
                 yield Section(title, drawings=drawings, tables=tables, parts=parts)
@@ -313,4 +313,4 @@ def _points(results: Results) -> tuple[Section, ...]:
     if not subsections:
         return ()
     note = () if all(part.printed for part in subsections) else (_NOT_PRINTED,)
-    return (Section("All points", note, parts=tuple(subsections), anchor="points"),)
+    return (Section("Appendix: all points", note, parts=tuple(subsections), anchor="points"),)

@@ -233,8 +233,8 @@ def dwell_table(results: Results) -> Table:
 def distance_table(results: Results) -> Table:
     """Return trends over the distance, and whether each quantity has settled."""
     head = (
-        *("Quantity", "Of", "Distance (m)", "Change over it", "p after Holm"),
-        *("Mean of the last half", "Change over this half", "Verdict"),
+        *("Quantity", "Of", "Distance (m)", "Change over the distance", "p after Holm"),
+        *("Mean of the last half", "Change over the last half", "Verdict"),
     )
     rows = []
     for trend in results.motions.over_distance:

@@ -99,6 +99,7 @@ LAYOUTS: Layouts = {
         covariances="covariances",
         verdict="verdict",
         undetermined="undetermined",
+        hardly_determined="hardly_determined",
     ),
     Selection: {
         **keys("laws", "difference_n2", "difference_se_n2"),

@@ -134,4 +134,4 @@ def _fit_words(fit: Fit) -> str:
 def _remark(parameter: FitParameter) -> str:
     if parameter.at_bound:
         return f" (at {parameter.at_bound} bound)"
-    return "" if parameter.determined else " (not determined)"
+    return "" if parameter.determination == "determined" else f" ({parameter.determination})"

@@ -16,6 +16,10 @@ from hbench.report.render.numbers import (
 )
 
 _FEW = 2  # curves that the verdict lists
+_MOUNTING = (
+    "The uncertainty of the difference does not contain a new mounting of the cylinder: before "
+    "acting on it, measure one of the two again, mounted anew."
+)
 _REMEDY = "To compare single curves, measure both again with order: random in the schedule."
 
 
@@ -47,7 +51,8 @@ def headline(differences: CampaignDifferences) -> str:
         efficiency = "" if sure else _efficiency_verdict(differences)
         found = [over or _verdict(differences), efficiency]
     drift = _drift(differences, bool(band_verdict(differences)))
-    return " ".join(filter(None, (*found, drift, _warmer(differences), care)))
+    mounting = _MOUNTING if _over_curves(differences) else ""
+    return " ".join(filter(None, (*found, drift, mounting, _warmer(differences), care)))
 
 
 def _over_curves(differences: CampaignDifferences) -> str:

@@ -60,7 +60,7 @@ _STEPS: dict[Conformity, str] = {
     "MARGINAL": "repeat the test with more trials or more accurate instruments (hbench report "
     "shows the parts of U), or agree on another rule with the customer",
 }
-_WIDE = 100  # characters of a line of remarks
+_WIDE = 100  # characters of a line
 _MEASURE = "measure what is missing"
 _REDUCE = "reduce U with more trials or more accurate instruments"
 
@@ -69,16 +69,16 @@ def acceptance_table(acceptance: Acceptance) -> WordTable:
     """Return a row for each decision."""
     rows = tuple(
         (
-            requirement_words(check.requirement, check.measurement),
-            series_words(check.requirement, check.measurement),
+            check.decision,
             measured_words(check),
             limit_words(check.requirement),
             probability_words(check.probability),
-            check.decision + (f": {check.reason}" if check.reason else ""),
+            check_words(check.requirement, check.measurement)
+            + (f": {check.reason}" if check.reason else ""),
         )
         for check in acceptance.checks
     )
-    head = ("quantity", "test", "measured, U", "limit", "conforms", "decision")
+    head = ("decision", "measured, U", "limit", "conforms", "quantity and test")
     return WordTable("", head, rows)
 
 
@@ -88,9 +88,10 @@ def acceptance_text(acceptance: Acceptance) -> str:
     product = f", product {acceptance.product}" if acceptance.product else ""
     rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
     load, checks = without_common_load(without_common_rod_pressure(acceptance.checks))
+    table = acceptance_table(replace(acceptance, checks=tuple(checks)))
     lines = [
         f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
-        *list(table_lines(acceptance_table(replace(acceptance, checks=tuple(checks)))))[1:],
+        *list(table_lines(table, _WIDE))[1:],
     ]
     remarks = [
         *([f"load: {load}"] if load else []),
@@ -101,8 +102,14 @@ def acceptance_text(acceptance: Acceptance) -> str:
         *(f"note: {note}" for note in acceptance.notes),
         *(f"next, after {each}: {step}" for each, step in next_steps(acceptance.checks)),
     ]
-    lines += [line for remark in remarks for line in wrap(remark, _WIDE, subsequent_indent="  ")]
-    return "\n".join(lines).replace("−", "-").replace("–", "-").replace("±", "+-")
+    for remark in remarks:
+        lines += wrap(_ascii(remark), _WIDE, subsequent_indent="  ")
+    return "\n".join(map(_ascii, lines))
+
+
+def _ascii(text: str) -> str:
+    """Write signs that a terminal may lack otherwise."""
+    return text.replace("−", "-").replace("–", "-").replace("±", "+-")
 
 
 def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:

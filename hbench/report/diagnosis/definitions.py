@@ -149,6 +149,11 @@ _DEVIATION_OF_STROKES = (
     "Deviation",
     "Root mean square of the residual over all pairs of strokes, with their scatter.",
 )
+_RANGE = (
+    "Range",
+    "Largest magnitude of the quantity in these runs: of a flow, the largest speed times the "
+    "piston area; of a force, that of the load cell.",
+)
 _ALLOWED = (
     "Tolerances allow",
     "Deviation that sensors within their tolerances may cause in a model that is not refitted. The "
@@ -212,7 +217,7 @@ def of_deviations(diagnosis: Diagnosis) -> tuple[Fact, ...]:
         return _P_OF_STROKES, _SCATTER_OF_STROKES, _DEVIATION_OF_STROKES
     p_value = _P_OF_MOTION if diagnosis.errors else _P
     edges = (_EDGE,) if any(gap.name in EDGES for gap in diagnosis.where) else ()
-    return _ALL_RUNS, p_value, _DEVIATION, _ALLOWED, _UNEXPLAINED, *edges
+    return _ALL_RUNS, p_value, _DEVIATION, _RANGE, _ALLOWED, _UNEXPLAINED, *edges
 
 
 def of_changes(diagnosis: Diagnosis) -> tuple[Fact, ...]:

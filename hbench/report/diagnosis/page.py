@@ -110,11 +110,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Notes, missing data and runs left out", items=notes, facts=_caveats(diagnosis)
     )
     shape = _shape(diagnosis, drawn("shape"))
+    sections = (unnamed, gap, overlay, effects, where, shape, refitted, which)
     if diagnosis.verdict == "unknown":
-        evidence = (shape, where, gap, overlay, effects)
-    else:
-        evidence = (gap, overlay, effects, where, shape)
-    sections = (unnamed, *evidence, refitted, which)
+        sections = (unnamed, where, shape, which, gap, overlay, effects, refitted)
     return document(
         title_words(diagnosis),
         subtitle_words(diagnosis),

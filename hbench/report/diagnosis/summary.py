@@ -26,7 +26,7 @@ from hbench.report.diagnosis.sentences import (
     title,
     worse_words,
 )
-from hbench.report.diagnosis.tables.separability_tables import detectable
+from hbench.report.diagnosis.tables.separability_tables import detectable, untried_words
 from hbench.report.diagnosis.words.action import (
     advice,
     confirmation,
@@ -72,8 +72,8 @@ from hbench.report.diagnosis.words.place import (
     places_words,
     residual_words,
     where_words,
-    worst_places,
 )
+from hbench.report.diagnosis.words.unexplained import narrowing_words
 from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
@@ -193,6 +193,9 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield next_step(diagnosis)
             yield doubtful_volume(diagnosis)
             yield from further_inspections(diagnosis)
+            if not diagnosis.next_experiment:
+                gaps = diagnosis.rest or diagnosis.where[:1]
+                yield narrowing_words(diagnosis, gaps[0].name)
         else:
             yield best_candidate(diagnosis) if hint(diagnosis) else ""
             yield diagnosis.next_experiment or ""
@@ -281,8 +284,6 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     for sentence in further_inspections(diagnosis):
         yield _ACTION, sentence
     yield _ACTION, diagnosis.next_experiment or ""
-    if not diagnosis.next_experiment:
-        yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
     yield _ACTION, doubtful_volume(diagnosis)
     yield _ACTION, predictions_words(diagnosis)
     yield _ACTION, _OWN_EFFECT
@@ -291,29 +292,14 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _UNNAMED, law_summary(diagnosis.unnamed)
     names = [gap.name for gap in gaps]
     places = places_words(diagnosis, names)
-    if gaps[1:]:  # the verdict has the size and the place of a single one
-        yield _RESIDUALS, f"{capital(deviations(gaps, probable=True))}."
+    yield _RESIDUALS, f"{capital(deviations(gaps, probable=True))}."
+    if gaps[1:]:  # the verdict has the place of a single one
         yield _RESIDUALS, places
     if not places:
         yield _RESIDUALS, residual_words(diagnosis, names)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield _REFIT, refit_words(diagnosis)
-
-
-def _narrowing(diagnosis: Diagnosis, name: str) -> str:
-    """Return which measurement narrows the cause of a balance's residual.
-
-    Where no place stands out, one that is missing for a better verdict.
-    """
-    places = worst_places(diagnosis, name)
-    set_by_run = [place for place in places if place.axis != "time in the run"]
-    if diagnosis.missing and not set_by_run:
-        return diagnosis.missing[0]
-    where = "".join(f" where the deviation is largest, {place.words}," for place in set_by_run[:1])
-    varied = "speed and acceleration" if diagnosis.errors else "speed, load and pressure"
-    kind = "runs" if diagnosis.errors else "steady runs"
-    return f"more {kind}{where} and vary {varied} one at a time"
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
@@ -323,7 +309,9 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _CLOSEST, best_candidate(diagnosis) if hint(diagnosis) else ""
     yield _REFIT, refit_words(diagnosis)
     yield _DETECTABLE, detectable(diagnosis)
-    yield "Runs that show more", diagnosis.next_experiment or ""
+    if diagnosis.next_experiment:
+        yield "Runs that show more", diagnosis.next_experiment
+        yield "Runs that show more", untried_words(diagnosis)
     largest = largest_deviation(diagnosis.where)
     first = [largest.name] if largest else []
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))

@@ -90,8 +90,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         finding = f"{refitted}the model agrees with the measurement"
         if isfinite(total.refitted):
             finding += (
-                f". In runs outside the fit it deviates by {gap} times the repeatability, where "
-                f"{expected} is expected of a correct model whose values are as uncertain"
+                f". In runs outside the fit the model deviates by {gap} times the repeatability, "
+                f"where {expected} is expected of a correct model whose values are as uncertain"
             )
     else:
         finding = (

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from hbench.records import AddedEffect, Diagnosis, Gap
 from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
-    all_in_sentence,
     deviation_and_limit,
     gap_number,
     in_sentence,
@@ -54,6 +53,7 @@ from hbench.report.diagnosis.words.place import (
     size_words,
     worst_places,
 )
+from hbench.report.diagnosis.words.unexplained import narrowing_words, unexplained_words
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
@@ -318,21 +318,11 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         yield "These runs do not suffice to find a missing effect."
         yield f"Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return
-    gaps, every = diagnosis.rest or diagnosis.where[:1], len(diagnosis.where)
-    yield "No known effect explains how the measurement deviates from the model."
+    gaps = diagnosis.rest or diagnosis.where[:1]
+    yield from unexplained_words(diagnosis, gaps)
+    yield sensors_words(diagnosis, gaps)
     yield closest_words(diagnosis)
     yield next_step(diagnosis)
-    limit = f"p below {SIGNIFICANT_P:g}"
-    if gaps[1:]:
-        names = all_in_sentence([gap.name for gap in gaps])
-        of = f"all {every}" if len(gaps) == every else f"{len(gaps)} of the {every}"
-        yield (
-            f"Of the quantities compared, {of} deviate significantly ({limit}) and enough to "
-            f"matter: {names}."
-        )
-    else:
-        only = f", the only one of {every} quantities" if every > 1 else ""
-        yield f"{capital(deviations(gaps, probable=True))}{only}; significant is a {limit}."
+    yield "" if diagnosis.next_experiment else narrowing_words(diagnosis, gaps[0].name)
     yield change_of_errors(diagnosis)
-    yield sensors_words(diagnosis, gaps)
     yield beyond_balances(diagnosis)

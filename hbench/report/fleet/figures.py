@@ -1,17 +1,19 @@
 """Figures of a fleet: the distribution of each number over the campaigns, and its drift."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import DIRECTIONS, FEWEST_CAMPAIGNS, Fleet, Quantity, Spread
+from hbench.records import DIRECTIONS, FEWEST_CAMPAIGNS, Fleet, Quantity, Side, Spread
 from hbench.records.numbers import NORMAL_95
 from hbench.report.campaign.series_words import TITLES
+from hbench.report.fleet.dates import set_dates
 from hbench.report.fleet.names import folder_name, without_condition
 from hbench.report.fleet.precision_figures import precision_sketches
+from hbench.report.fleet.verdict import stepped_numbers
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
@@ -23,7 +25,6 @@ _NO_BARS = "\nA point without bars has no standard error: do not rely on its val
 _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % of them."
 _NAMED = 30  # campaigns: up to so many have their names below the axis
 _LONGEST = 16  # letters of such a name
-_DAYS = 2.0  # a shorter fleet is shown over hours
 
 
 def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
@@ -43,7 +44,8 @@ def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
                 sketches.append(
                     Sketch(f"distribution-{name}", DISTRIBUTIONS, title, caption, figure)
                 )
-        sketches.append(Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(spreads), drift))
+        caption = _trends(spreads, stepped_numbers(fleet))
+        sketches.append(Sketch(f"drift-{name}", DRIFTS, quantity.words, caption, drift))
     with rc_context(style.RC):
         sketches += precision_sketches(fleet)
     return draw_sketches(sketches)
@@ -78,16 +80,11 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
     spreads = list(spreads)
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
-    hours = fleet.by_date and _span_days(fleet) < _DAYS
+    stepped = stepped_numbers(fleet)
     for spread in spreads:
-        _course(axes, spread, 24.0 if hours else 1.0)
-    since = "" if fleet.first is None else f" since {fleet.first:%Y-%m-%d %H:%M} UTC"
-    x_label = (
-        f"Time{since} ({'h' if hours else 'd'})" if fleet.by_date else "Number in order of path"
-    )
-    axes.set(xlabel=x_label, ylabel=f"{_short(quantity)} ({quantity.unit})")
-    if not hours:
-        axes.xaxis.get_major_locator().set_params(integer=True)
+        _course(axes, spread, (spread.quantity, spread.direction) not in stepped)
+    axes.set_ylabel(f"{_short(quantity)} ({quantity.unit})")
+    set_dates(axes, fleet)
     if not fleet.by_date and 0 < len(names := _names(fleet)) <= _NAMED:
         axes.set_xticks(range(1, len(names) + 1), names, rotation=40, ha="right", fontsize=8)
         axes.set_xlabel("Campaign")
@@ -97,10 +94,10 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
     return figure
 
 
-def _course(axes: Axes, spread: Spread, times: float) -> None:
+def _course(axes: Axes, spread: Spread, with_trend: bool) -> None:
     look, scale = _look(spread), spread.quantity.scale
     title = _title(spread)
-    at = times * np.array([block.at for block in spread.blocks])
+    at = np.array([block.at for block in spread.blocks])
     median, low, high = (
         scale * np.array([getattr(block, name) for block in spread.blocks])
         for name in ("median", "low", "high")
@@ -112,7 +109,7 @@ def _course(axes: Axes, spread: Spread, times: float) -> None:
         behind(points, {"campaigns": counts, "5 % quantile": low, "95 % quantile": high})
     else:
         axes.errorbar(at, median, (high - low) / 2, label=title, **look, **style.SMALL_POINTS)
-    if spread.trend is not None and spread.trend.real:
+    if with_trend and spread.trend is not None and spread.trend.real:
         ends = [scale * spread.trend.start, scale * (spread.trend.start + spread.trend.change)]
         label = f"{title}, trend"
         axes.plot([at[0], at[-1]], ends, color="#000000", linewidth=3.0, zorder=4)
@@ -170,21 +167,24 @@ def _read_as(spreads: Iterable[Spread]) -> str:
     return _SINGLE if all(block.high > block.low for block in blocks) else _SINGLE + _NO_BARS
 
 
-def _trends(spreads: Iterable[Spread]) -> str:
+def _trends(spreads: Iterable[Spread], stepped: Collection[tuple[Quantity, Side]]) -> str:
     drawn = list(spreads)
-    trends = [spread.trend for spread in drawn if spread.trend is not None]
-    if not trends:
+    steps = [_title(each).lower() for each in drawn if (each.quantity, each.direction) in stepped]
+    trends = [
+        spread.trend
+        for spread in drawn
+        if spread.trend is not None and (spread.quantity, spread.direction) not in stepped
+    ]
+    if all(spread.trend is None for spread in drawn):
         return f"The trend is not tested: that takes at least {FEWEST_CAMPAIGNS} campaigns."
-    text = "By date of the campaign. No trend is significant."
+    text = "By date of the campaign."
     if any(trend.real for trend in trends):
-        text = "By date of the campaign. Line: significant trend (Theil and Sen's line)."
+        text += " Line: significant trend (Theil and Sen's line)."
+    elif trends:
+        text += " No trend is significant."
+    if steps:
+        text += f" The control charts show a step of the mean: {' and '.join(steps)}."
     untested = [_title(spread).lower() for spread in drawn if spread.n < FEWEST_CAMPAIGNS]
     if not untested:
         return text
     return f"{text} Not tested: {' and '.join(untested)}, with fewer than {FEWEST_CAMPAIGNS}."
-
-
-def _span_days(fleet: Fleet) -> float:
-    if fleet.first is None or fleet.last is None:
-        return 0.0
-    return (fleet.last - fleet.first).total_seconds() / 86_400

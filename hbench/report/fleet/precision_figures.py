@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from hbench.records import DIRECTIONS, ControlChart, Fleet, Precision, Quantity, Side, WearTrend
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.fleet.charts import chart_words
+from hbench.report.fleet.dates import set_dates
 from hbench.report.fleet.names import without_condition
 from hbench.report.fleet.precision import source_words
 from hbench.report.render import style
@@ -20,6 +21,7 @@ COMPONENTS, CHARTS, WEAR = "components", "charts", "wear"
 _REACH = 3.0  # times the largest estimate: longer bars are cut
 _APART = 0.22  # of the two directions in a row
 _MOST_MARKED = 6  # campaigns with their names in a chart, the last ones
+_LONGEST = 16  # letters of such a name
 _MOST_CYLINDERS = 6  # in a figure of wear
 
 
@@ -34,8 +36,9 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
     for chart in fleet.charts:
         name = _name(chart.quantity, chart.direction)
         caption = (
-            f"Above: each point is a {chart_words(chart)}; lines: mean and mean ± 3 σ. Below: EWMA "
-            "with its limits. Rings: beyond the limits; squares: last point of another pattern."
+            f"Above: each point is a {chart_words(chart)}; lines: mean and mean ± 3 σ. Below: "
+            "exponentially weighted moving average (EWMA) with its limits. Rings: beyond the "
+            "limits; squares: last point of another pattern."
         )
         if chart.step is not None and chart.step.real:
             caption += " Black: means before and after the step."
@@ -122,8 +125,8 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
     marked = np.flatnonzero(beyond | others)[-_MOST_MARKED:]
     for place, i in enumerate(marked):  # names of neighbours are above and below by turns
         axes.annotate(
-            chart.names[i], (at[i], values[i]), (0, -16 if place % 2 else 9), ha="center",
-            textcoords="offset points", fontsize=8,
+            style.safe(chart.names[i], _LONGEST), (at[i], values[i]),
+            (0, -16 if place % 2 else 9), ha="center", textcoords="offset points", fontsize=8,
         )  # fmt: skip
     axes.margins(y=0.16)
     for panel in (axes, below):
@@ -137,9 +140,9 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
         ):
             axes.plot(ends, [scale * mean] * 2, color="#000000", linewidth=2.0, label="_step")
     _draw_ewma(below, chart, at, look)
-    since = "" if fleet.first is None else f" since {fleet.first:%Y-%m-%d}"
     axes.set(ylabel=f"{_short(chart.quantity)} ({chart.quantity.unit})")
-    below.set(xlabel=f"Time{since} (d)", ylabel=f"EWMA ({chart.quantity.unit})")
+    below.set_ylabel(f"EWMA ({chart.quantity.unit})")
+    set_dates(below, fleet)
     figure.align_ylabels()
     _head(axes, chart.quantity, mark)
     style.legend_above(figure, axes)
@@ -173,7 +176,7 @@ def draw_wear(trends: list[WearTrend], mark: str) -> Figure:
         look = style.series_style(i)
         x = np.array(trend.x)
         values = quantity.scale * np.array(trend.values)
-        name = style.safe(trend.specimen, 16)
+        name = style.safe(trend.specimen, _LONGEST)
         axes.plot(x, values, linestyle="none", label=name, markersize=4, **look)
         line = quantity.scale * (trend.intercept + trend.slope * x[[0, -1]])
         dashes = "-" if trend.real else "--"

@@ -125,8 +125,8 @@ def _errors(identification: Identification) -> Figure:
     laws = [law for law in identification.laws if law.errors]
     width = 0.8 / len(laws)
     for axes, name, factor, axis_label in (
-        (rows[0], "friction_n", 1.0, "Friction (N)"),
-        (rows[1], "v_m_s", 1e3, "Velocity (mm/s)"),
+        (rows[0], "friction_n", 1.0, "Error of friction (N)"),
+        (rows[1], "v_m_s", 1e3, "Error of velocity\n(mm/s)"),
     ):
         for i, law in enumerate(laws):
             positions = np.arange(len(PARTS)) + (i - (len(laws) - 1) / 2) * width

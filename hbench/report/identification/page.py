@@ -40,6 +40,8 @@ _SUMMARY = (
     ("Not determined", "The half-width of the 95 % interval exceeds a tenth of the parameter's "
      "typical size, and exceeds the value too or is cut off by a bound of the fit; or the value is "
      "at a bound. Other parameters may take its place."),
+    ("Hardly determined", "The 95 % interval contains 0, or its half-width exceeds half of the "
+     "value."),
 )  # fmt: skip
 _HELD_OUT = ("RMS error of friction", "Along the motion of runs left out of the fits.")
 _PARTS = (
@@ -50,7 +52,7 @@ _PARTS = (
      "determine it."),
     ("Unsteady", "All other samples."),
 )  # fmt: skip
-_RANKED = "RMS error of friction, undetermined parameters and plant file of each law"
+_RANKED = "RMS error of friction, poorly determined parameters and plant file of each law"
 _STEADY = (
     "Steady friction over speed, both as magnitudes; titles state the load and the pressure on the "
     "rod side of the load cylinder. Tustin is one curve for all loads and directions. Marton and "
@@ -109,7 +111,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
             "Identified parameters",
             (_SECTION,),
             tables=parameters[:1],
-            parts=_folded("Other laws", parameters[1:]),
+            parts=_folded(f"Parameters of the other laws ({len(parameters) - 1})", parameters[1:]),
         ),
         Section(
             "Verification",
@@ -120,7 +122,11 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         Section(
             "Verification profile",
             drawings=shown,
-            parts=(Section(f"Other laws ({len(others)})", drawings=others, folded=True),)
+            parts=(
+                Section(
+                    f"The other laws over the profile ({len(others)})", drawings=others, folded=True
+                ),
+            )
             if others
             else (),
         ),

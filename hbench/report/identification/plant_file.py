@@ -32,5 +32,5 @@ def _value(parameter: FitParameter) -> str:
     if parameter.ci95 is None:
         return f"{text} (not determined)"
     low, high = parameter.ci95
-    remark = "" if parameter.determined else ", not determined"
+    remark = "" if parameter.determination == "determined" else f", {parameter.determination}"
     return f"{text} ({low:.4g} to {high:.4g}{remark})"

@@ -47,6 +47,7 @@ SUMMARY = "Laws by their error in motion"
 RAMPS = "Steady runs and ramps from breakaway on: RMS error of Tustin fits"
 _ONE_ERROR = ("RMS error of friction (N)",)
 _ERRORS = ("RMS error in motion (N)", "At constant speed (N)", "At rest (N)")
+_DETERMINED = ("Not determined", "Hardly determined", "Plant file")
 _FLOOR = "Trials' scatter"
 _SURNAMES = ("Coulomb", "Stribeck")
 
@@ -157,14 +158,15 @@ def _summary(identification: Identification) -> WordTable:
     for law in ranked_laws(identification):
         rest = (_steady_words(law), _rms_words(law.errors, (AT_REST,))) if verified else ()
         if law.fit is None:
-            cells = (NONE, *(NONE for _ in rest), "all: not identified", NONE)
+            cells = (NONE, *(NONE for _ in rest), "all: not identified", NONE, NONE)
         else:
             names = ", ".join(map(_symbol, law.fit.undetermined))
+            hardly = ", ".join(map(_symbol, law.fit.hardly_determined))
             error = number(error_n(law), 1)
-            cells = (error, *rest, names or "none", f"{law.law}.yaml")
+            cells = (error, *rest, names or "none", hardly or "none", f"{law.law}.yaml")
         rows.append((law.law, *cells))
     known = verified or any(law.held_out_n for law in identification.laws)
-    head = ("Law", *(_ERRORS if verified else _ONE_ERROR), "Not determined", "Plant file")
+    head = ("Law", *(_ERRORS if verified else _ONE_ERROR), *_DETERMINED)
     return WordTable(SUMMARY, head, tuple(rows) if known else ())
 
 
@@ -195,6 +197,11 @@ def _rms_words(errors: Mapping[str, ModelErrors], parts: Iterable[str]) -> str:
 def error_range(errors_n: Collection[float]) -> str:
     """Write the smallest and the largest error with the decimals of the tables."""
     return "–".join(dict.fromkeys(number(end, 1) for end in (min(errors_n), max(errors_n))))
+
+
+def hardly_determined_words(fit: Fit) -> list[str]:
+    """Return the parameters that the runs hardly determine."""
+    return [_title(name) for name in fit.hardly_determined]
 
 
 def undetermined_words(fit: Fit) -> list[str]:
@@ -264,7 +271,7 @@ def _parameter_row(law: str, name: str, parameter: FitParameter) -> tuple[str, .
         text = significant(value, 3)
     else:
         text = with_ends(value, *(from_si(end, unit) for end in parameter.ci95))
-    remark = "" if parameter.determined else "not determined"
+    remark = "" if parameter.determination == "determined" else f"{parameter.determination}"
     remark = f"at {parameter.at_bound} bound" if parameter.at_bound else remark
     return (law, words, text, unit, remark)
 

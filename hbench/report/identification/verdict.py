@@ -5,7 +5,11 @@ import numpy as np
 from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
-from hbench.report.identification.text import error_range, undetermined_words
+from hbench.report.identification.text import (
+    error_range,
+    hardly_determined_words,
+    undetermined_words,
+)
 from hbench.report.render.numbers import alike, number, significant, span
 from hbench.report.render.symbols import listed
 
@@ -91,6 +95,8 @@ def _reserve(identification: Identification, best: str) -> str:
             f"Do not rely on motions that depend on its {listed(unknown)}, which these runs do not "
             "determine."
         )
+    if hardly := hardly_determined_words(fits[best]) if best in fits else []:
+        parts.append(f"The runs hardly determine its {listed(hardly)}.")
     return " ".join(parts)
 
 

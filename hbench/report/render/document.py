@@ -2,6 +2,7 @@
 
 import re
 from base64 import b64encode
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import sha256
@@ -36,6 +37,7 @@ BANNERS = {
 _SENTENCE = re.compile(r"(?<=[\w)]\.) (?=[A-Z])")
 _PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
+_LONG_FLAG = 18  # letters of a flag that is not broken
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
 
@@ -124,11 +126,11 @@ def numbered(document: Document, on_paper: bool = False) -> Document:
     A table without a title has that of its section. ``[[anchor]]`` in the verdict or in the text of
     a section becomes the number of the first table in the section with this anchor, or without one
     its title.
-    Parts that are not printed have no numbers, and are left out ``on_paper``, so that the numbers
+    Parts that are not printed are left out ``on_paper`` but have their numbers, so that the numbers
     of a page are those of its print.
     """
     counted = _Numbers(on_paper)
-    sections = tuple(counted.numbered(section, "", True) for section in document.sections)
+    sections = tuple(counted.numbered(section, "") for section in document.sections)
     return replace(
         document,
         sections=tuple(map(counted.referred, sections)),
@@ -148,19 +150,21 @@ class _Numbers:
         self.figures = self.tables = 0
         self.name_of: dict[str, str] = {}
 
-    def numbered(self, section: Section, title: str, printed: bool) -> Section:
-        title, printed = _COUNT.sub("", section.title) or title, printed and section.printed
+    def numbered(self, section: Section, title: str) -> Section:
+        title = _COUNT.sub("", section.title) or title
         drawings, tables, first = [], [], self.tables + 1
         for drawing in section.drawings:
-            self.figures += printed
-            number = f"Figure {self.figures}" if printed else ""
-            drawings.append(replace(drawing, title=_dotted(number, drawing.title)))
+            self.figures += 1
+            drawings.append(
+                replace(drawing, title=_dotted(f"Figure {self.figures}", drawing.title))
+            )
         for table in section.tables:
-            self.tables += printed
-            number = f"Table {self.tables}" if printed else ""
-            tables.append(replace(table, title=_dotted(number, table.title or title)))
-        shown = (part for part in section.parts if part.printed or not self.on_paper)
-        parts = tuple(self.numbered(part, title, printed) for part in shown)
+            self.tables += 1
+            named = _dotted(f"Table {self.tables}", table.title or title)
+            tables.append(replace(table, title=named))
+        numbered_parts = [(part, self.numbered(part, title)) for part in section.parts]
+        shown = (new for part, new in numbered_parts if part.printed or not self.on_paper)
+        parts = tuple(shown)
         if section.title:
             name = f"Table {first}" if self.tables >= first else f"“{section.title}”"
             self.name_of.setdefault(anchor(section), name)
@@ -184,19 +188,29 @@ def page(document: Document) -> str:
     loader = _environment().loader
     assert loader is not None  # _environment gives one
     script = loader.get_source(_environment(), "page.js")[0]
-    titled = [section for section in document.sections if section.title]
     return (
         _environment()
         .get_template("document.html.j2")
         .render(
             document=document,
-            menu=titled if len(titled) >= _MENU else [],
+            menu=menu(document),
             script=Markup(script),
             script_hash=b64encode(sha256(script.encode()).digest()).decode("ascii"),
             dark=DARK,
             version=version("hbench"),
         )
     )
+
+
+def has_unprinted(sections: Iterable[Section]) -> bool:
+    """Return whether some part of some sections is not printed."""
+    return any(not each.printed or has_unprinted(each.parts) for each in sections)
+
+
+def menu(document: Document) -> list[Section]:
+    """Return the sections that the contents list: those with a title, of a long document."""
+    titled = [section for section in document.sections if section.title]
+    return titled if len(titled) >= _MENU else []
 
 
 def anchor(section: Section) -> str:
@@ -265,7 +279,7 @@ def numeric(table: WordTable | Table) -> set[int]:
 def _cell_classes(cell: tuple[bool, str, str]) -> str:
     """Return the classes of a cell by its kind, its text and its flag."""
     number, text, flag = cell
-    long = max(len(text), len(flag)) > _LONG and (flag or " " in _kept(text))
+    long = len(flag) > _LONG_FLAG or len(text) > _LONG and (flag or " " in _kept(text))
     kinds = ["n"] if number else ["long"] if long else []
     kinds += ["short"] if not number and len(text) <= _SHORT else []
     return " ".join((*kinds, *(["flagged"] if flag else []), *_endless(f"{text} {flag}")))

@@ -19,7 +19,7 @@ from matplotlib.image import imread
 from PIL import Image
 
 from hbench.records import WordTable
-from hbench.report.render.document import Document, Section, numbered, numeric
+from hbench.report.render.document import Document, Section, has_unprinted, menu, numbered, numeric
 from hbench.report.render.figures import Drawing
 from hbench.report.render.markdown import words
 from hbench.report.render.numbers import unbroken
@@ -50,6 +50,7 @@ _LABEL = 0.22  # share of a fact's name
 _ALARM, _BANNER = "#9b1111", "#8a3a00"
 _INSET = 10.0  # of a text inside a frame
 _HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
+_NUMBERS = "Numbers of tables and figures are those of the page, which has some more tables."
 _HEADER = 34.0  # base of the running header and, from below, of the footer
 
 
@@ -65,6 +66,7 @@ def pdf(document: Document) -> bytes:
 
 def sheets(document: Document) -> list[Figure]:
     """Return the sheets of paper that ``document`` fills."""
+    more_on_the_page = has_unprinted(document.sections)
     document = numbered(document, on_paper=True)
     pen = Pen()
     pen.words(document.title, _TITLE, weight="bold")
@@ -83,9 +85,13 @@ def sheets(document: Document) -> list[Figure]:
         _facts(pen, document.identity)
         pen.space(3)
         pen.rule()
-    for section in document.sections:
-        _set(pen, section, _SECTION)
+    listed = menu(document)
+    set_contents = _contents(pen, [section.title for section in listed])
+    if more_on_the_page:
+        pen.words(_NUMBERS, CELLS, color=QUIET)
+    pages = {section.title: _set(pen, section, _SECTION) for section in document.sections}
     pen.place_waiting()
+    set_contents(pages)
     for number, sheet in enumerate(pen.done, start=1):
         right = SHEET_WIDTH - LEFT
         set_text(sheet, LEFT, _HEADER, _shortened(document.tab), _SMALL, color=QUIET)
@@ -114,12 +120,32 @@ def _emphasised(
         mark(top, pen.y, color)
 
 
+def _contents(pen: Pen, titles: list[str]) -> Callable[[dict[str, int]], None]:
+    """Leave room for the contents here; return what sets them once the pages are known."""
+
+    def lines(pages: dict[str, int]) -> list[str]:
+        text = " · ".join(unbroken(f"{title} {pages[title]}") for title in titles)
+        return wrapped(f"Contents: {text}", INNER, CELLS) if titles else []
+
+    most = lines(dict.fromkeys(titles, 100))
+    pen.space(4)
+    sheet, top = pen.done[-1], pen.y
+    pen.space(len(most) * CELLS * LINE)
+
+    def set_lines(pages: dict[str, int]) -> None:
+        for number, line in enumerate(lines(pages), start=1):
+            set_text(sheet, LEFT, top + number * CELLS * LINE, line, CELLS, color=QUIET)
+
+    return set_lines
+
+
 def _shortened(text: str) -> str:
     """Return as much of a title as fits into the header."""
     return wrapped(text, INNER - 60, _SMALL)[0]
 
 
-def _set(pen: Pen, section: Section, size: float) -> None:
+def _set(pen: Pen, section: Section, size: float) -> int:
+    """Set a section and return the number of the sheet on which it begins."""
     if section.drawings and not _has_text(section):
         pen.place_waiting()  # the heading is above its own figures
     if section.title:
@@ -127,6 +153,7 @@ def _set(pen: Pen, section: Section, size: float) -> None:
         pen.space(12 if size > _PART else 7)
         pen.words(section.title, size, weight="bold")
         pen.space(2)
+    begins = len(pen.done)
     _facts(pen, [(f"{tile.value} {tile.unit}".strip(), tile.more) for tile in section.tiles])
     if section.tiles:
         pen.space(3)
@@ -145,17 +172,18 @@ def _set(pen: Pen, section: Section, size: float) -> None:
     _facts(pen, section.facts)
     for part in section.parts:
         _set(pen, part, _PART)
+    return begins
 
 
 def _opening(pen: Pen, section: Section) -> float:
     """Return the height of what a heading needs on its sheet: its text, or the first that follows.
 
-    Figures after a text may go to the next sheet.
+    Figures and tables after a text may go to the next sheet.
     """
     height = sum(
         len(wrapped(text, pen.width, _BODY)) * _BODY * LINE + 3 for text in section.paragraphs
     )
-    if section.drawings and _has_text(section):
+    if (section.drawings or section.tables) and _has_text(section):
         return height
     for row in list(_side_by_side(section.drawings))[:1]:
         return height + max(_heights(row)) + _below(_captions(row, section.drawings)) + 8
@@ -164,7 +192,8 @@ def _opening(pen: Pen, section: Section) -> float:
             height + _CAPTION + least_height(pen, section.tables[0].head, _rows(section.tables[0]))
         )
     if section.parts:
-        return height + _HEADING + _opening(pen, section.parts[0])
+        first = section.parts[0]
+        return height + _HEADING * bool(first.title) + _opening(pen, first)
     return height + _FEW_LINES * (not section.paragraphs)
 
 

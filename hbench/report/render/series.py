@@ -8,6 +8,7 @@ without a label are no data.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -18,11 +19,23 @@ from matplotlib.container import BarContainer, ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter
+from matplotlib.ticker import FixedLocator, Formatter, FuncFormatter
 
 _FOR_THE_EYE = re.compile(r"_(child|container)\d+|_nolegend_|")
 
 ColumnValues = Sequence[float | str] | np.ndarray
+
+
+class DaysAsDates(Formatter):
+    """Dates in place of days since ``first``, with the time of day if ``hours``."""
+
+    def __init__(self, first: datetime, hours: bool):
+        self._first, self._hours = first, hours
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Return the date of a tick or of a value."""
+        moment = self._first + timedelta(days=float(x))
+        return f"{moment:%Y-%m-%d %H:%M}" if self._hours else f"{moment:%Y-%m-%d}"
 
 
 @dataclass(frozen=True)
@@ -149,8 +162,10 @@ def _name(axis: Axis, otherwise: str) -> str:
 
 
 def _named(axis: Axis, values: np.ndarray) -> ColumnValues:
-    """Return ``values``, or the words at the nearest ticks on an axis whose ticks are named."""
+    """Return ``values``, or the words of an axis of dates or of named ticks, the nearest."""
     locator, formatter = axis.get_major_locator(), axis.get_major_formatter()
+    if isinstance(formatter, DaysAsDates):
+        return [formatter(value) for value in values]
     if not isinstance(locator, FixedLocator) or not isinstance(formatter, FuncFormatter):
         return values
     ticks = np.asarray(locator.locs, dtype=float)

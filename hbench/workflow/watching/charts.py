@@ -31,7 +31,8 @@ def station_charts(
     Those that failed come first, then marginal ones. ``names`` and ``checks`` are those of the
     cylinders, in the order of their tests. A chart has the values in the unit of the limits with
     their expanded uncertainties, the last one in words, and from ten cylinders on the control
-    limits, mean ± 3 sigma of the moving ranges, with the rules that signal at each value.
+    limits, mean ± 3 sigma of the moving ranges, with the rules that signal at each value, and
+    whether one does at the last.
     """
     by_series = [checks_by_series(each) for each in checks]
     newest = next(filter(None, reversed(by_series)), dict[Series, ConformityCheck]())
@@ -88,6 +89,7 @@ def _chart(
         "control": None,
         "signals": [""] * len(values),
         "fewest": FEWEST_CAMPAIGNS,
+        "last_unusual": False,
     }
     if len(values) >= FEWEST_CAMPAIGNS:
         centre, sigma = centre_and_sigma(values)
@@ -97,4 +99,5 @@ def _chart(
             chart["signals"] = [
                 "; ".join(rule for rule, at in rules.items() if at[i]) for i in range(len(values))
             ]
+            chart["last_unusual"] = last.measurement is not None and bool(chart["signals"][-1])
     return chart

@@ -41,14 +41,24 @@ class Station:
 
         ``present`` is the folder's name of this campaign. ``charts`` are the control charts of the
         limited quantities, over the last campaigns; ``limited`` is the number of these quantities.
+        ``unusual`` is whether the present cylinder passed with an unusual value.
         """
         self._read()
         state = self._watch.state()
         cylinders = [self._row(folder) for folder in self._campaigns]
         version = f"{self._shown}-{state['version']}"
         present = "" if self._shown is None else self._shown.name
-        charts = {"charts": self._charts, "limited": self._limited}
+        charts = {"charts": self._charts, "limited": self._limited, "unusual": self._unusual()}
         return state | {"version": version, "present": present, "cylinders": cylinders} | charts
+
+    def _unusual(self) -> bool:
+        """Return whether the present cylinder passed with an unusual value in a chart."""
+        if self._shown is None or self._shown not in self._campaigns:
+            return False
+        row = self._row(self._shown)
+        name = row["serial"] or row["folder"]
+        charts = (chart for chart in self._charts if chart["names"][-1] == name)
+        return row["decision"] == "PASS" and any(chart["last_unusual"] for chart in charts)
 
     def runs(self) -> dict[str, Any]:
         """Return the present campaign's runs."""

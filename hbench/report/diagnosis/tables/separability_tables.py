@@ -141,6 +141,17 @@ def undetectable(diagnosis: Diagnosis) -> str:
     return f"They would not show {len(unseen)} of {every} known effects at a typical size."
 
 
+def untried_words(diagnosis: Diagnosis) -> str:
+    """Return the unseen effects for which no experiment was simulated, with the reasons."""
+    unseen = [name for name, known in _detectable(diagnosis).items() if not known]
+    untried = {name: diagnosis.not_tried[name] for name in unseen if name in diagnosis.not_tried}
+    parts = [
+        f"{listed([in_words(name) for name in names])} ({reason})"
+        for reason, names in by_reason(untried).items()
+    ]
+    return f"Not simulated: {'; '.join(parts)}." if parts else ""
+
+
 def _unseen(diagnosis: Diagnosis) -> list[str]:
     return [
         f"{in_words(name)}{' (not tried)' if name in diagnosis.not_tried else ''}"
