@@ -42,7 +42,7 @@ _COLUMN_STEP_S = 5e-3  # of the laws' states: derivatives need not be as exact a
 _LAGS = frozenset(  # columns of times as short as such a step
     ["/valve.bandwidth"]
     + [f"{name}.{key}" for name, row in EFFECTS.items() for key, c in row.coefficients.items()
-       if c.unit == "ms"]
+       if c.unit == "ms" or (name, key) == ("valve_lag", "second")]
 )  # fmt: skip
 _LEVEL_SCATTER = 0.04  # of dry friction from run to run, standard deviation: assumed
 _RIPPLE = standard_deviation(0.02)  # of dry friction along a honed bore: assumed

@@ -208,6 +208,19 @@ def test_a_slow_valve_is_the_spool_with_a_first_order_lag(par, start):
         assert lagged.state[:, place] == pytest.approx(volts * expected, abs=2e-5)
 
 
+def test_a_slow_valve_in_two_parts_is_two_lags_in_a_row(par, start):
+    omega, tau, share = 2 * np.pi * 90, 0.004, 0.3
+    section = {"valve_lag": {"time": tau, "second": share}}
+    lagged = run(with_effects(par, section), start, [0.7, 0.3, -1.4], 0.05)
+    stage = np.polymul([tau * (1 - share), 1], [tau * share, 1])
+    system = ([omega**2], np.polymul([1, 2 * omega, omega**2], stage))
+    _, expected, _ = lsim(system, np.ones(len(lagged.t_s)), lagged.t_s)
+    at, weight = STATE["valve_lag"], share / (1 - 2 * share)
+    for place, volts in zip(range(at, at + 3), (0.7, 0.3, -1.4), strict=True):
+        slow, fast = lagged.state[:, place], lagged.state[:, place + 3]
+        assert slow + weight * (slow - fast) == pytest.approx(volts * expected, abs=2e-5)
+
+
 # ---- oil and lines
 
 

@@ -198,6 +198,16 @@ def test_a_first_order_lag_is_its_transfer_function_also_if_shorter_than_a_step(
     assert np.abs(found - expected)[60:-2].max() < 0.1 * late
 
 
+@pytest.mark.parametrize("time_ms", [0.2, 3, 40])
+def test_a_lag_in_two_parts_is_its_transfer_function(plant_with, time_ms):
+    model = plant_with({"valve_lag": {"time": f"{time_ms} ms", "second": 0.3}})
+    found = opening_along(model, harmonic(1.0), step_s=STEP_S)
+    s = 2j * np.pi * HZ * time_ms * 1e-3
+    expected = harmonic(spool_response(model.par) / ((1 + 0.7 * s) * (1 + 0.3 * s)))
+    late = 2 * np.pi * HZ * STEP_S / 2 * SWING_V  # by half a step
+    assert np.abs(found - expected)[60:-2].max() < 0.1 * late
+
+
 def test_the_commands_limit_is_that_of_the_valve(plant_with):
     model = plant_with({})
     limit = model.par.valve.limit_v

@@ -270,7 +270,8 @@ def test_the_search_starts_with_all_coefficients_that_have_a_tolerance(bench_dat
     start = campaign.start
     assert set(start.effects) == {effect for effect, _ in campaign.tolerances}
     assert set(start.effects) == {
-        *("valve_trim", "load_cell_gain", "load_cell_offset", "pressure_offset", "pressure_gain")
+        *("valve_trim", "valve_asymmetry", "pressure_offset", "pressure_gain"),
+        *("load_cell_gain", "load_cell_offset"),
     }
     for effect, values in start.effects.items():
         assert set(values) == set(EFFECTS[effect].coefficients)

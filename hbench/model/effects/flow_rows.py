@@ -42,11 +42,15 @@ ROWS = {
     ),
     "valve_lag": Effect(
         description="each valve's opening follows its spool with a first-order lag",
-        coefficients={"time": Coefficient("ms", 3, 0.1, 100)},
+        coefficients={
+            "time": Coefficient("ms", 3, 0.1, 100),
+            "second": Coefficient("1", 0, 0, 0.45),
+        },
         balances=FLOWS,
         laws={"openings": flows.valve_lag},
-        states=3,
-        law="time dy/dt = u - y, y the opening, u the spool with the bandwidth of the model file",
+        states=6,
+        law="time dy/dt = u - y, y the opening, u the spool with the bandwidth of the model file; "
+        "second: this share of time is a second lag in a row",
         signals="Velocity and pressures after a change of the command; nothing at constant speed.",
         confused_with={
             "added_mass": Separation(

@@ -15,6 +15,7 @@ from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
 
 FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
 PRESSURE_PA = 50e5
+LEAST_LAG_S = 5e-5  # that the steps of the virtual rig, of 0.1 ms, can follow
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
 
 
@@ -74,19 +75,38 @@ def valve_lag(
     u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
 ) -> Openings:  # fmt: skip
-    """First-order lag of each opening behind its spool of 2.16: tau dy/dt = u - y. c: tau [s].
+    """Lag of each opening behind its spool of 2.16: tau dy/dt = u - y. c: tau [s], and a share s.
 
-    A pilot stage slower than the data sheet (Merritt, Hydraulic Control Systems, 1967, ch. 7).
+    A pilot stage slower than the data sheet (Merritt, Hydraulic Control Systems, 1967, ch. 7). A
+    share other than 0 divides tau into two lags in a row, (1 - s) tau and s tau: the response then
+    begins slowly, as that of a stage of second order or behind a dead time. Their parallel form
+    (partial fractions) has the two as states that are independent of each other.
     """
-    (tau,) = c
+    tau, share = c
     if tau == 0.0:
-        rates[at] = rates[at + 1] = rates[at + 2] = 0.0
+        for i in range(6):
+            rates[at + i] = 0.0
         return u
-    y = Openings(state[at], state[at + 1], state[at + 2])
-    rates[at] = (u.test - y.test) / tau
-    rates[at + 1] = (u.load_1 - y.load_1) / tau
-    rates[at + 2] = (u.load_2 - y.load_2) / tau
-    return y
+    weight = share / (1.0 - 2.0 * share)
+    return Openings(
+        lagging(u.test, tau, share, weight, state, at, rates),
+        lagging(u.load_1, tau, share, weight, state, at + 1, rates),
+        lagging(u.load_2, tau, share, weight, state, at + 2, rates),
+    )
+
+
+@inlined
+def lagging(
+    u: float, tau: float, share: float, weight: float, state: np.ndarray, at: int, rates: np.ndarray
+) -> float:
+    """Opening [V] of one valve; its slower lag is the state ``at``, its faster one three on."""
+    slow, fast = state[at], state[at + 3]
+    rates[at] = (u - slow) / ((1.0 - share) * tau)
+    if share == 0.0:
+        rates[at + 3] = 0.0
+        return slow
+    rates[at + 3] = (u - fast) / max(share * tau, LEAST_LAG_S)
+    return slow + weight * (slow - fast)
 
 
 @inlined
