@@ -1,14 +1,15 @@
 """Reader of another bench's files by an import map: one run or more from each file."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 
 from hbench.config.import_map import ImportMap
+from hbench.errors import DataError
 from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
@@ -23,6 +24,12 @@ from hbench.store.importing.imported_run import (
     open_source,
 )
 from hbench.store.importing.sections import Section, Sections, cut
+from hbench.store.importing.stuck_sensors import (
+    SensorActivity,
+    activity_of,
+    stuck_note,
+    stuck_sensors,
+)
 
 _SAME_SPEED = 0.05  # relative gap between measured speeds of one nominal speed
 _WRONG_SIGN = 0.2  # of the nominal load: a measured load beyond it has a sign
@@ -58,28 +65,67 @@ class Piece:
 def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns:
     """Read every file below ``folder`` whose name matches a series of the map; store its runs.
 
-    Raises ``DataError`` naming the invalid file and line.
+    A file that can't be used is left out with a note. Raises ``DataError`` naming the first such
+    file and line if most files can't be used: then the map is wrong.
     """
     matches = match_files(folder, rules)
     refuse_empty(folder, matches)
     pieces: list[Piece] = []
     notes: list[FileNote] = []
+    unusable: dict[str, DataError] = {}
+    activity: dict[str, SensorActivity] = {}
     for match in matches.files:
-        found, of_file = _pieces(folder, match, rules, store, len(pieces) + 1)
-        pieces += found
-        notes += of_file
+        try:
+            mapped = read_mapped_file(folder, match, rules)
+            found = cut_file(mapped, folder, rules)
+        except DataError as error:
+            unusable[match.name] = error
+            if 2 * len(unusable) > len(matches.files):
+                raise next(iter(unusable.values())) from None
+            continue
+        activity[match.name] = activity_of(mapped.read, rules.min_stroke)
+        of_file, signs = pieces_of(mapped, found, store, len(pieces) + 1)
+        pieces += of_file
+        notes += [*mapped.read.notes, *found.notes, *signs]
+    pieces, stuck = _without_stuck_sensors(pieces, stuck_sensors(activity), folder, rules, store)
+    notes += [*stuck, *_left_out(folder, unusable)]
     on_all = _on_all(pieces, matches.unmatched, rules)
     return ImportedRuns(runs_of(pieces, rules), (*merged(notes), *on_all))
 
 
-def _pieces(
-    folder: Path, match: FileMatch, rules: ImportMap, store: StoreLog, number: int
+def _left_out(folder: Path, unusable: Mapping[str, DataError]) -> Iterator[FileNote]:
+    for name, error in unusable.items():
+        message = error.message.removeprefix(f"{folder / name}: ")
+        yield FileNote(name, f"left out: {message}{f'. {error.hint}' if error.hint else ''}")
+
+
+def _without_stuck_sensors(
+    pieces: Sequence[Piece],
+    stuck: Mapping[str, Mapping[str, float]],
+    folder: Path,
+    rules: ImportMap,
+    store: StoreLog,
 ) -> tuple[list[Piece], list[FileNote]]:
-    """Read, cut and store a file, whose runs are numbered from ``number``."""
-    mapped = read_mapped_file(folder, match, rules)
-    found = cut_file(mapped, folder, rules)
-    pieces, signs = pieces_of(mapped, found, store, number)
-    return pieces, [*mapped.read.notes, *found.notes, *signs]
+    """Store the runs of files with a stuck sensor again, marked so that screening rejects them."""
+    marked, notes = [], []
+    read: dict[str, MappedFile] = {}
+    for piece in pieces:
+        name = piece.match.name
+        if name in stuck:
+            if name not in read:
+                read = {name: with_stuck_sensor(read_mapped_file(folder, piece.match, rules))}
+                notes += [stuck_note(name, *sensor) for sensor in stuck[name].items()]
+            log = store(name, piece.run, channels_of(read[name], piece.section))
+            piece = replace(piece, log=log)
+        marked.append(piece)
+    return marked, notes
+
+
+def with_stuck_sensor(mapped: MappedFile) -> MappedFile:
+    """Return a file whose samples are all marked as those of a saturated sensor."""
+    marked = {"sensor_saturated": np.ones(len(mapped.read.channels["t_s"]))}
+    channels = {**mapped.read.channels, **marked}
+    return replace(mapped, read=replace(mapped.read, channels=channels))
 
 
 def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> MappedFile:
