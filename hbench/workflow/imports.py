@@ -44,6 +44,7 @@ from hbench.store.importing.mapped_files import (
     Piece,
     channels_of,
     cut_file,
+    map_is_wrong,
     pieces_of,
     plans_of,
     read_mapped_file,
@@ -98,8 +99,10 @@ def preview_import(source: Path, map_file: Path) -> ImportPreview:
         name=rules.name,
         folder=str(source),
         map_file=map_file.name,
-        cut=rules.cut,
+        cuts=tuple(dict.fromkeys(rules.of(series).cut for series in rules.series)),
         files=tuple(samples.files),
+        refused=bool(matches.empty)
+        or map_is_wrong(sum(bool(file.error) for file in samples.files), len(samples.files)),
         unmatched=matches.unmatched,
         empty_series={series.label: series.files for series in matches.empty},
     )

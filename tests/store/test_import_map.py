@@ -299,3 +299,21 @@ def test_series_that_cannot_work_is_refused(rules, change, message):
     rules["series"][0] |= change
     with pytest.raises(ConfigError, match=message):
         parse_import_map(rules, "map.yaml")
+
+
+def test_a_series_may_have_a_kind_and_a_cut_of_its_own(bring_in, rules, source):
+    (source / "loops").mkdir()
+    (source / "loops" / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=4))
+    loops = {"files": "loops/{pressure}bar.txt", "kind": "triangle", "cut": "none"}
+    rules["series"].append({**rules["series"][0], **loops})
+    summary, campaign = bring_in()
+    kinds = [plan.kind for plan in campaign.plans]
+    assert kinds == ["steady"] * 6 + ["triangle"]
+    assert "6 runs cut at reversals from 2 files" in summary.notes
+    assert "files that are one run each: 1" in summary.notes
+
+
+def test_an_unknown_kind_of_a_series_is_refused(rules):
+    rules["series"][0]["kind"] = "sine"
+    with pytest.raises(ConfigError, match=r"series\.0\.kind|series\[0\]\.kind|kind.*must be one"):
+        parse_import_map(rules, "map")

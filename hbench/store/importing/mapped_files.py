@@ -58,8 +58,9 @@ class Piece:
 
     @property
     def series(self) -> tuple:
-        """Key of runs with the same nominal speeds: label, load and direction."""
-        return self.match.label, self.match.f_load_n, self.section.v_m_s > 0
+        """Key of runs with the same nominal speeds: kind, label, load and direction."""
+        match = self.match
+        return match.series.kind, match.label, match.f_load_n, self.section.v_m_s > 0
 
 
 def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns:
@@ -80,7 +81,7 @@ def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns
             found = cut_file(mapped, folder, rules)
         except DataError as error:
             unusable[match.name] = error
-            if 2 * len(unusable) > len(matches.files):
+            if map_is_wrong(len(unusable), len(matches.files)):
                 raise next(iter(unusable.values())) from None
             continue
         activity[match.name] = activity_of(mapped.read, rules.min_stroke)
@@ -91,6 +92,11 @@ def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns
     notes += [*stuck, *_left_out(folder, unusable)]
     on_all = _on_all(pieces, matches.unmatched, rules)
     return ImportedRuns(runs_of(pieces, rules), (*merged(notes), *on_all))
+
+
+def map_is_wrong(unusable: int, files: int) -> bool:
+    """Return whether so many unusable files show a wrong map instead of damaged files."""
+    return 2 * unusable > files
 
 
 def _left_out(folder: Path, unusable: Mapping[str, DataError]) -> Iterator[FileNote]:
@@ -140,6 +146,7 @@ def cut_file(mapped: MappedFile, folder: Path, rules: ImportMap) -> Sections:
     """Return the sections of a file that become runs. Raises ``DataError`` if it has none."""
     match = mapped.match
     source = str(folder / match.name)
+    rules = rules.of(match.series)
     return cut(mapped.read.channels, source, match.name, rules, match.speed_m_s)
 
 
@@ -180,23 +187,19 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
 
     Where the name has no trial, the runs of one nominal speed are trials, in their order.
     """
-    constant = KINDS[rules.kind].has_constant_speed
-    tolerance = SAME_STROKE_SPEED if rules.cut == "reversals" else _SAME_SPEED
-    nominal = (
-        _nominal_speeds(pieces, tolerance)
-        if constant
-        else [piece.section.v_m_s for piece in pieces]
-    )
+    nominal = _nominal_speeds(pieces, rules)
     trials: dict[tuple, int] = defaultdict(int)
     plans = []
     for piece, v_ref in zip(pieces, nominal, strict=True):
         match, cylinder = piece.match, piece.match.series.cylinder
+        kind = rules.of(match.series).kind
+        constant = KINDS[kind].has_constant_speed
         trials[key := (*piece.series, v_ref)] += 1
         low, high = piece.section.positions or (None, None)
         plans.append(
             RunPlan(
                 run=piece.run,
-                kind=rules.kind,
+                kind=kind,
                 trial=trials[key] if match.trial is None else match.trial,
                 v_ref_m_s=v_ref,
                 specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
@@ -211,22 +214,26 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
     return plans
 
 
-def _nominal_speeds(pieces: Sequence[Piece], tolerance: float) -> list[float]:
-    """Return the signed nominal speed of each piece.
+def _nominal_speeds(pieces: Sequence[Piece], rules: ImportMap) -> list[float]:
+    """Return the signed nominal speed of each piece; of a non-steady run its top speed.
 
     It is that of the map or the name, or else the median, to three digits, of the measured speeds
-    of the same series that differ by less than ``tolerance`` from one to the next, unless they are
+    of the same series that differ by less than a tolerance from one to the next, unless they are
     distinct.
     """
     nominal = [0.0] * len(pieces)
     groups: dict[tuple, list[int]] = defaultdict(list)
     for i, piece in enumerate(pieces):
         speed = piece.match.speed_m_s
-        if speed is None:
+        if not KINDS[rules.of(piece.match.series).kind].has_constant_speed:
+            nominal[i] = piece.section.v_m_s
+        elif speed is None:
             groups[piece.series].append(i)
         else:
             nominal[i] = float(np.copysign(speed, piece.section.v_m_s))
     for numbers in groups.values():
+        cut_at = rules.of(pieces[numbers[0]].match.series).cut
+        tolerance = SAME_STROKE_SPEED if cut_at == "reversals" else _SAME_SPEED
         numbers.sort(key=lambda i: abs(pieces[i].section.v_m_s))
         speeds = np.abs([pieces[i].section.v_m_s for i in numbers])
         for cluster in np.split(np.array(numbers), _gaps(speeds, tolerance)):
@@ -269,14 +276,20 @@ def _load_sign(match: FileMatch, f_applied_n: np.ndarray | None) -> Iterator[Fil
 
 def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap) -> Iterator[str]:
     """Yield the notes on the whole folder."""
-    if rules.cut != "none":
-        count = len({piece.match.name for piece in pieces})
-        yield f"{len(pieces)} runs cut at {rules.cut} from {count} files"
-        if any(piece.match.trial is None for piece in pieces):
-            yield (
-                "runs of a file without {trial} in its name are counted as trials: their intervals "
-                "do not include a repeated set-up"
-            )
+    of_cut: dict[str, list[Piece]] = defaultdict(list)
+    for piece in pieces:
+        of_cut[rules.of(piece.match.series).cut].append(piece)
+    whole = len(of_cut.pop("none", ()))
+    for name, own in of_cut.items():
+        count = len({piece.match.name for piece in own})
+        yield f"{len(own)} runs cut at {name} from {count} files"
+    if of_cut and whole:
+        yield f"files that are one run each: {whole}"
+    if any(piece.match.trial is None for own in of_cut.values() for piece in own):
+        yield (
+            "runs of a file without {trial} in its name are counted as trials: their intervals "
+            "do not include a repeated set-up"
+        )
     if rules.rotary:
         yield (
             "rotary actuator: in all results 1 m stands for 1 rad, 1 N for 1 N m and an area of "
