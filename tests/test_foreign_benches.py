@@ -256,6 +256,18 @@ def test_a_rotary_actuator_has_angles_and_torques(tmp_path, hydraulic, imported)
         workflow.certify(tmp_path / "out", CERTIFICATE, tmp_path / "c.html")
 
 
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
+def test_a_rotary_campaign_stays_rotary_when_it_is_exported(
+    tmp_path, hydraulic, imported, clock, kind
+):
+    test_a_rotary_actuator_has_angles_and_torques(tmp_path, hydraulic, imported)
+    workflow.export(tmp_path / "out", tmp_path / "exported", kind)
+    summary = workflow.import_runs(tmp_path / "exported", tmp_path / "again", None, clock)
+    assert any(note.startswith("rotary actuator: in all results") for note in summary.notes)
+    with pytest.raises(DataError, match="gets no certificate: its actuator is rotary"):
+        workflow.certify(tmp_path / "again", CERTIFICATE, tmp_path / "c.html")
+
+
 @pytest.mark.parametrize(
     ("cylinder", "key"),
     [

@@ -6,7 +6,6 @@ is never rewritten: when a run is repeated, the log of the previous attempt is k
 """
 
 import hashlib
-import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -17,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from hbench.config.bench import Bench, parse_bench
-from hbench.config.campaign_settings import CampaignSettings, parse_settings
-from hbench.config.import_map import parse_import_map
+from hbench.config.campaign_settings import CampaignSettings, ExportedSettings, parse_settings
+from hbench.config.import_map import ImportMap, parse_import_map
 from hbench.config.schedule import Schedule, Screening, parse_schedule
 from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
@@ -29,6 +28,7 @@ from hbench.store.campaign.journal import Entry, Stop
 from hbench.store.campaign.log_layout import read_layout
 from hbench.store.campaign.run_csv import parse_run
 from hbench.store.campaign.run_times import clock_fault, latest_moment, moment, start_times_s
+from hbench.store.campaign.written_settings import exported_settings, written_settings
 from hbench.store.files.atomic import append, rename, truncate, write_atomic, write_files
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_file
 from hbench.untrusted_text import printable
@@ -41,11 +41,6 @@ ADD_A_BENCH = (
 _CAMPAIGN = "Give a folder written by `hbench run` or `hbench import`; it contains campaign.yaml."
 _KNOWN = (  # sections of the header that are no details
     *"name source created software bench firmware log schedule schema map settings notes".split(),
-)
-_WITH_SETTINGS = ("schedule", "map", "settings")  # sections of the header
-_SETTINGS = (  # for the report
-    *("specimen", "test", "oil"),
-    *("instruments", "sensors", "controllers", "limits", "screening"),
 )
 
 
@@ -201,24 +196,8 @@ class StoredCampaign:
             software={k: str(v) for k, v in (header.get("software") or {}).items()},
             details={k: v for k, v in header.items() if k not in _KNOWN}
             | (rules.details if rules else {}),
-            settings=self._written_settings(),
+            settings=written_settings(self.header),
         )
-
-    def _written_settings(self) -> dict[str, Any]:
-        """Return the settings as they are written; a schedule adds to those of the bench."""
-        written: dict[str, Any] = {}
-        for file in ("bench", *_WITH_SETTINGS):
-            content = (self.header.get(file) or {}).get("content")
-            known = content if isinstance(content, dict) else {}
-            for name in _SETTINGS:
-                section = known.get(name)
-                before = written.get(name)
-                if isinstance(before, dict) and isinstance(section, dict):
-                    written[name] = before | section
-                elif section is not None:
-                    written[name] = section
-        plain: dict[str, Any] = json.loads(json.dumps(written, default=str))  # dates as text
-        return {name: plain[name] for name in _SETTINGS if name in plain}
 
     def raw_runs(self) -> Iterator[RawRun]:
         """Read the raw logs, in the order in which the runs were first started.
@@ -300,17 +279,15 @@ class StoredCampaign:
         rules: CampaignSettings | None = self._parsed("map", parse_import_map)
         return rules or self._parsed("settings", parse_settings)
 
+    @property
+    def rotary(self) -> bool:
+        """Whether the specimen is rotary: 1 m of the numbers stands for 1 rad, 1 N for 1 N m."""
+        rules = self._settings()
+        return isinstance(rules, ImportMap | ExportedSettings) and rules.rotary
+
     def exported_settings(self) -> dict[str, Any]:
         """Return the settings as they are written, for an export; empty if all are defaults."""
-        contents = [(self.header.get(key) or {}).get("content") for key in _WITH_SETTINGS]
-        simulated = {"simulated": True} if self.header["source"] == "simulated" else {}
-        return simulated | {
-            key: content[key]
-            for content in contents
-            if isinstance(content, dict)
-            for key in CampaignSettings.model_fields
-            if key in content
-        }
+        return exported_settings(self.header, rotary=self.rotary)
 
     def _parsed(self, key: str, parse: Callable[[dict, str], Any]) -> Any:
         """Return a section's content, parsed. A fault in it is a ``DataError``."""

@@ -14,7 +14,7 @@ from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
-from hbench.store.importing.file_notes import FileNote, listed, merged
+from hbench.store.importing.file_notes import ROTARY_NOTE, FileNote, listed, merged
 from hbench.store.importing.imported_run import (
     ImportedRun,
     ImportedRuns,
@@ -291,10 +291,7 @@ def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap)
             "do not include a repeated set-up"
         )
     if rules.rotary:
-        yield (
-            "rotary actuator: in all results 1 m stands for 1 rad, 1 N for 1 N m and an area of "
-            "1 m^2 for 1 m^3/rad"
-        )
+        yield ROTARY_NOTE
     if "{" not in rules.constants.get("f_applied_n", "{"):
         yield (
             "the applied force is a constant: if a load acts, it is part of the friction of each "
