@@ -165,7 +165,9 @@ def test_laws_of_a_bench_without_hydraulics_are_tried_on_files_left_out(tmp_path
     assert not {"k_piston_n_pa", "k_rod_n_pa"} & set(parameters)
 
 
-def cylinder_log(path, load_n=1500.0, seed=1, zero_n=0.0, late_load=False, sign=1.0):
+def cylinder_log(
+    path, load_n=1500.0, seed=1, zero_n=0.0, late_load=False, sign=1.0, velocity_sign=1.0
+):
     t, x, v, a = speeds_in_turn((0.1,), 0.2)
     rest = np.zeros(2 * RATE_HZ)
     t = np.arange(len(t) + len(rest)) / RATE_HZ
@@ -177,6 +179,7 @@ def cylinder_log(path, load_n=1500.0, seed=1, zero_n=0.0, late_load=False, sign=
     columns = {
         "t": (t, 0),
         "x": (1e3 * x, 3e-3),
+        "v": (velocity_sign * 1e3 * v, 0.1),
         "p": (p_a / 1e5, 0.02),
         "f": (sign * force + zero_n, 2.0),
     }
@@ -230,6 +233,15 @@ def test_a_load_of_the_other_sign_than_its_name_is_reported(tmp_path, hydraulic,
     summary, _ = imported()
     notes = [note for note in summary.notes if "sign" in note]
     assert len(notes) == 1 and "1500" in notes[0] and "2 files" in notes[0]
+
+
+def test_a_velocity_against_the_motion_is_reported(tmp_path, hydraulic, imported):
+    hydraulic["columns"]["v_m_s"] = {"column": "v", "unit": "mm/s"}
+    for trial, sign in ((1, 1.0), (2, -1.0)):
+        cylinder_log(tmp_path / f"logs/a_1500N_{trial}.csv", seed=trial, velocity_sign=sign)
+    summary, _ = imported()
+    (note,) = [note for note in summary.notes if "v_m_s has the sign" in note]
+    assert note.startswith("a_1500N_2.csv: ")
 
 
 def test_a_rotary_actuator_has_angles_and_torques(tmp_path, hydraulic, imported):

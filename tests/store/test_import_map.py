@@ -12,6 +12,7 @@ from hbench.config.import_map import parse_import_map
 from hbench.config.schedule import Screening
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.run_csv import SEVERAL_RUNS
 from hbench.store.importing.importer import import_folder
 
 BORE_M = 0.025
@@ -180,7 +181,6 @@ def test_strokes_that_the_ends_of_a_file_cut_off_are_called_so(bring_in, source)
 
 BAD_CELL = "line 42: column 4: found '---'; expected a number"
 BACK = "line 42: time goes from 0.4 s to 0.39 s; expected increasing time"
-SEVERAL = "If the file contains several runs, write each to a file of its own."
 
 
 def spoil(path, fault):
@@ -189,7 +189,7 @@ def spoil(path, fault):
     path.write_text("\n".join(lines))
 
 
-@pytest.mark.parametrize(("fault", "hint"), [(BAD_CELL, ""), (BACK, f". {SEVERAL}")])
+@pytest.mark.parametrize(("fault", "hint"), [(BAD_CELL, ""), (BACK, f". {SEVERAL_RUNS}")])
 def test_a_damaged_file_is_left_out_with_file_line_and_content(bring_in, source, fault, hint):
     spoil(source / "2" / "3bar.txt", fault)
     summary, campaign = bring_in()

@@ -24,6 +24,7 @@ from hbench.store.importing.imported_run import (
     open_source,
 )
 from hbench.store.importing.sections import Section, Sections, cut
+from hbench.store.importing.signs import contradicting_signs
 from hbench.store.importing.stuck_sensors import (
     SensorActivity,
     activity_of,
@@ -32,7 +33,6 @@ from hbench.store.importing.stuck_sensors import (
 )
 
 _SAME_SPEED = 0.05  # relative gap between measured speeds of one nominal speed
-_WRONG_SIGN = 0.2  # of the nominal load: a measured load beyond it has a sign
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def pieces_of(
         after = timedelta(seconds=float(channels["t_s"][0]))
         start = None if read.origin is None else read.origin + after
         pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log, start))
-        notes += _load_sign(match, channels.get("f_applied_n"))
+        notes += contradicting_signs(match, channels)
     return pieces, notes
 
 
@@ -259,19 +259,6 @@ def _gaps(speeds: np.ndarray, tolerance: float) -> list[int]:
         if distinct or gap > tolerance * speeds[at]:
             found.append(at)
     return found
-
-
-def _load_sign(match: FileMatch, f_applied_n: np.ndarray | None) -> Iterator[FileNote]:
-    """Yield a note if the load cell contradicts the sign of the load in the file's name."""
-    load = match.f_load_n
-    if load and f_applied_n is not None and np.isfinite(f_applied_n).any():
-        mean = float(np.nanmean(f_applied_n))
-        if mean * np.sign(load) < -_WRONG_SIGN * abs(load):
-            text = (
-                "the load in the name, {load} N, has the other sign than the load cell's mean, "
-                "{mean} N; positive opposes extension (scale: -1 turns a column)"
-            )
-            yield FileNote(match.name, text, {"load": load, "mean": mean})
 
 
 def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap) -> Iterator[str]:
