@@ -508,3 +508,11 @@ def test_comments_between_the_rows_are_skipped(logs, imported):
     rules, results = imported(logs)
     assert rules["format"]["comment"] == "#"
     assert all(run.accepted for run in results.runs)
+
+
+def test_a_command_is_that_of_the_valve(logs):
+    run = there_and_back(0.05, 500.0)
+    pd.DataFrame(run | {"Cmd (V)": np.sign(run["f_applied_n"])}).to_csv(logs / "1.csv", index=False)
+    assert parse_yaml(suggest_map(logs).text)["columns"]["u_t_v"]["column"] == "Cmd (V)"
+    pd.DataFrame(run | {"cmd_pct": run["t_s"]}).to_csv(logs / "1.csv", index=False)
+    assert '# u_t_v: {column: cmd_pct, unit: V, scale: "???"}' in suggest_map(logs).text
