@@ -13,13 +13,14 @@ from hbench.config.campaign_settings import CampaignSettings
 from hbench.config.files.loading import validate
 from hbench.config.import_layout import (
     DATE_TIME,
+    NO_CYLINDER,
     ROTARY,
     Column,
     ForeignLoadCell,
     Format,
+    ImportedCylinder,
     check_column,
 )
-from hbench.config.imported_cylinder import NO_CYLINDER, ImportedCylinder
 from hbench.config.quantity import ConfigSection
 from hbench.errors import ConfigError
 from hbench.records import KINDS, kind_names

@@ -6,6 +6,7 @@ is never rewritten: when a run is repeated, the log of the previous attempt is k
 """
 
 import hashlib
+import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -28,7 +29,6 @@ from hbench.store.campaign.journal import Entry, Stop
 from hbench.store.campaign.log_layout import read_layout
 from hbench.store.campaign.run_csv import parse_run
 from hbench.store.campaign.run_times import clock_fault, latest_moment, moment, start_times_s
-from hbench.store.campaign.written_settings import exported_settings, written_settings
 from hbench.store.files.atomic import append, rename, truncate, write_atomic, write_files
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_file
 from hbench.untrusted_text import printable
@@ -41,6 +41,11 @@ ADD_A_BENCH = (
 _CAMPAIGN = "Give a folder written by `hbench run` or `hbench import`; it contains campaign.yaml."
 _KNOWN = (  # sections of the header that are no details
     *"name source created software bench firmware log schedule schema map settings notes".split(),
+)
+WITH_SETTINGS = ("schedule", "map", "settings")  # sections of the header
+_SETTINGS = (  # for the report
+    *("specimen", "test", "oil"),
+    *("instruments", "sensors", "controllers", "limits", "screening"),
 )
 
 
@@ -196,7 +201,7 @@ class StoredCampaign:
             software={k: str(v) for k, v in (header.get("software") or {}).items()},
             details={k: v for k, v in header.items() if k not in _KNOWN}
             | (rules.details if rules else {}),
-            settings=written_settings(self.header),
+            settings=_written_settings(self.header),
         )
 
     def raw_runs(self) -> Iterator[RawRun]:
@@ -284,10 +289,6 @@ class StoredCampaign:
         """Whether the specimen is rotary: 1 m of the numbers stands for 1 rad, 1 N for 1 N m."""
         rules = self._settings()
         return isinstance(rules, ImportMap | ExportedSettings) and rules.rotary
-
-    def exported_settings(self) -> dict[str, Any]:
-        """Return the settings as they are written, for an export; empty if all are defaults."""
-        return exported_settings(self.header, rotary=self.rotary)
 
     def _parsed(self, key: str, parse: Callable[[dict, str], Any]) -> Any:
         """Return a section's content, parsed. A fault in it is a ``DataError``."""
@@ -386,3 +387,20 @@ def _keep_earlier(path: Path) -> None:
 def sha256(data: bytes) -> str:
     """Return the checksum by which the journal identifies a file."""
     return hashlib.sha256(data).hexdigest()
+
+
+def _written_settings(header: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of a header for the report; a schedule adds to those of the bench."""
+    written: dict[str, Any] = {}
+    for file in ("bench", *WITH_SETTINGS):
+        content = (header.get(file) or {}).get("content")
+        known = content if isinstance(content, dict) else {}
+        for name in _SETTINGS:
+            section = known.get(name)
+            before = written.get(name)
+            if isinstance(before, dict) and isinstance(section, dict):
+                written[name] = before | section
+            elif section is not None:
+                written[name] = section
+    plain: dict[str, Any] = json.loads(json.dumps(written, default=str))  # dates as text
+    return {name: plain[name] for name in _SETTINGS if name in plain}
