@@ -165,7 +165,9 @@ def test_laws_of_a_bench_without_hydraulics_are_tried_on_files_left_out(tmp_path
     assert not {"k_piston_n_pa", "k_rod_n_pa"} & set(parameters)
 
 
-def cylinder_log(path, load_n=1500.0, seed=1, zero_n=0.0, late_load=False, sign=1.0):
+def cylinder_log(
+    path, load_n=1500.0, seed=1, zero_n=0.0, late_load=False, sign=1.0, velocity_sign=1.0
+):
     t, x, v, a = speeds_in_turn((0.1,), 0.2)
     rest = np.zeros(2 * RATE_HZ)
     t = np.arange(len(t) + len(rest)) / RATE_HZ
@@ -177,6 +179,7 @@ def cylinder_log(path, load_n=1500.0, seed=1, zero_n=0.0, late_load=False, sign=
     columns = {
         "t": (t, 0),
         "x": (1e3 * x, 3e-3),
+        "v": (velocity_sign * 1e3 * v, 0.1),
         "p": (p_a / 1e5, 0.02),
         "f": (sign * force + zero_n, 2.0),
     }
@@ -232,6 +235,15 @@ def test_a_load_of_the_other_sign_than_its_name_is_reported(tmp_path, hydraulic,
     assert len(notes) == 1 and "1500" in notes[0] and "2 files" in notes[0]
 
 
+def test_a_velocity_against_the_motion_is_reported(tmp_path, hydraulic, imported):
+    hydraulic["columns"]["v_m_s"] = {"column": "v", "unit": "mm/s"}
+    for trial, sign in ((1, 1.0), (2, -1.0)):
+        cylinder_log(tmp_path / f"logs/a_1500N_{trial}.csv", seed=trial, velocity_sign=sign)
+    summary, _ = imported()
+    (note,) = [note for note in summary.notes if "v_m_s has the sign" in note]
+    assert note.startswith("a_1500N_2.csv: ")
+
+
 def test_a_rotary_actuator_has_angles_and_torques(tmp_path, hydraulic, imported):
     t, x, v, _ = speeds_in_turn((0.4,), 0.8)  # rad
     p_a = (50 + 8 * np.sign(v) + 10e5 * 30e-6) / 30e-6
@@ -254,6 +266,18 @@ def test_a_rotary_actuator_has_angles_and_torques(tmp_path, hydraulic, imported)
     assert any("rad" in note for note in summary.notes)
     with pytest.raises(DataError, match="gets no certificate: its actuator is rotary"):
         workflow.certify(tmp_path / "out", CERTIFICATE, tmp_path / "c.html")
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
+def test_a_rotary_campaign_stays_rotary_when_it_is_exported(
+    tmp_path, hydraulic, imported, clock, kind
+):
+    test_a_rotary_actuator_has_angles_and_torques(tmp_path, hydraulic, imported)
+    workflow.export(tmp_path / "out", tmp_path / "exported", kind)
+    summary = workflow.import_runs(tmp_path / "exported", tmp_path / "again", None, clock)
+    assert any(note.startswith("rotary actuator: in all results") for note in summary.notes)
+    with pytest.raises(DataError, match="gets no certificate: its actuator is rotary"):
+        workflow.certify(tmp_path / "again", CERTIFICATE, tmp_path / "c.html")
 
 
 @pytest.mark.parametrize(

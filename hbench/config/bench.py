@@ -44,9 +44,9 @@ class Bore(ConfigSection):
 
 
 class Cylinder(Bore):
-    """One asymmetrical cylinder."""
+    """One cylinder; ``rod_diameter`` is 0 for equal areas, as with a rod on both sides."""
 
-    rod_diameter: q.Length
+    rod_diameter: q.Position
     stroke: q.Length
     dead_volume_piston: q.Volume
     dead_volume_rod: q.Volume

@@ -32,6 +32,12 @@ class CampaignSettings(Identified):
         return details
 
 
-def parse_settings(data: dict[str, Any], source: str) -> CampaignSettings:
+class ExportedSettings(CampaignSettings):
+    """The ``settings.yaml`` of an export, which has no map."""
+
+    rotary: bool = False  # 1 m of the numbers stands for 1 rad, 1 N for 1 N m
+
+
+def parse_settings(data: dict[str, Any], source: str) -> ExportedSettings:
     """Check the mapping of a settings file. Raises ``ConfigError``."""
-    return validate(CampaignSettings, data, source)
+    return validate(ExportedSettings, data, source)

@@ -1,7 +1,6 @@
 """The import map: rules to convert another bench's files to runs."""
 
 import difflib
-import math
 import re
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
@@ -14,10 +13,12 @@ from hbench.config.campaign_settings import CampaignSettings
 from hbench.config.files.loading import validate
 from hbench.config.import_layout import (
     DATE_TIME,
+    NO_CYLINDER,
     ROTARY,
     Column,
     ForeignLoadCell,
     Format,
+    ImportedCylinder,
     check_column,
 )
 from hbench.config.quantity import ConfigSection
@@ -45,73 +46,15 @@ def _speed(value: object) -> float:
     return si
 
 
+Cut = Literal["none", "reversals", "plateaus"]
 AnySpeed = Annotated[float, BeforeValidator(_speed)]
-Area = Annotated[float, q.quantity("mm^2", gt=0, le=10)]
-RodArea = Annotated[float, q.quantity("mm^2", ge=0, le=10)]
-Displacement = Annotated[float, q.quantity("cm^3", gt=0, le=1)]  # a radian has no dimension
 
 
-class ImportedCylinder(ConfigSection):
-    """The actuator under test of another bench, by diameters, areas or displacement.
-
-    ``displacement`` is the volume for one radian of a rotary actuator with equal sides.
-    """
-
-    piston_diameter: q.Length | None = None
-    rod_diameter: Annotated[float, q.quantity("mm", ge=0, le=20)] = 0.0
-    piston_area: Area | None = None
-    rod_area: RodArea | None = None  # of the rod side, the annulus
-    displacement: Displacement | None = None
-    stroke: q.Length | None = None  # for end_stop; x_m is 0 with the piston fully retracted
-
-    @property
-    def rotary(self) -> bool:
-        """Whether positions are angles and forces torques."""
-        return self.displacement is not None
-
-    @property
-    def area_piston_m2(self) -> float:
-        """A_p, or the displacement of a radian [m^3]; 0 if neither is known."""
-        if self.piston_diameter is not None:
-            return math.pi / 4 * self.piston_diameter**2
-        return self.displacement or self.piston_area or 0.0
-
-    @property
-    def area_rod_m2(self) -> float:
-        """A_r, the annulus, or the displacement of a radian [m^3]."""
-        if self.piston_diameter is not None:
-            return math.pi / 4 * (self.piston_diameter**2 - self.rod_diameter**2)
-        return self.displacement or self.rod_area or 0.0
-
-    @property
-    def known(self) -> bool:
-        """Whether it is a hydraulic actuator: it has a size."""
-        return self.area_piston_m2 > 0.0
-
-    @model_validator(mode="after")
-    def _one_size(self) -> "ImportedCylinder":
-        given = [
-            name
-            for name in ("piston_diameter", "piston_area", "displacement")
-            if getattr(self, name) is not None
-        ]
-        if len(given) != 1:
-            raise ValueError(
-                "give one of piston_diameter (with rod_diameter), piston_area (with rod_area) and "
-                f"displacement; found {' and '.join(given) or 'none'}"
-            )
-        if given == ["piston_diameter"] and self.rod_diameter >= (self.piston_diameter or 0):
-            raise ValueError("rod_diameter must be smaller than piston_diameter")
-        if self.rod_area is not None and given != ["piston_area"]:
-            raise ValueError("rod_area needs piston_area")
-        if (self.rod_area or 0.0) > (self.piston_area or math.inf):
-            raise ValueError("rod_area, the annulus, must not be larger than piston_area")
-        if self.rod_diameter and given != ["piston_diameter"]:
-            raise ValueError("rod_diameter needs piston_diameter")
-        return self
-
-
-NO_CYLINDER = ImportedCylinder.model_construct()
+def known_kind(kind: str) -> str:
+    """Return a kind of runs. Raises ``ValueError`` if there is none of this name."""
+    if kind not in KINDS:
+        raise ValueError(f"must be one of {kind_names()}")
+    return kind
 
 
 def units_behind(files: str) -> Iterator[tuple[str, str]]:
@@ -146,6 +89,8 @@ class FileSeries(ConfigSection):
     # What else was varied, such as current or lubricant: its unit where the file's name has the
     # value, as in {current: A}; or the value itself, as in {lubricant: PTFE grease}.
     factors: dict[str, str] = {}
+    kind: str | None = None  # of these files, if it is not that of the map
+    cut: Cut | None = None
 
     @property
     def fields(self) -> list[str]:
@@ -158,6 +103,11 @@ class FileSeries(ConfigSection):
             (name, f"{fields[name]} {value}".rstrip() if name in fields else value)
             for name, value in self.factors.items()
         )
+
+    @field_validator("kind")
+    @classmethod
+    def _known_kind(cls, kind: str | None) -> str | None:
+        return None if kind is None else known_kind(kind)
 
     @field_validator("factors")
     @classmethod
@@ -221,15 +171,19 @@ class ImportMap(CampaignSettings):
     series: tuple[FileSeries, ...] = Field(min_length=1, max_length=1000)
     repeated_times: Literal["refuse", "drop"] = "refuse"  # drop: the first sample of each counts
     resample: q.Frequency | None = None
-    cut: Literal["none", "reversals", "plateaus"] = "none"  # a run of each stroke or speed
+    cut: Cut = "none"  # a run of each stroke or speed
     min_stroke: q.Length = 0.01  # shorter ones are left out, with a note
 
     @field_validator("kind")
     @classmethod
     def _known_kind(cls, kind: str) -> str:
-        if kind not in KINDS:
-            raise ValueError(f"must be one of {kind_names()}")
-        return kind
+        return known_kind(kind)
+
+    def of(self, series: FileSeries) -> "ImportMap":
+        """Return the map with the kind and the cut of one of its series."""
+        return self.model_copy(
+            update={"kind": series.kind or self.kind, "cut": series.cut or self.cut}
+        )
 
     def wanted(self, channel: str) -> str:
         """Return a unit of the dimension that a channel's column must have."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from hbench.analysis.identification.verification import model_errors, steady_parts
-from hbench.analysis.screening.sample_friction import CENTRED, logged_motion
+from hbench.analysis.screening.sample_friction import logged_motion
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record_plans
 from hbench.experiment.progress import Progress
@@ -114,4 +114,5 @@ def _first_trials(runs: Sequence[Run]) -> list[Run]:
 def trace(run: Run, mass_kg: float) -> Trace:
     """Return velocity and friction of a run, without the ends, where derivatives are one-sided."""
     motion = logged_motion(run, mass_kg)
-    return Trace(run.t_s[CENTRED], motion.v_m_s[CENTRED], motion.friction_n[CENTRED])
+    kept = motion.centred
+    return Trace(run.t_s[kept], motion.v_m_s[kept], motion.friction_n[kept])

@@ -73,8 +73,9 @@ class ImportPreview:
     name: str
     folder: str
     map_file: str
-    cut: str
+    cuts: tuple[str, ...]  # of its series, each once
     files: tuple[PreviewedFile, ...]  # series by series
+    refused: bool  # the import would stop: most files have an error, or a series matches none
     unmatched: tuple[str, ...]  # files that match no series
     empty_series: dict[str, str] = field(
         default_factory=dict

@@ -8,6 +8,7 @@ from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.mat_curves import mat_curves
 from hbench.store.exporting.modelica import modelica_tables
 from hbench.store.exporting.runs import FORMATS
+from hbench.store.exporting.settings import exported_settings
 from hbench.store.exporting.spreadsheets import (
     in_practical_units,
     with_decimal_comma,
@@ -64,7 +65,7 @@ def export(
         write_atomic(destination / "curves.mat", mat_curves(results.curves, results.joint_fits))
     runs = ((screened.run, "; ".join(screened.reasons)) for screened in screened_runs(campaign))
     bench = (campaign.header.get("bench") or {}).get("content")
-    files = {"bench.yaml": bench, "settings.yaml": campaign.exported_settings()}
+    files = {"bench.yaml": bench, "settings.yaml": exported_settings(campaign)}
     beside = {name: content for name, content in files.items() if content}
     count = int(kind == "mat")
     for name, data in FORMATS[kind](runs, beside):

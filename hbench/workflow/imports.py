@@ -44,9 +44,17 @@ from hbench.store.importing.mapped_files import (
     Piece,
     channels_of,
     cut_file,
+    map_is_wrong,
     pieces_of,
     plans_of,
     read_mapped_file,
+    with_stuck_sensor,
+)
+from hbench.store.importing.stuck_sensors import (
+    SensorActivity,
+    activity_of,
+    stuck_note,
+    stuck_sensors,
 )
 from hbench.store.suggesting.suggest import Suggestion, suggest_map
 
@@ -80,6 +88,8 @@ def preview_import(source: Path, map_file: Path) -> ImportPreview:
     cut: list[tuple[PreviewedFile, list[Piece]]] = []
     for match in matches.files:
         cut.append(_cut(read, match, sum(len(pieces) for _, pieces in cut) + 1))
+    stuck = read.stuck_sensors()
+    cut = [(_with_stuck(file, stuck.get(file.name, {})), found) for file, found in cut]
     pieces = [piece for _, found in cut for piece in found]
     plans = {plan.run: plan for plan in (plans_of(pieces, rules) if pieces else ())}
     samples = _SamplesToDraw(len({match.series.files for match in matches.files}))
@@ -89,8 +99,10 @@ def preview_import(source: Path, map_file: Path) -> ImportPreview:
         name=rules.name,
         folder=str(source),
         map_file=map_file.name,
-        cut=rules.cut,
+        cuts=tuple(dict.fromkeys(rules.of(series).cut for series in rules.series)),
         files=tuple(samples.files),
+        refused=bool(matches.empty)
+        or map_is_wrong(sum(bool(file.error) for file in samples.files), len(samples.files)),
         unmatched=matches.unmatched,
         empty_series={series.label: series.files for series in matches.empty},
     )
@@ -115,11 +127,24 @@ class _Files:
         self.folder, self.rules = folder, rules
         self._kept: dict[str, MappedFile] = {}
         self._size = 0
+        self._activity: dict[str, SensorActivity] = {}
+        self._stuck: dict[str, dict[str, float]] = {}
 
     def read(self, match: FileMatch) -> MappedFile:
-        """Read a file. Raises ``DataError``."""
-        if match.name in self._kept:
-            return self._kept[match.name]
+        """Read a file. Its samples are marked if a sensor was stuck. Raises ``DataError``."""
+        mapped = self._kept.get(match.name) or self._read(match)
+        return with_stuck_sensor(mapped) if match.name in self._stuck else mapped
+
+    def stuck_sensors(self) -> dict[str, dict[str, float]]:
+        """Return the stuck sensors of each file, now that all files were read and cut."""
+        self._stuck = stuck_sensors(self._activity)
+        return self._stuck
+
+    def was_cut(self, mapped: MappedFile) -> None:
+        """Take a file that could be read and cut into account for the stuck sensors."""
+        self._activity[mapped.match.name] = activity_of(mapped.read, self.rules.min_stroke)
+
+    def _read(self, match: FileMatch) -> MappedFile:
         mapped = read_mapped_file(self.folder, match, self.rules)
         size = sum(values.nbytes for values in mapped.read.channels.values())
         if self._size + size <= _MOST_KEPT:
@@ -136,11 +161,18 @@ def _cut(files: _Files, match: FileMatch, number: int) -> tuple[PreviewedFile, l
         mapped = files.read(match)
         file = _described(file, mapped, rules)
         found = cut_file(mapped, folder, rules)
+        files.was_cut(mapped)
         pieces, signs = pieces_of(mapped, found, _check_size, number)
     except HbenchError as error:
         return replace(file, error=_without_path(error, folder, match)), []
     notes = (*file.notes, *_texts(match, merged([*found.notes, *signs])))
     return replace(file, notes=notes), pieces
+
+
+def _with_stuck(file: PreviewedFile, sensors: Mapping[str, float]) -> PreviewedFile:
+    notes = merged(stuck_note(file.name, *sensor) for sensor in sensors.items())
+    texts = (note.removeprefix(f"{file.name}: ") for note in notes)
+    return replace(file, notes=(*file.notes, *texts))
 
 
 def _check_size(name: str, run: str, channels: Mapping[str, np.ndarray]) -> StoredLog:

@@ -237,7 +237,15 @@ def derive(
         drift=drift,
         oil_temperature=temperature,
         headline=headline(curves, efficiencies, analysed.motions.breakaways),
-        quality=quality(screened, curves, efficiencies, planned, drift, checks_of_zero),
+        quality=quality(
+            screened,
+            curves,
+            efficiencies,
+            planned,
+            drift,
+            checks_of_zero,
+            analysed.motions.loops,
+        ),
     )
 
 

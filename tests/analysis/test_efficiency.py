@@ -203,6 +203,16 @@ def test_the_trials_part_is_the_standard_error_of_their_efficiencies_and_student
     assert known.u95 == pytest.approx(stats.t.ppf(0.975, dof) * combined)
 
 
+def test_a_trial_without_load_leaves_the_trials_part_unknown(make_curve):
+    curve = make_curve([0.1], [400.0], "retract")
+    point = replace(
+        curve.points[0], n=2, trials_n=(-100.0, -100.0), trials_f_test_n=(-100.0, 400.0)
+    )
+    found = efficiency_curve(replace(curve, points=(point,)), None).points[0]
+    assert found.efficiency is not None
+    assert found.sigma_trials is None and found.ci95 is None
+
+
 @pytest.mark.parametrize(("v", "expected"), [(0.1, 2000 / 2400), (-0.1, 1600 / 2000)])
 def test_a_screened_run_carries_its_efficiency(make_run, rules, v, expected):
     run = make_run(v_m_s=v, friction_n=400.0, f_applied_n=2000.0)

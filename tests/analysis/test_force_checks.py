@@ -59,3 +59,18 @@ def test_a_difference_of_the_directions_within_the_instruments_uncertainty_is_no
     uneven = {"loads_n": [1000.0], "middle": lambda load: 200.0}
     assert list(equal_directions(curves(**uneven)))
     assert not list(equal_directions(curves(**uneven, u95_n=150.0)))
+
+
+def loop(offset_n):
+    """Return a triangle's loop of 100 N of friction, with a constant force in both directions."""
+    v = 0.1 * np.cos(np.linspace(0, 2 * np.pi, 100, endpoint=False))
+    trace = np.column_stack([np.zeros(100), v, 100 * np.sign(v) + offset_n])
+    return SimpleNamespace(series=SimpleNamespace(f_load_n=0.0), trace=trace)
+
+
+@pytest.mark.parametrize(("offset_n", "grade"), [(50.0, "with care"), (-500.0, "poor")])
+def test_a_constant_force_in_the_loops_of_triangles_is_found(offset_n, grade):
+    (check,) = equal_directions((), [loop(offset_n), loop(offset_n)])
+    assert (check.grade, check.count, check.of) == (grade, 2, 2)
+    assert check.value == pytest.approx(abs(offset_n))
+    assert not list(equal_directions((), [loop(20.0)]))

@@ -1,6 +1,7 @@
 """LuGre along logged motions: against an ODE solver, curve_fit, and the virtual rig's truth."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,10 +10,11 @@ from scipy.optimize import curve_fit
 
 from hbench.analysis.identification.driven_law import driven_friction
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
-from hbench.analysis.screening.sample_friction import LoggedMotion
+from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.model.build import friction_parameters
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
+from hbench.records import Run, RunPlan, Specimen
 from tests.support.analysis.other_plant import (
     OTHER_MASS_KG,
     OTHER_PLANT,
@@ -196,3 +198,40 @@ def test_without_noise_and_scatter_the_rigs_bristle_damping_is_found_within_five
 def test_the_rigs_parameters_lie_in_the_95_percent_intervals_over_many_seeds(bench, rig_runs):
     """40 campaigns of 8 runs, 8 parameters that go together: two standard deviations are 3 %."""
     assert 0.91 <= coverage(bench, rig_runs, range(100, 140)) <= 0.985
+
+
+def another_benchs_log(number, rate_hz):
+    """Two triangles of velocity with rests, friction by the law, position noise of 3 um."""
+    dt, rng = 1 / rate_hz, np.random.default_rng(number)
+    t = np.arange(0.0, 10.0, dt)
+    rate = 0.25 * (1 + number % 3)  # periods a second
+    phase = np.clip(t - 1.0, 0.0, 2 / rate) * rate
+    v = 0.08 * 2 / np.pi * np.arcsin(np.sin(2 * np.pi * phase)) * (phase < 2)
+    par = parameters(k_piston_n_pa=0.0, k_rod_n_pa=0.0)
+    friction = driven_friction(replace(motion_of(v, 0 * v), dt_s=dt), par)
+    x = 0.1 + (np.cumsum(v) - v / 2) * dt + 3e-6 * rng.standard_normal(len(t))
+    plan = RunPlan(f"{number:04d}", "triangle", 1, 0.08, Specimen(1e-3, 1e-3))
+    noise = 2.0 * rng.standard_normal(len(t))
+    return Run(
+        plan,
+        t,
+        x,
+        p_tp_pa=20e5 + 1e3 * friction,
+        p_tr_pa=np.full(len(t), 20e5),
+        f_applied_n=noise,
+    )
+
+
+def steady(v, f_c, f_s, v_s, b):
+    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
+
+
+@pytest.mark.parametrize("rate_hz", [100, 500])
+def test_noise_of_the_position_at_rest_is_no_static_friction(rate_hz):
+    motions = [logged_motion(another_benchs_log(n, rate_hz), 0.0) for n in range(6)]
+    known = parameters(k_piston_n_pa=0.0, k_rod_n_pa=0.0)
+    fit = fit_lugre(motions, known, list(UNKNOWNS)[:6])
+    assert fit.parameters["f_stiction_n"].value == pytest.approx(480.0, rel=0.01)
+    v = np.array([0.003, 0.01, 0.04, 0.08])
+    found = [fit.parameters[name].value for name in STEADY]
+    np.testing.assert_allclose(steady(v, *found), steady(v, 310, 480, 0.055, 2350), rtol=0.005)

@@ -18,6 +18,7 @@ from hbench.config.conformity.certificate import parse_certificate
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.raw_logs import raw_data
+from hbench.store.exporting.settings import exported_settings
 from tests.support import ROOT
 from tests.support.certificates import FILE, LIMITS
 
@@ -125,7 +126,7 @@ def test_a_simulated_campaign_stays_simulated_when_it_is_exported_and_imported(k
     workflow.export(SAMPLE, exported, kind)
     workflow.import_runs(exported, again, None, lambda: datetime.now(UTC))
     assert load_campaign(again).provenance().source == "simulated"
-    assert load_campaign(again).exported_settings()["simulated"] is True
+    assert exported_settings(load_campaign(again))["simulated"] is True
 
 
 OWN = "<p>{{ certificate.number }}</p><p>{{ certificate.mark }}</p>"

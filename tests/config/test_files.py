@@ -251,6 +251,13 @@ def test_a_plant_file_replaces_single_keys_of_the_bench():
     assert plant.oil.density == 870
 
 
+def test_a_rod_of_0_mm_makes_the_areas_equal_as_a_rod_on_both_sides_does():
+    bench = read_yaml(CONFIGS / "bench-aau.yaml")
+    bench["test_cylinder"]["rod_diameter"] = "0 mm"
+    cylinder = parse_bench(bench, "bench").test_cylinder
+    assert cylinder.area_rod_m2 == cylinder.area_piston_m2
+
+
 def test_a_whole_bench_file_as_a_plant_file_is_its_physics_alone():
     other = changed(BENCH, "oil.bulk_modulus", "900 bar") | {"name": "another bench"}
     with_effects = BENCH | {"effects": {"valve_lag": {"time": "2 ms"}}}

@@ -80,6 +80,25 @@ def two_seals(model=MODEL):
     return diagnosed(model, soft=soft, hard=hard)
 
 
+def test_trials_of_files_with_other_positions_are_repeats():
+    """An import averages each file at the positions that its own strokes cover."""
+    as_imported = [
+        replace(
+            run,
+            run=replace(
+                run.run,
+                plan=replace(
+                    run.run.plan, x_low_m=0.01 + 1e-5 * n, x_high_m=0.1, speed_is_measured=True
+                ),
+            ),
+        )
+        for n, run in enumerate(strokes(saturating(120, 120)))
+    ]
+    assert len({pair.plan for pair in stroke_pairs(as_imported)}) == len(BARS)
+    found = diagnosed(only=tuple(as_imported))
+    assert {each.name for each in found.alternatives} >= {"load_friction"}
+
+
 @pytest.fixture(scope="module")
 def of_two_seals():
     return two_seals()

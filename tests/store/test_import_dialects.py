@@ -301,7 +301,8 @@ def test_short_lines_at_the_end_are_left_out_with_a_note(bring_in, tmp_path, at,
     run, _ = bring_in(ROWS + end)
     assert run.t_s.tolist() == [0, 0.5, 1.0]
     again = import_folder(tmp_path / "logs", tmp_path / "again", tmp_path / "map.yaml", {}, at(0))
-    assert any("rows left out: blank or short (the first is line 6)" in n for n in again.notes)
+    text = "rows left out: short or without a position (the first is line 6)"
+    assert any(text in note for note in again.notes)
 
 
 @pytest.mark.parametrize("end", ["5,6\n" * 6, "5,6\n1500,60,1,2\n", "1500,60,1,2,3\n"])

@@ -12,6 +12,7 @@ from hbench.config.import_map import parse_import_map
 from hbench.config.schedule import Screening
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.run_csv import SEVERAL_RUNS
 from hbench.store.importing.importer import import_folder
 
 BORE_M = 0.025
@@ -162,7 +163,8 @@ def test_screening_of_the_map_is_kept(bring_in, rules):
 
 def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, source):
     rules["cut"] = "none"
-    (source / "1" / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=2))
+    for trial in "12":
+        (source / trial / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=2))
     with pytest.raises(DataError, match=r"3bar.txt: .*\b20 mm") as caught:
         bring_in()
     assert "cut: reversals" in caught.value.hint
@@ -170,28 +172,49 @@ def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, sour
 
 
 def test_strokes_that_the_ends_of_a_file_cut_off_are_called_so(bring_in, source):
-    (source / "1" / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=2))  # 40 mm there and back
+    for trial in "12":  # 40 mm there and back
+        (source / trial / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=2))
     with pytest.raises(DataError, match="no stroke between two reversals") as caught:
         bring_in()
     assert caught.value.hint.startswith("The start or the end of the file cuts its strokes off")
 
 
-def test_bad_cell_is_named_with_file_line_and_content(bring_in, source):
-    path = source / "2" / "3bar.txt"
+BAD_CELL = "line 42: column 4: found '---'; expected a number"
+BACK = "line 42: time goes from 0.4 s to 0.39 s; expected increasing time"
+
+
+def spoil(path, fault):
     lines = path.read_text().splitlines()
-    lines[41] = "410.0 -5.0 3.0 ---"
+    lines[41] = "410.0 -5.0 3.0 ---" if fault == BAD_CELL else lines[39]
     path.write_text("\n".join(lines))
-    with pytest.raises(DataError, match=r"2/3bar.txt: line 42: column 4: .*'---'"):
+
+
+@pytest.mark.parametrize(("fault", "hint"), [(BAD_CELL, ""), (BACK, f". {SEVERAL_RUNS}")])
+def test_a_damaged_file_is_left_out_with_file_line_and_content(bring_in, source, fault, hint):
+    spoil(source / "2" / "3bar.txt", fault)
+    summary, campaign = bring_in()
+    assert f"2/3bar.txt: left out: {fault}{hint}" in summary.notes
+    assert f"2/3bar.txt: left out: {fault}{hint}" in campaign.warnings
+    assert {plan.trial for plan in campaign.plans} == {1}
+
+
+@pytest.mark.parametrize("fault", [BAD_CELL, BACK])
+def test_if_most_files_are_damaged_the_import_is_refused(bring_in, source, fault):
+    for trial in "12":
+        spoil(source / trial / "3bar.txt", fault)
+    with pytest.raises(DataError, match=rf"1/3bar.txt: {fault}"):
         bring_in()
 
 
-def test_time_that_goes_back_is_named_with_its_line(bring_in, source):
-    path = source / "1" / "3bar.txt"
-    lines = path.read_text().splitlines()
-    lines[41] = lines[39]
-    path.write_text("\n".join(lines))
-    with pytest.raises(DataError, match=r"1/3bar.txt: line 42: .*\b0.4 s.*\b0.39 s"):
-        bring_in()
+def test_a_file_without_a_whole_stroke_is_left_out(bring_in, source):
+    (source / "3").mkdir()
+    (source / "3" / "3bar.txt").write_text(lines_of((12, 8), stroke_mm=5.0))
+    summary, _ = bring_in()
+    assert any(
+        note.startswith("3/3bar.txt: left out: no stroke between two reversals")
+        for note in summary.notes
+    )
+    assert summary.files == 2
 
 
 def test_series_without_files_is_named(bring_in, rules):
@@ -276,3 +299,21 @@ def test_series_that_cannot_work_is_refused(rules, change, message):
     rules["series"][0] |= change
     with pytest.raises(ConfigError, match=message):
         parse_import_map(rules, "map.yaml")
+
+
+def test_a_series_may_have_a_kind_and_a_cut_of_its_own(bring_in, rules, source):
+    (source / "loops").mkdir()
+    (source / "loops" / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=4))
+    loops = {"files": "loops/{pressure}bar.txt", "kind": "triangle", "cut": "none"}
+    rules["series"].append({**rules["series"][0], **loops})
+    summary, campaign = bring_in()
+    kinds = [plan.kind for plan in campaign.plans]
+    assert kinds == ["steady"] * 6 + ["triangle"]
+    assert "6 runs cut at reversals from 2 files" in summary.notes
+    assert "files that are one run each: 1" in summary.notes
+
+
+def test_an_unknown_kind_of_a_series_is_refused(rules):
+    rules["series"][0]["kind"] = "sine"
+    with pytest.raises(ConfigError, match=r"series\.0\.kind|series\[0\]\.kind|kind.*must be one"):
+        parse_import_map(rules, "map")

@@ -128,3 +128,15 @@ def test_a_valves_command_in_percent_is_offered_with_its_scale_to_fill_in(tmp_pa
     text = workflow.suggest_import_map(tmp_path).text
     assert '# u_t_v: {column: "Ventil 1 [%]", unit: V, scale: "???"}' in text
     assert "0.1 for percent of 10 V" in " ".join(text.replace("#", "").split())
+
+
+@pytest.mark.parametrize("clock_s", [lambda t: t % 1.0, lambda t: np.where(t < 1.5, t, t - 1.5)])
+def test_a_clock_that_wraps_or_restarts_is_made_to_rise(tmp_path, monkeypatch, clock_s):
+    (tmp_path / "traces").mkdir()
+    t = np.arange(0, 3, 0.02)
+    lines = [f"{time:.2f}\t{20 * true:.3f}" for time, true in zip(clock_s(t), t, strict=True)]
+    lines.insert(80, "# block 2")
+    (tmp_path / "traces" / "20mm_s.txt").write_text("t\tx\n" + "\n".join(lines) + "\n")
+    assert recipe("clock", tmp_path, monkeypatch) == ["20mm_s.csv"]
+    made = np.loadtxt(tmp_path / "logs" / "20mm_s.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(made[:, 0], t, atol=1e-6)

@@ -481,3 +481,38 @@ def test_a_motor_that_turns_a_joint_needs_no_cylinder(tmp_path, logs, clock):
     (tmp_path / "linear.yaml").write_text(text)
     with pytest.raises(ConfigError, match="'deg/s' is not one of m/s|is not one of N"):
         workflow.import_runs(logs, tmp_path / "d", tmp_path / "linear.yaml", clock)
+
+
+def test_sines_with_an_odd_number_of_strokes_are_kept_whole(logs):
+    t = np.arange(0, 12, 0.01)
+    turned = np.clip(t - 1, 0, 10)  # five strokes of 2 s
+    x = 100 - 50 * np.cos(np.pi * turned / 2)
+    for load in (0, 1000):
+        columns = {"t [s]": t, "x [mm]": x, "p_A [bar]": 20 + np.sin(t), "p_B [bar]": 10 + 0 * t}
+        pd.DataFrame(columns | {"F [N]": load + 0 * t}).to_csv(logs / f"{load}N.csv", index=False)
+    text = suggest_map(logs).text
+    rules = parse_yaml(text)
+    assert (rules["kind"], rules["cut"]) == ("triangle", "none")
+    assert "10 strokes in 2 files without constant speed; about 100 mm" in text
+
+
+def test_comments_between_the_rows_are_skipped(logs, imported):
+    for trial in (1, 2):
+        run = there_and_back(0.05, 500.0, trial)
+        rows = pd.DataFrame({key: values for key, values in run.items()}).to_csv(
+            index=False, sep="\t"
+        )
+        lines = rows.splitlines()
+        lines.insert(900, "# block 2")
+        (logs / f"50mm_s_{trial}.txt").write_text("\n".join(lines) + "\n")
+    rules, results = imported(logs)
+    assert rules["format"]["comment"] == "#"
+    assert all(run.accepted for run in results.runs)
+
+
+def test_a_command_is_that_of_the_valve(logs):
+    run = there_and_back(0.05, 500.0)
+    pd.DataFrame(run | {"Cmd (V)": np.sign(run["f_applied_n"])}).to_csv(logs / "1.csv", index=False)
+    assert parse_yaml(suggest_map(logs).text)["columns"]["u_t_v"]["column"] == "Cmd (V)"
+    pd.DataFrame(run | {"cmd_pct": run["t_s"]}).to_csv(logs / "1.csv", index=False)
+    assert '# u_t_v: {column: cmd_pct, unit: V, scale: "???"}' in suggest_map(logs).text

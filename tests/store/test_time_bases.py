@@ -112,12 +112,19 @@ def test_a_clipped_sample_of_a_faster_channel_marks_its_mean(bring_in):
         ({"tf": SLOW + 5000}, r"no time in common.* 0 s to 1.99 s"),
         ({"tf": SLOW[::-1]}, r"line 3: time goes from 2 s to 1.95 s"),
         ({"f": 3 * np.append(SLOW, 2050)}, r"line 43: f_applied_n without a time"),
-        ({"x": 0.04 * T[:-1]}, r"line 201: no x_m"),
     ],
 )
 def test_channels_that_cannot_be_aligned_are_refused(bring_in, change, message):
     with pytest.raises(DataError, match=message):
         bring_in(**columns(**change))
+
+
+def test_samples_without_a_position_are_a_gap(bring_in):
+    x = 0.04 * T
+    x[100:105] = np.nan
+    run, notes = bring_in(**columns(x=x))
+    assert np.diff(run.t_s).max() == pytest.approx(6 * np.diff(run.t_s).min())
+    assert any("5 rows left out: short or without a position" in note for note in notes)
 
 
 def test_date_times_of_two_columns_count_from_the_same_instant(rules, import_by, tmp_path):

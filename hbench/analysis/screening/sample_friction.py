@@ -2,9 +2,11 @@
 
     F_fT = F_T - F_applied - m_T a        (2.12, with the inertia of the test side alone)
 
-Velocity and acceleration come from the position: a polynomial of fourth order through seven samples
-(Savitzky and Golay), which has no lag. At 100 Hz it covers 60 ms, so it suits reversals and ramps,
-but not steps of the reference.
+Velocity and acceleration come from the position: a polynomial of fourth order through the samples
+of 60 ms (Savitzky and Golay), seven at least, which has no lag. It suits reversals and ramps, but
+not steps of the reference. At rest the velocity is the slope over 0.3 s: noise would relax the
+bristles of a friction law, since the mean of |v| is not 0, and a fit would then find too large a
+static friction.
 """
 
 from dataclasses import dataclass
@@ -18,10 +20,11 @@ from hbench.analysis.screening.friction_channels import (
     test_force,
 )
 from hbench.errors import DataError
+from hbench.motion.speeds import noise_over_motion
 from hbench.records import Run
 
-_WINDOW, _ORDER = 7, 4  # samples; of the polynomial
-CENTRED = slice(_WINDOW // 2, -(_WINDOW // 2))  # samples whose derivatives are not one-sided
+_WINDOW_S, _FEWEST, _ORDER = 0.06, 7, 4  # samples at least; of the polynomial
+_REST_S, _STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
 _MEMORY_M = 0.02  # about ten presliding lengths, after which the initial state has no effect
 
 
@@ -37,6 +40,12 @@ class LoggedMotion:
     friction_n: np.ndarray  # (n,)
     compared: np.ndarray  # (n,) bool; False in the first 20 mm: the initial state is unknown
     f_applied_n: np.ndarray  # (n,) load cell, including the load side's inertia
+    one_sided: int = _FEWEST // 2  # samples at each end whose derivatives are not centred
+
+    @property
+    def centred(self) -> slice:
+        """The samples whose derivatives are not one-sided."""
+        return slice(self.one_sided, len(self.v_m_s) - self.one_sided)
 
 
 def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
@@ -49,18 +58,24 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
     missing = missing_friction_channels(run)
     if missing:
         raise DataError(f"run {run.plan.run}: friction needs {' and '.join(missing)}")
-    if len(run.t_s) < _WINDOW:
-        raise DataError(f"run {run.plan.run}: has {len(run.t_s)} samples; limit {_WINDOW}")
     steps = np.diff(run.t_s)
-    dt = float(np.median(steps))
+    dt = float(np.median(steps)) if len(steps) else np.inf
+    window = max(_FEWEST, _odd(_WINDOW_S / dt))
+    if len(run.t_s) < window:
+        raise DataError(f"run {run.plan.run}: has {len(run.t_s)} samples; limit {window}")
     if np.abs(steps - dt).max() > 0.01 * dt:
         raise DataError(
             f"run {run.plan.run}: its samples are not evenly spaced ({steps.min():.4g} to "
             f"{steps.max():.4g} s)",
             f"Without gaps, write 'resample: {0.5 / dt:.2g} Hz' in the import map.",
         )
-    v = savgol_filter(run.x_m, _WINDOW, _ORDER, deriv=1, delta=dt)
-    a = savgol_filter(run.x_m, _WINDOW, _ORDER, deriv=2, delta=dt)
+    v = savgol_filter(run.x_m, window, _ORDER, deriv=1, delta=dt)
+    a = savgol_filter(run.x_m, window, _ORDER, deriv=2, delta=dt)
+    long = max(window, _odd(_REST_S / dt))
+    if len(run.t_s) >= long:
+        at_rest = _at_rest(run, long)
+        v = np.where(at_rest, savgol_filter(run.x_m, long, 1, deriv=1, delta=dt), v)
+        a = np.where(at_rest, 0.0, a)
     return LoggedMotion(
         run=run.plan.run,
         dt_s=dt,
@@ -70,7 +85,21 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         friction_n=test_force(run, slice(None)) - required(run, "f_applied_n") - mass_kg * a,
         compared=np.cumsum(np.abs(v)) * dt > _MEMORY_M,
         f_applied_n=required(run, "f_applied_n"),
+        one_sided=window // 2,
     )
+
+
+def _odd(samples: float) -> int:
+    """Return the odd number of samples next to some intervals and one more."""
+    return 2 * round(samples / 2) + 1 if np.isfinite(samples) else 1
+
+
+def _at_rest(run: Run, samples: int) -> np.ndarray:
+    """Return whether the position stays within its noise about each sample (n,)."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow import
+
+    span = maximum_filter1d(run.x_m, samples) - minimum_filter1d(run.x_m, samples)
+    return span <= _STILL * noise_over_motion(run.t_s, run.x_m)
 
 
 def _pressure(run: Run, name: str) -> np.ndarray:

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.records import Curve, CurvePoint, Grade, QualityCheck
+from hbench.records import Curve, CurvePoint, Grade, Loop, QualityCheck
 
 _SUPPLIED_GOOD = 5.0  # of the friction by the load, %
 _CHANGE_GOOD, _CHANGE_POOR = 3.0, 10.0  # of the mean of both directions, % of the load
@@ -91,9 +91,16 @@ def load_balance(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
         yield QualityCheck("load_balance", grade, change, "%", _CHANGE_GOOD, _CHANGE_POOR)
 
 
-def equal_directions(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
-    """Yield the largest difference of the directions, where one has over twice the friction."""
+def equal_directions(curves: Iterable[Curve], loops: Iterable[Loop] = ()) -> Iterator[QualityCheck]:
+    """Yield the largest difference of the directions, where one has over twice the friction.
+
+    It is poor if friction drives one direction of most ``loops``, the means over whole strokes of
+    triangles.
+    """
     found = [both for of_speed in _both_directions(curves) for both in of_speed]
+    of_loops = [*map(_over_strokes, loops)]
+    found += of_loops
+    driven = sum(abs(both.middle_n) > abs(both.half_n) for both in of_loops)
     beyond = [
         both
         for both in found
@@ -103,9 +110,20 @@ def equal_directions(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
         shares = (100 * abs(both.middle_n / both.half_n) for both in beyond if both.half_n)
         largest = max(shares, default=None)
         counts = len(beyond), len(found)
-        yield QualityCheck(
-            "equal_directions", "with care", largest, "%", _DIFFERENCE_GOOD, None, *counts
-        )
+        grade: Grade = "poor" if 2 * driven > len(found) else "with care"
+        yield QualityCheck("equal_directions", grade, largest, "%", _DIFFERENCE_GOOD, None, *counts)
+
+
+def _over_strokes(loop: Loop) -> _Both:
+    """Return both directions of a loop: the means of its friction over the distance.
+
+    Their intervals are not known and are taken as 0.
+    """
+    _, v, friction = np.array(loop.trace).T
+    extend, retract = (np.average(friction, weights=np.maximum(way * v, 0)) for way in (1, -1))
+    load = loop.series.f_load_n or 0.0
+    middle, half = (extend + retract) / 2, (extend - retract) / 2
+    return _Both(load, float(middle), 0.0, 0.0, float(half))
 
 
 def _both_directions(curves: Iterable[Curve]) -> Iterator[list[_Both]]:

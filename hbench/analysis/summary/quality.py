@@ -22,6 +22,7 @@ from hbench.records import (
     EfficiencyCurve,
     Grade,
     ImplausiblePoint,
+    Loop,
     Quality,
     QualityCheck,
     ScreenedRun,
@@ -48,11 +49,12 @@ def quality(
     planned: PlannedRuns | None = None,
     drift: Drift | None = None,
     zeros: Sequence[ZeroCheck] = (),
+    loops: Sequence[Loop] = (),
 ) -> Quality:
     """Return the checks that apply, and the worst of their grades.
 
-    Steady curves count; without any, all others do. ``planned`` is None where the plan is not
-    known, as for imported logs.
+    Steady curves count; without any, all others do; without these, the ``loops`` of triangles.
+    ``planned`` is None where the plan is not known, as for imported logs.
     """
     runs, curves = tuple(runs), tuple(curves)
     chosen = [curve for curve in curves if KINDS[curve.kind].has_constant_speed] or list(curves)
@@ -60,6 +62,7 @@ def quality(
     implausible = implausible_points(chosen, efficiency)
     checks = (
         *_checks(runs, chosen, complete, implausible),
+        *(equal_directions((), loops) if not chosen else ()),
         *drift_checks(drift),
         *_zeros(zeros),
     )

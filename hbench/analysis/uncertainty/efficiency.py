@@ -225,10 +225,14 @@ def _combined(sigma: float | None, sigma_trials: float | None) -> float | None:
 
 
 def _trials_error(point: CurvePoint, ratio: Callable[[float, float], float]) -> float | None:
+    """Return the standard error of the trials' efficiencies; None if one of them has none."""
     if point.n < 2:
         return None
     trials = zip(point.trials_n, point.trials_f_test_n, strict=True)
-    values = [ratio(f_test - friction, f_test) for friction, f_test in trials]
+    try:
+        values = [ratio(f_test - friction, f_test) for friction, f_test in trials]
+    except ZeroDivisionError:  # a trial without load
+        return None
     return float(np.std(values, ddof=1) / np.sqrt(point.n))
 
 

@@ -73,7 +73,9 @@ def stroke_pairs(screened: Iterable[ScreenedRun]) -> tuple[StrokePair, ...]:
     for run in screened:
         means, plan = run.means, run.run.plan
         if run.accepted and KINDS[plan.kind].has_constant_speed and means is not None:
-            load = replace(plan, run="", trial=0, v_ref_m_s=0.0)
+            load = replace(
+                plan, run="", trial=0, v_ref_m_s=0.0, x_low_m=None, x_high_m=None
+            )  # the positions to average over are those of a file
             by_trial = strokes.setdefault(load, defaultdict(list))
             by_trial[plan.trial, plan.direction].append(_stroke(run.run, means))
     repeated = any(len({trial for trial, _ in by_trial}) > 1 for by_trial in strokes.values())

@@ -184,7 +184,7 @@ def _assembled(
         final = search.refit(result.refitted, names)
         estimates = search.estimates(final, names)
         by_load = leave_each_load_out(search, start, names)
-    factors = search.factors(estimates)
+    factors, best = search.factors(estimates), estimates.hypothesis(estimates.beta)
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
     no_change = "does not change the mean of a steady stroke"
     if not strokes.load_is_known:
@@ -193,9 +193,7 @@ def _assembled(
     alternatives = tuple(candidate for step in result.steps for candidate in step.ambiguous)
     undecided = {step.balance for step in result.steps if step.ambiguous}
     unexplained = tuple(
-        gap
-        for gap in unexplained_gaps(strokes.ranked_gaps(final.hypothesis))
-        if gap.name not in undecided
+        gap for gap in unexplained_gaps(strokes.ranked_gaps(best)) if gap.name not in undecided
     )
     unconfirmed = [effect.name for effect in effects if not effect.confirmed]
     verdict, why = _decide_verdict(result, unconfirmed, unexplained)
@@ -204,9 +202,9 @@ def _assembled(
     for candidate in alternatives:
         joined = (*names, candidate.name)
         fits[candidate.name] = search.estimates(search.refit(start, joined), joined)
-    point, practice = strokes_in_practice(strokes, final.hypothesis, fits)
+    point, practice = strokes_in_practice(strokes, best, fits)
     before = result.refitted.gap_map
-    after = final.gap_map.in_units_of(before)
+    after = strokes.gap_map(best, before)
     train = gap_table([gaps_at(search, start, names, indices)], gap_floor(strokes, estimates))
     return Diagnosis(
         provenance=task.provenance,
@@ -235,7 +233,7 @@ def _assembled(
         not_tried=not_tried | ruled_out,
         missing=missing,
         left_out=left_out,
-        revised=revised(task.plant_data, factors, estimates.hypothesis(estimates.beta)),
+        revised=revised(task.plant_data, factors, best),
         notes=tuple(_notes(labels, search, names, alternatives)),
         held_out_loads=held_out_loads(
             by_load,

@@ -41,10 +41,15 @@ def _verdict(preview: ImportPreview) -> str:
     runs = preview.runs
     accepted = f"{sum(r.screened.accepted for r in runs)} of {_count(len(runs), 'run')}"
     errors = len(list(_errors(preview)))
-    if errors:
+    if preview.refused:
         return (
             f"The import would stop with {_count(errors, 'error')}, listed "
             f"below. Without these files, {accepted} would be accepted."
+        )
+    if errors:
+        return (
+            f"The import would leave out {_count(errors, 'file')}, listed below with the reasons. "
+            f"Of the other files, {accepted} would be accepted."
         )
     files = _count(len(preview.files), "file")
     return f"{files} can be imported; {accepted} would be accepted."
@@ -55,11 +60,15 @@ def _count(n: int, noun: str) -> str:
 
 
 def _result(preview: ImportPreview) -> Iterator[str]:
-    yield {
+    words = {
         "none": "Each file is one run.",
         "reversals": "The files are cut at the reversals into strokes; each is a run.",
         "plateaus": "The files are cut at their constant speeds; each is a run.",
-    }[preview.cut]
+    }
+    if len(preview.cuts) == 1:
+        yield words[preview.cuts[0]]
+    else:
+        yield f"The series differ in cut: {', '.join(preview.cuts)}."
     if preview.unmatched:
         few = ", ".join(map(printable, preview.unmatched[:5]))
         more = f" and {len(preview.unmatched) - 5} more" if len(preview.unmatched) > 5 else ""

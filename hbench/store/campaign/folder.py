@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from hbench.config.bench import Bench, parse_bench
-from hbench.config.campaign_settings import CampaignSettings, parse_settings
-from hbench.config.import_map import parse_import_map
+from hbench.config.campaign_settings import CampaignSettings, ExportedSettings, parse_settings
+from hbench.config.import_map import ImportMap, parse_import_map
 from hbench.config.schedule import Schedule, Screening, parse_schedule
 from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
@@ -42,7 +42,7 @@ _CAMPAIGN = "Give a folder written by `hbench run` or `hbench import`; it contai
 _KNOWN = (  # sections of the header that are no details
     *"name source created software bench firmware log schedule schema map settings notes".split(),
 )
-_WITH_SETTINGS = ("schedule", "map", "settings")  # sections of the header
+WITH_SETTINGS = ("schedule", "map", "settings")  # sections of the header
 _SETTINGS = (  # for the report
     *("specimen", "test", "oil"),
     *("instruments", "sensors", "controllers", "limits", "screening"),
@@ -201,24 +201,8 @@ class StoredCampaign:
             software={k: str(v) for k, v in (header.get("software") or {}).items()},
             details={k: v for k, v in header.items() if k not in _KNOWN}
             | (rules.details if rules else {}),
-            settings=self._written_settings(),
+            settings=_written_settings(self.header),
         )
-
-    def _written_settings(self) -> dict[str, Any]:
-        """Return the settings as they are written; a schedule adds to those of the bench."""
-        written: dict[str, Any] = {}
-        for file in ("bench", *_WITH_SETTINGS):
-            content = (self.header.get(file) or {}).get("content")
-            known = content if isinstance(content, dict) else {}
-            for name in _SETTINGS:
-                section = known.get(name)
-                before = written.get(name)
-                if isinstance(before, dict) and isinstance(section, dict):
-                    written[name] = before | section
-                elif section is not None:
-                    written[name] = section
-        plain: dict[str, Any] = json.loads(json.dumps(written, default=str))  # dates as text
-        return {name: plain[name] for name in _SETTINGS if name in plain}
 
     def raw_runs(self) -> Iterator[RawRun]:
         """Read the raw logs, in the order in which the runs were first started.
@@ -300,17 +284,11 @@ class StoredCampaign:
         rules: CampaignSettings | None = self._parsed("map", parse_import_map)
         return rules or self._parsed("settings", parse_settings)
 
-    def exported_settings(self) -> dict[str, Any]:
-        """Return the settings as they are written, for an export; empty if all are defaults."""
-        contents = [(self.header.get(key) or {}).get("content") for key in _WITH_SETTINGS]
-        simulated = {"simulated": True} if self.header["source"] == "simulated" else {}
-        return simulated | {
-            key: content[key]
-            for content in contents
-            if isinstance(content, dict)
-            for key in CampaignSettings.model_fields
-            if key in content
-        }
+    @property
+    def rotary(self) -> bool:
+        """Whether the specimen is rotary: 1 m of the numbers stands for 1 rad, 1 N for 1 N m."""
+        rules = self._settings()
+        return isinstance(rules, ImportMap | ExportedSettings) and rules.rotary
 
     def _parsed(self, key: str, parse: Callable[[dict, str], Any]) -> Any:
         """Return a section's content, parsed. A fault in it is a ``DataError``."""
@@ -409,3 +387,20 @@ def _keep_earlier(path: Path) -> None:
 def sha256(data: bytes) -> str:
     """Return the checksum by which the journal identifies a file."""
     return hashlib.sha256(data).hexdigest()
+
+
+def _written_settings(header: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of a header for the report; a schedule adds to those of the bench."""
+    written: dict[str, Any] = {}
+    for file in ("bench", *WITH_SETTINGS):
+        content = (header.get(file) or {}).get("content")
+        known = content if isinstance(content, dict) else {}
+        for name in _SETTINGS:
+            section = known.get(name)
+            before = written.get(name)
+            if isinstance(before, dict) and isinstance(section, dict):
+                written[name] = before | section
+            elif section is not None:
+                written[name] = section
+    plain: dict[str, Any] = json.loads(json.dumps(written, default=str))  # dates as text
+    return {name: plain[name] for name in _SETTINGS if name in plain}

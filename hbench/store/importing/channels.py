@@ -7,7 +7,8 @@ from datetime import datetime
 import numpy as np
 
 from hbench.channels import CHANNELS
-from hbench.config.import_map import ImportedCylinder, ImportMap
+from hbench.config.import_layout import ImportedCylinder
+from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.rest import ZeroOffset, rest_before_motion
 from hbench.store.campaign.run_csv import check_limits

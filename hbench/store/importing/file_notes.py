@@ -4,6 +4,10 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+ROTARY_NOTE = (
+    "rotary actuator: in all results 1 m stands for 1 rad, 1 N for 1 N m and an area of 1 m^2 for "
+    "1 m^3/rad"
+)
 _LISTED = 3  # files named in a note on many
 
 

@@ -104,8 +104,9 @@ def check_source(source: Path) -> None:
 
 
 def _store_log(folder: Path, name: str, run: str, channels: Mapping[str, np.ndarray]) -> StoredLog:
-    """Write a run of the file ``name`` as CSV to ``folder``. Raises ``DataError``."""
+    """Write a run of the file ``name`` as CSV to ``folder``, also again. Raises ``DataError``."""
     sha256, size = hashlib.sha256(), 0
+    (folder / f"{run}.csv").unlink(missing_ok=True)
     with new_file(folder / f"{run}.csv") as file:
         for rows in format_run(channels):
             file.write(rows)

@@ -30,6 +30,7 @@ from hbench.store.formats.parquet import read_parquet, require_pyarrow
 from hbench.store.formats.reading import read_apart
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable, parse_table
+from hbench.store.importing.file_notes import ROTARY_NOTE
 from hbench.store.importing.imported_run import (
     ImportedRun,
     ImportedRuns,
@@ -101,7 +102,10 @@ def read_indexed(folder: Path, store: StoreLog) -> ImportedRuns:
     if bench is not None:
         notes += _other_cylinders(runs, specimen)
     beside = _unlisted(folder, name, runs)
-    return ImportedRuns(tuple(runs), (*notes, *beside), bench, _settings(folder))
+    settings = _settings(folder)
+    if settings is not None and settings["content"].get("rotary"):
+        notes += (ROTARY_NOTE,)
+    return ImportedRuns(tuple(runs), (*notes, *beside), bench, settings)
 
 
 def _other_cylinders(runs: Sequence[ImportedRun], specimen: Specimen) -> tuple[str, ...]:

@@ -1,19 +1,20 @@
 """Reader of another bench's files by an import map: one run or more from each file."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 
 from hbench.config.import_map import ImportMap
+from hbench.errors import DataError
 from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
-from hbench.store.importing.file_notes import FileNote, listed, merged
+from hbench.store.importing.file_notes import ROTARY_NOTE, FileNote, listed, merged
 from hbench.store.importing.imported_run import (
     ImportedRun,
     ImportedRuns,
@@ -23,9 +24,15 @@ from hbench.store.importing.imported_run import (
     open_source,
 )
 from hbench.store.importing.sections import Section, Sections, cut
+from hbench.store.importing.signs import contradicting_signs
+from hbench.store.importing.stuck_sensors import (
+    SensorActivity,
+    activity_of,
+    stuck_note,
+    stuck_sensors,
+)
 
 _SAME_SPEED = 0.05  # relative gap between measured speeds of one nominal speed
-_WRONG_SIGN = 0.2  # of the nominal load: a measured load beyond it has a sign
 
 
 @dataclass(frozen=True)
@@ -51,35 +58,80 @@ class Piece:
 
     @property
     def series(self) -> tuple:
-        """Key of runs with the same nominal speeds: label, load and direction."""
-        return self.match.label, self.match.f_load_n, self.section.v_m_s > 0
+        """Key of runs with the same nominal speeds: kind, label, load and direction."""
+        match = self.match
+        return match.series.kind, match.label, match.f_load_n, self.section.v_m_s > 0
 
 
 def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns:
     """Read every file below ``folder`` whose name matches a series of the map; store its runs.
 
-    Raises ``DataError`` naming the invalid file and line.
+    A file that can't be used is left out with a note. Raises ``DataError`` naming the first such
+    file and line if most files can't be used: then the map is wrong.
     """
     matches = match_files(folder, rules)
     refuse_empty(folder, matches)
     pieces: list[Piece] = []
     notes: list[FileNote] = []
+    unusable: dict[str, DataError] = {}
+    activity: dict[str, SensorActivity] = {}
     for match in matches.files:
-        found, of_file = _pieces(folder, match, rules, store, len(pieces) + 1)
-        pieces += found
-        notes += of_file
+        try:
+            mapped = read_mapped_file(folder, match, rules)
+            found = cut_file(mapped, folder, rules)
+        except DataError as error:
+            unusable[match.name] = error
+            if map_is_wrong(len(unusable), len(matches.files)):
+                raise next(iter(unusable.values())) from None
+            continue
+        activity[match.name] = activity_of(mapped.read, rules.min_stroke)
+        of_file, signs = pieces_of(mapped, found, store, len(pieces) + 1)
+        pieces += of_file
+        notes += [*mapped.read.notes, *found.notes, *signs]
+    pieces, stuck = _without_stuck_sensors(pieces, stuck_sensors(activity), folder, rules, store)
+    notes += [*stuck, *_left_out(folder, unusable)]
     on_all = _on_all(pieces, matches.unmatched, rules)
     return ImportedRuns(runs_of(pieces, rules), (*merged(notes), *on_all))
 
 
-def _pieces(
-    folder: Path, match: FileMatch, rules: ImportMap, store: StoreLog, number: int
+def map_is_wrong(unusable: int, files: int) -> bool:
+    """Return whether so many unusable files show a wrong map instead of damaged files."""
+    return 2 * unusable > files
+
+
+def _left_out(folder: Path, unusable: Mapping[str, DataError]) -> Iterator[FileNote]:
+    for name, error in unusable.items():
+        message = error.message.removeprefix(f"{folder / name}: ")
+        yield FileNote(name, f"left out: {message}{f'. {error.hint}' if error.hint else ''}")
+
+
+def _without_stuck_sensors(
+    pieces: Sequence[Piece],
+    stuck: Mapping[str, Mapping[str, float]],
+    folder: Path,
+    rules: ImportMap,
+    store: StoreLog,
 ) -> tuple[list[Piece], list[FileNote]]:
-    """Read, cut and store a file, whose runs are numbered from ``number``."""
-    mapped = read_mapped_file(folder, match, rules)
-    found = cut_file(mapped, folder, rules)
-    pieces, signs = pieces_of(mapped, found, store, number)
-    return pieces, [*mapped.read.notes, *found.notes, *signs]
+    """Store the runs of files with a stuck sensor again, marked so that screening rejects them."""
+    marked, notes = [], []
+    read: dict[str, MappedFile] = {}
+    for piece in pieces:
+        name = piece.match.name
+        if name in stuck:
+            if name not in read:
+                read = {name: with_stuck_sensor(read_mapped_file(folder, piece.match, rules))}
+                notes += [stuck_note(name, *sensor) for sensor in stuck[name].items()]
+            log = store(name, piece.run, channels_of(read[name], piece.section))
+            piece = replace(piece, log=log)
+        marked.append(piece)
+    return marked, notes
+
+
+def with_stuck_sensor(mapped: MappedFile) -> MappedFile:
+    """Return a file whose samples are all marked as those of a saturated sensor."""
+    marked = {"sensor_saturated": np.ones(len(mapped.read.channels["t_s"]))}
+    channels = {**mapped.read.channels, **marked}
+    return replace(mapped, read=replace(mapped.read, channels=channels))
 
 
 def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> MappedFile:
@@ -94,6 +146,7 @@ def cut_file(mapped: MappedFile, folder: Path, rules: ImportMap) -> Sections:
     """Return the sections of a file that become runs. Raises ``DataError`` if it has none."""
     match = mapped.match
     source = str(folder / match.name)
+    rules = rules.of(match.series)
     return cut(mapped.read.channels, source, match.name, rules, match.speed_m_s)
 
 
@@ -112,7 +165,7 @@ def pieces_of(
         after = timedelta(seconds=float(channels["t_s"][0]))
         start = None if read.origin is None else read.origin + after
         pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log, start))
-        notes += _load_sign(match, channels.get("f_applied_n"))
+        notes += contradicting_signs(match, channels)
     return pieces, notes
 
 
@@ -134,23 +187,19 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
 
     Where the name has no trial, the runs of one nominal speed are trials, in their order.
     """
-    constant = KINDS[rules.kind].has_constant_speed
-    tolerance = SAME_STROKE_SPEED if rules.cut == "reversals" else _SAME_SPEED
-    nominal = (
-        _nominal_speeds(pieces, tolerance)
-        if constant
-        else [piece.section.v_m_s for piece in pieces]
-    )
+    nominal = _nominal_speeds(pieces, rules)
     trials: dict[tuple, int] = defaultdict(int)
     plans = []
     for piece, v_ref in zip(pieces, nominal, strict=True):
         match, cylinder = piece.match, piece.match.series.cylinder
+        kind = rules.of(match.series).kind
+        constant = KINDS[kind].has_constant_speed
         trials[key := (*piece.series, v_ref)] += 1
         low, high = piece.section.positions or (None, None)
         plans.append(
             RunPlan(
                 run=piece.run,
-                kind=rules.kind,
+                kind=kind,
                 trial=trials[key] if match.trial is None else match.trial,
                 v_ref_m_s=v_ref,
                 specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
@@ -165,22 +214,26 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
     return plans
 
 
-def _nominal_speeds(pieces: Sequence[Piece], tolerance: float) -> list[float]:
-    """Return the signed nominal speed of each piece.
+def _nominal_speeds(pieces: Sequence[Piece], rules: ImportMap) -> list[float]:
+    """Return the signed nominal speed of each piece; of a non-steady run its top speed.
 
     It is that of the map or the name, or else the median, to three digits, of the measured speeds
-    of the same series that differ by less than ``tolerance`` from one to the next, unless they are
+    of the same series that differ by less than a tolerance from one to the next, unless they are
     distinct.
     """
     nominal = [0.0] * len(pieces)
     groups: dict[tuple, list[int]] = defaultdict(list)
     for i, piece in enumerate(pieces):
         speed = piece.match.speed_m_s
-        if speed is None:
+        if not KINDS[rules.of(piece.match.series).kind].has_constant_speed:
+            nominal[i] = piece.section.v_m_s
+        elif speed is None:
             groups[piece.series].append(i)
         else:
             nominal[i] = float(np.copysign(speed, piece.section.v_m_s))
     for numbers in groups.values():
+        cut_at = rules.of(pieces[numbers[0]].match.series).cut
+        tolerance = SAME_STROKE_SPEED if cut_at == "reversals" else _SAME_SPEED
         numbers.sort(key=lambda i: abs(pieces[i].section.v_m_s))
         speeds = np.abs([pieces[i].section.v_m_s for i in numbers])
         for cluster in np.split(np.array(numbers), _gaps(speeds, tolerance)):
@@ -208,34 +261,24 @@ def _gaps(speeds: np.ndarray, tolerance: float) -> list[int]:
     return found
 
 
-def _load_sign(match: FileMatch, f_applied_n: np.ndarray | None) -> Iterator[FileNote]:
-    """Yield a note if the load cell contradicts the sign of the load in the file's name."""
-    load = match.f_load_n
-    if load and f_applied_n is not None and np.isfinite(f_applied_n).any():
-        mean = float(np.nanmean(f_applied_n))
-        if mean * np.sign(load) < -_WRONG_SIGN * abs(load):
-            text = (
-                "the load in the name, {load} N, has the other sign than the load cell's mean, "
-                "{mean} N; positive opposes extension (scale: -1 turns a column)"
-            )
-            yield FileNote(match.name, text, {"load": load, "mean": mean})
-
-
 def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap) -> Iterator[str]:
     """Yield the notes on the whole folder."""
-    if rules.cut != "none":
-        count = len({piece.match.name for piece in pieces})
-        yield f"{len(pieces)} runs cut at {rules.cut} from {count} files"
-        if any(piece.match.trial is None for piece in pieces):
-            yield (
-                "runs of a file without {trial} in its name are counted as trials: their intervals "
-                "do not include a repeated set-up"
-            )
-    if rules.rotary:
+    of_cut: dict[str, list[Piece]] = defaultdict(list)
+    for piece in pieces:
+        of_cut[rules.of(piece.match.series).cut].append(piece)
+    whole = len(of_cut.pop("none", ()))
+    for name, own in of_cut.items():
+        count = len({piece.match.name for piece in own})
+        yield f"{len(own)} runs cut at {name} from {count} files"
+    if of_cut and whole:
+        yield f"files that are one run each: {whole}"
+    if any(piece.match.trial is None for own in of_cut.values() for piece in own):
         yield (
-            "rotary actuator: in all results 1 m stands for 1 rad, 1 N for 1 N m and an area of "
-            "1 m^2 for 1 m^3/rad"
+            "runs of a file without {trial} in its name are counted as trials: their intervals "
+            "do not include a repeated set-up"
         )
+    if rules.rotary:
+        yield ROTARY_NOTE
     if "{" not in rules.constants.get("f_applied_n", "{"):
         yield (
             "the applied force is a constant: if a load acts, it is part of the friction of each "

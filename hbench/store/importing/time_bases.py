@@ -7,7 +7,7 @@ from datetime import datetime
 
 import numpy as np
 
-from hbench.config.import_layout import ALWAYS, DATE_TIME, Column
+from hbench.config.import_layout import DATE_TIME, Column
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
@@ -42,10 +42,9 @@ def read_time_bases(
     """
     table.prefetch(_columns_of_numbers(rules))
     times, origin = _times(table, rules)
-    gaps = table.leaves_out_rows or any(column.time for column in rules.columns.values())
     groups: list[tuple[np.ndarray, dict[str, np.ndarray]]] = []
     for key, t_s in times.items():
-        values = _in_si(table, key, rules.columns[key], rules, gaps=gaps or key not in ALWAYS)
+        values = _in_si(table, key, rules.columns[key], rules, gaps=True)
         check_lengths({"t_s": t_s, key: values}, table)
         for other, channels in groups:
             if np.array_equal(other, t_s, equal_nan=True):
@@ -205,10 +204,10 @@ def _unit_in_name(name: str) -> str | None:
 def _complete(
     table: Table, t_s: np.ndarray, channels: Mapping[str, np.ndarray], omitted: set[int]
 ) -> np.ndarray:
-    """Return the samples (n,) with a time, and with all values if the format omits rows.
+    """Return the samples (n,) with a time and a position; with all values if the format omits rows.
 
     Rows without a time and without values follow the end of a slower channel. Lines with one of
-    them only are added to ``omitted``, or refused.
+    them only are added to ``omitted``, or refused if they have a value without a time.
     """
     timed = np.isfinite(t_s)
     known = np.isfinite(np.stack(list(channels.values())))
@@ -218,17 +217,19 @@ def _complete(
         omitted.update(table.lines_of(partial).tolist())
         return complete
     for key, values in channels.items():
-        needed = timed if key in ALWAYS else np.zeros(len(timed), dtype=bool)
-        wrong = np.flatnonzero((np.isfinite(values) & ~timed) | (~np.isfinite(values) & needed))
+        wrong = np.flatnonzero(np.isfinite(values) & ~timed)
         if len(wrong):
-            missing = f"no {key}" if timed[wrong[0]] else f"{key} without a time"
-            raise DataError(f"{table.source}: {table.where(int(wrong[0]))}: {missing}")
-    return timed
+            raise DataError(f"{table.source}: {table.where(int(wrong[0]))}: {key} without a time")
+    if "x_m" not in channels:
+        return timed
+    complete = timed & np.isfinite(channels["x_m"])
+    omitted.update(table.lines_of(np.flatnonzero(timed & ~complete)).tolist())
+    return complete
 
 
 def _omissions(name: str, lines: set[int]) -> Iterator[FileNote]:
     if lines:
-        text = "{count} rows left out: blank or short (the first is line {first})"
+        text = "{count} rows left out: short or without a position (the first is line {first})"
         yield FileNote(name, text, {"count": len(lines), "first": min(lines)})
 
 

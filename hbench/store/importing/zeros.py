@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hbench.config.import_map import ImportedCylinder, ImportMap
+from hbench.config.import_layout import ImportedCylinder
+from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.rest import LEAST_REST_S, ZeroOffset, zero_offset
 from hbench.store.importing.file_notes import FileNote

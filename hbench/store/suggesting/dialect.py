@@ -4,7 +4,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Container, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hbench.config.import_layout import Format
 from hbench.store.formats.date_times import parse_date_time
@@ -32,8 +32,8 @@ class Dialect:
 
 def text_dialect(text: str) -> Dialect | None:
     """Return the dialect of a text; None if it contains no table of numbers."""
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    lines = lines[:_MOST_LINES]
+    whole = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    lines = whole[:_MOST_LINES]
     best: tuple[float, dict, list[Row]] = (0.0, {}, [])
     for separator in _SEPARATORS:
         rows = _rows(lines, separator)
@@ -43,9 +43,18 @@ def text_dialect(text: str) -> Dialect | None:
                 marks = {"separator": separator, "decimal": decimal, "thousands": thousands}
                 best = share, marks, rows
     share, marks, rows = best
-    if share == 0.0:
-        return None
-    return rows_dialect(rows, marks, lines)
+    found = rows_dialect(rows, marks, lines) if share > 0.0 else None
+    return None if found is None else _with_comments_between(found, whole)
+
+
+def _with_comments_between(dialect: Dialect, lines: Sequence[tuple[int, str]]) -> Dialect:
+    """Return the dialect with the sign of comments between the rows of data, if there are any."""
+    layout = dialect.layout
+    below = [line.lstrip() for number, line in lines if number > layout.preamble]
+    for sign in _COMMENTS if layout.comment is None else ():
+        if not below[0].startswith(sign) and any(line.startswith(sign) for line in below):
+            return replace(dialect, layout=layout.model_copy(update={"comment": sign}))
+    return dialect
 
 
 def rows_dialect(

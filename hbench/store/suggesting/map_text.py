@@ -1,20 +1,18 @@
 """A suggested import map as YAML text, with a comment on each guess."""
 
 import json
-import re
-import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from hbench.channels import CHANNELS
-from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.import_layout import Format
 from hbench.config.import_map import UNFILLED
 from hbench.config.schedule import Screening
 from hbench.store.importing.absolute_pressure import ATMOSPHERE, is_absolute_pressure
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
+from hbench.store.suggesting.commented_yaml import comment_lines, entry, line, scalar
 from hbench.store.suggesting.factors import ColumnFactor
 from hbench.store.suggesting.file_names import NamePattern
 from hbench.store.suggesting.motion import Motion
@@ -25,8 +23,6 @@ from hbench.units import parse_unit
 from hbench.untrusted_text import printable
 
 _ASKED = json.dumps(UNFILLED)  # within braces
-_COMMENT_AT, _WIDTH = 36, 110
-_PLAIN = re.compile(r"[A-Za-z_][\w./*(){} -]*(?<! )")
 _SIGNS = (
     "Value = number * scale in the unit, plus offset. x_m must increase when the cylinder extends, "
     "and f_applied_n must be positive when it opposes extension: otherwise add scale: -1."
@@ -89,25 +85,29 @@ def map_text(found: SuggestedMap) -> str:
 
 
 def _head(found: SuggestedMap) -> Iterator[str]:
-    yield from _comment(
+    yield from comment_lines(
         f"Import map suggested from {len(found.files)} of {found.count} files in {found.folder}. "
         f"Replace each {UNFILLED} by a value. {SURE.capitalize()}, {LIKELY} and {GUESS} say how "
         "well a choice is founded: check what is not sure, then look at the result of "
         "`hbench import FOLDER --map FILE --preview DIR`."
     )
-    yield f"name: {_scalar(found.folder)}"
-    steady = found.motion is not None and found.motion.has_constant_speed
-    yield _line(
-        "kind: steady",
-        f"{LIKELY}: the files contain sections of constant speed"
-        if steady
-        else f"{GUESS}: few sections of constant speed; or ramp, triangle, steps, hold",
-    )
+    yield f"name: {scalar(found.folder)}"
+    if found.motion is not None and found.motion.has_constant_speed:
+        yield line("kind: steady", f"{LIKELY}: the files contain sections of constant speed")
+    elif found.motion is not None and found.motion.reverses:
+        yield line(
+            "kind: triangle",
+            f"{GUESS}: reversals without constant speed; if it is nearly constant, write kind: "
+            "steady and cut: reversals",
+        )
+    else:
+        few = "few sections of constant speed; or ramp, triangle, steps, hold"
+        yield line("kind: steady", f"{GUESS}: {few}")
 
 
 def _format(found: SuggestedMap) -> Iterator[str]:
     if found.layout is None:
-        yield _line("", f"{found.format_name} files need no section 'format'.").strip()
+        yield line("", f"{found.format_name} files need no section 'format'.").strip()
         return
     given = found.layout.model_dump(exclude_defaults=True)
     if found.format_name != "text":
@@ -128,45 +128,45 @@ def _format(found: SuggestedMap) -> Iterator[str]:
     }
     yield "format:"
     for key, value in given.items():
-        text = json.dumps(value) if not isinstance(value, str) else _scalar(value)
-        yield _line(f"  {key}: {text}", comments.get(key, ""))
+        text = json.dumps(value) if not isinstance(value, str) else scalar(value)
+        yield line(f"  {key}: {text}", comments.get(key, ""))
 
 
 def _columns(found: SuggestedMap) -> Iterator[str]:
-    yield from _comment(_SIGNS)
+    yield from comment_lines(_SIGNS)
     yield "columns:"
     time = found.time
     if time.choice is not None:
-        yield _line(f"  t_s: {_column(found, 't_s', time.choice)}", _time_comment(time))
+        yield line(f"  t_s: {_column(found, 't_s', time.choice)}", _time_comment(time))
     elif time.stated:
-        yield _line("  # t_s:", f"{SURE}: the file states times; {_rate(time)}")
+        yield line("  # t_s:", f"{SURE}: the file states times; {_rate(time)}")
     else:
-        yield _line(f"  t_s: {{column: {_ASKED}, unit: s}}", _no_time(found))
+        yield line(f"  t_s: {{column: {_ASKED}, unit: s}}", _no_time(found))
     for channel in ("x_m", *(c for c in CHANNELS if c != "x_m")):
         choice = found.choices.get(channel)
         if channel == "x_m" and choice is None:
-            yield _line(f"  x_m: {{column: {_ASKED}, unit: mm}}", "position; which column is it?")
+            yield line(f"  x_m: {{column: {_ASKED}, unit: mm}}", "position; which column is it?")
         elif choice is not None:
             text = f"  {channel}: {_column(found, channel, choice)}"
             if channel == "v_ref_m_s":
                 why = "only if it is constant while a run counts as steady"
-                yield from _entry(f"  # {text.strip()}", f"{choice.reason}; {why}")
+                yield from entry(f"  # {text.strip()}", f"{choice.reason}; {why}")
             else:
-                yield from _entry(text, _choice_comment(found, channel, choice))
+                yield from entry(text, _choice_comment(found, channel, choice))
     yield from _missing(found)
 
 
 def _missing(found: SuggestedMap) -> Iterator[str]:
     if found.is_driven:
         if "f_applied_n" not in found.choices:
-            yield from _entry(
+            yield from entry(
                 f"  # f_applied_n: {{column: {_ASKED}, unit: N}}",
                 "load cell; without one the applied force is 0",
             )
         return
     yield from _valve(found)
     if found.is_rotary and not any(name.startswith("p_") for name in found.choices):
-        yield from _entry(
+        yield from entry(
             f"  # f_drive_n: {{column: {_ASKED}, unit: N m, scale: {_ASKED}}}",
             "torque of a drive without hydraulics, such as N m per ampere of its motor; then remove"
             " 'cylinder'",
@@ -180,7 +180,7 @@ def _missing(found: SuggestedMap) -> Iterator[str]:
     ):
         if channel not in found.choices:
             units = unit if channel.startswith("p_") else "N"
-            yield from _entry(
+            yield from entry(
                 f"  # {channel}: {{column: {_ASKED}, unit: {units}}}",
                 f"not found: {what}; see also constants",
             )
@@ -192,8 +192,8 @@ def _valve(found: SuggestedMap) -> Iterator[str]:
         return
     for column in found.columns:
         if column.meaning.quantity == "valve" and not column.is_date_time:
-            text = f"column: {_scalar(str(column.key), flow=True)}, unit: V, scale: {_ASKED}"
-            yield from _entry(
+            text = f"column: {scalar(str(column.key), flow=True)}, unit: V, scale: {_ASKED}"
+            yield from entry(
                 f"  # u_t_v: {{{text}}}",
                 "command of the test valve, for hbench reconcile; scale: volts for one of its unit"
                 " (0.1 for percent of 10 V), and offset, such as -15 V for 4 to 20 mA at 1.25 V/mA",
@@ -216,13 +216,13 @@ def _constants(found: SuggestedMap) -> Iterator[str]:
     for channel in constants_of(found.choices):
         value, when = missing.pop(channel)
         yield "constants:"
-        yield _line(
+        yield line(
             f"  {channel}: {value}", f"{GUESS}: not logged; remove it unless open to the air"
         )
     if missing:
-        yield _line("# constants:", "known values that are not logged; remove the sign #")
+        yield line("# constants:", "known values that are not logged; remove the sign #")
         for channel, (value, when) in missing.items():
-            yield _line(f"#   {channel}: {value}", when)
+            yield line(f"#   {channel}: {value}", when)
 
 
 def constants_of(choices: Mapping[str, Choice]) -> tuple[str, ...]:
@@ -236,7 +236,7 @@ def constants_of(choices: Mapping[str, Choice]) -> tuple[str, ...]:
 
 
 def _series(found: SuggestedMap) -> Iterator[str]:
-    yield _line("series:", "{...}: a number in the file name; *: any characters")
+    yield line("series:", "{...}: a number in the file name; *: any characters")
     anchor: SuggestedSeries | None = None
     usable = [series for series in found.series if not series.fault]
     shown = usable or list(found.series)
@@ -244,13 +244,13 @@ def _series(found: SuggestedMap) -> Iterator[str]:
         pattern = series.pattern
         count = len(pattern.names)
         label = pattern.label or found.folder
-        yield _line(f"  - label: {_scalar(label)}", f"{count} file{'s' * (count > 1)}")
-        yield f"    files: {_scalar(pattern.files)}"
+        yield line(f"  - label: {scalar(label)}", f"{count} file{'s' * (count > 1)}")
+        yield f"    files: {scalar(pattern.files)}"
         for name, unit in pattern.units.items():
             if name in pattern.assumed:
-                yield _line(f"    {name}_unit: {unit}", f"{GUESS}: no unit in the names")
+                yield line(f"    {name}_unit: {unit}", f"{GUESS}: no unit in the names")
             elif unit != {"speed": "mm/s", "load": "N", "pressure": "bar"}[name]:
-                yield _line(f"    {name}_unit: {unit}", f"{SURE}: in the names")
+                yield line(f"    {name}_unit: {unit}", f"{SURE}: in the names")
         yield from _factors(series)
         if found.is_driven:
             continue
@@ -260,28 +260,28 @@ def _series(found: SuggestedMap) -> Iterator[str]:
             yield from _sizes(found, series)
             anchor = anchor or series
         else:
-            yield _line("    cylinder: *cylinder", "assumed to be the same")
+            yield line("    cylinder: *cylinder", "assumed to be the same")
     for series in found.series if usable else ():
         if series.fault:
-            yield from _comment(f"- files: {series.pattern.files}: {series.fault}", "  # ")
+            yield from comment_lines(f"- files: {series.pattern.files}: {series.fault}", "  # ")
 
 
 def _factors(series: SuggestedSeries) -> Iterator[str]:
     """Yield the factors: fields of the names, and columns with one value in a series."""
     units = series.pattern.factors
     alone = {f: values[0] for f, values in series.factors.items() if len(values) == 1}
-    given = [f"{name}: {_scalar(unit, flow=True)}" for name, unit in units.items()]
-    given += [f"{f.name}: {_scalar(f.text(value), flow=True)}" for f, value in alone.items()]
+    given = [f"{name}: {scalar(unit, flow=True)}" for name, unit in units.items()]
+    given += [f"{f.name}: {scalar(f.text(value), flow=True)}" for f, value in alone.items()]
     if given:
         why = [f"{LIKELY}: fields of the names"] if units else []
         why += [
             f"{f.column} is about {f.text(value)} in the files read" for f, value in alone.items()
         ]
-        yield from _entry(f"    factors: {{{', '.join(given)}}}", "; ".join(why))
+        yield from entry(f"    factors: {{{', '.join(given)}}}", "; ".join(why))
     for factor, values in series.factors.items():
         if factor not in alone:
             several = ", ".join(map(factor.text, sorted(values)))
-            yield from _comment(
+            yield from comment_lines(
                 f"factors: {factor.column} has the values {several} in these files; to separate "
                 f"their curves write a series for each, with factors: {{{factor.name}: VALUE}}",
                 "    # ",
@@ -290,13 +290,16 @@ def _factors(series: SuggestedSeries) -> Iterator[str]:
 
 def _sizes(found: SuggestedMap, series: SuggestedSeries) -> Iterator[str]:
     if found.is_rotary:
-        yield _line(f"      displacement: {UNFILLED} cm^3", "volume for one radian")
+        yield line(f"      displacement: {UNFILLED} cm^3", "volume for one radian")
         return
     about = "the bore"
     if series.bore_m is not None:
         about += f"; the balance of forces gives {1e3 * series.bore_m:.1f} mm"
-    yield _line(f"      piston_diameter: {UNFILLED} mm", about)
-    yield _line(f"      rod_diameter: {UNFILLED} mm", "0 mm if the chamber has no rod")
+    yield line(f"      piston_diameter: {UNFILLED} mm", about)
+    yield line(
+        f"      rod_diameter: {UNFILLED} mm", "0 mm if the chamber has no rod; with a rod on"
+    )
+    yield line("", "both sides write piston_area and rod_area instead")
 
 
 def _other_bore(a: float | None, b: float | None) -> bool:
@@ -306,19 +309,19 @@ def _other_bore(a: float | None, b: float | None) -> bool:
 def _motion(found: SuggestedMap) -> Iterator[str]:
     motion, time = found.motion, found.time
     if time.repeats:
-        yield _line("repeated_times: drop", "the clock is coarse: some times are equal")
+        yield line("repeated_times: drop", "the clock is coarse: some times are equal")
     if motion is None:
         return
-    yield _line(f"cut: {motion.cut}", f"{LIKELY}: {motion.reason}; {_about(found, motion)}")
+    yield line(f"cut: {motion.cut}", f"{LIKELY}: {motion.reason}; {_about(found, motion)}")
     if motion.min_stroke_m is not None:
         text = f"min_stroke: {1e3 * motion.min_stroke_m:g} mm"
-        yield _line(text, "a quarter of the travel; shorter strokes are left out")
+        yield line(text, "a quarter of the travel; shorter strokes are left out")
     if motion.stroke_m < 2 * _SETTLE_M:
         yield "screening:"
         text = f"  settle_travel: {1e3 * motion.stroke_m / 4:.2g} mm"
-        yield _line(text, f"{GUESS}: a quarter of a stroke; default {1e3 * _SETTLE_M:g} mm")
+        yield line(text, f"{GUESS}: a quarter of a stroke; default {1e3 * _SETTLE_M:g} mm")
     if motion.rest_s:
-        yield from _comment(
+        yield from comment_lines(
             f"The files begin with at least {motion.rest_s:.1f} s at rest. If no load or pressure "
             "acts there, add zero: rest to force and pressures: the mean at rest is subtracted."
         )
@@ -336,7 +339,7 @@ def _about(found: SuggestedMap, motion: Motion) -> str:
 def _table(found: SuggestedMap) -> Iterator[str]:
     sizes = {len(column.values[0]) for column in found.columns}
     alike = f" ({sizes.pop()} samples)" if len(sizes) == 1 else ""
-    yield from _comment(f"All columns of {found.files[0]}{alike}; ranges in all files read:")
+    yield from comment_lines(f"All columns of {found.files[0]}{alike}; ranges in all files read:")
     for number, column in enumerate(found.columns, start=1):
         name = column.name or f"column {column.key}"
         unit = f" {column.unit}" if column.unit else ""
@@ -348,11 +351,11 @@ def _table(found: SuggestedMap) -> Iterator[str]:
 
 def _column(found: SuggestedMap, channel: str, choice: Choice) -> str:
     key = choice.column.key
-    parts = [f"column: {key if isinstance(key, int) else _scalar(key, flow=True)}"]
+    parts = [f"column: {key if isinstance(key, int) else scalar(key, flow=True)}"]
     if not (
         _is_stated(found, choice) or (key == channel and choice.unit == CHANNELS[channel].unit)
     ):
-        parts.append(f"unit: {_scalar(choice.unit, flow=True)}")
+        parts.append(f"unit: {scalar(choice.unit, flow=True)}")
     if choice.scale is None:
         parts.append(f"scale: {_ASKED}")
     elif choice.scale != 1.0:
@@ -410,35 +413,3 @@ def _no_time(found: SuggestedMap) -> str:
 
 def _rate(time: TimeChoice) -> str:
     return f"{time.rate_hz:.4g} Hz"
-
-
-def _line(text: str, comment: str = "") -> str:
-    comment = printable(" ".join(comment.split()))
-    return f"{text:<{_COMMENT_AT - 1}} # {comment}" if comment else text
-
-
-def _entry(text: str, comment: str) -> Iterator[str]:
-    """Yield a key with its comment beside it, or above it where it would be too long."""
-    line = _line(text, comment)
-    if len(line) <= _WIDTH:
-        yield line
-        return
-    indent = text[: len(text) - len(text.lstrip())]
-    yield from _comment(comment, f"{indent}# ")
-    yield text
-
-
-def _comment(text: str, prefix: str = "# ") -> Iterator[str]:
-    text = printable(" ".join(text.split()))
-    yield from (prefix + line for line in textwrap.wrap(text, _WIDTH - 10 - len(prefix)))
-
-
-def _scalar(text: str, flow: bool = False) -> str:
-    """Return text as a scalar of YAML: plain where that is read as the same text."""
-    if _PLAIN.fullmatch(text) and not (flow and set(text) & set(" {}")):
-        try:
-            if parse_yaml(text) == text:
-                return text
-        except ValueError:
-            pass
-    return json.dumps(printable(text), ensure_ascii=False)

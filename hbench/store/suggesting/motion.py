@@ -11,7 +11,7 @@ from hbench.motion.plateaus import Plateau
 from hbench.motion.rest import LEAST_REST_S, rest_before_motion
 from hbench.motion.reversals import cut_at_reversals, stroke_speed
 
-_ONE_WAY = 0.8  # of the travel: the file ends this far from where it began
+_ONE_WAY = 0.8  # of the travel: a single stroke ends this far from where it began
 _SHORT = 4.0  # times 'min_stroke': a longer travel needs none of its own
 _OTHER_SPEED = 0.10  # relative difference of two constant speeds
 _DEFAULT_M = ImportMap.model_fields["min_stroke"].default
@@ -28,6 +28,7 @@ class Motion:
     stroke_m: float  # median
     speeds_m_s: tuple[float, float]  # lowest and highest of the strokes
     has_constant_speed: bool
+    reverses: bool  # without constant speed: the files are kept whole
 
 
 def motion_of(
@@ -46,7 +47,10 @@ def motion_of(
     least = min_stroke or _DEFAULT_M
     pieces = [cut_at_reversals(t, x, least).pieces for t, x in moving]
     strokes = [(t[p], x[p]) for (t, x), cut in zip(moving, pieces, strict=True) for p in cut]
-    one_way = sum(abs(x[-1] - x[0]) > _ONE_WAY * np.ptp(x) for _, x in moving)
+    one_way = sum(
+        abs(x[-1] - x[0]) > _ONE_WAY * np.ptp(x) and len(cut) < 2
+        for (_, x), cut in zip(moving, pieces, strict=True)
+    )
     both_ways = sum(map(bool, pieces))
     cut: Literal["none", "reversals", "plateaus"]
     if 2 * one_way > len(moving):
@@ -62,6 +66,10 @@ def motion_of(
     else:
         cut, reason = "plateaus", "no complete stroke between reversals"
         strokes = moving
+    has_constant_speed = 2 * sum(map(bool, steady)) > len(moving)
+    reverses = cut == "reversals" and not has_constant_speed
+    if reverses:
+        cut, reason = "none", f"{reason} without constant speed"
     speeds = [abs(stroke_speed(t, x)) for t, x in strokes if x[-1] != x[0]]
     rests = [rest_before_motion(t, x, None) for t, x in moving]
     rest_s = min(
@@ -75,7 +83,8 @@ def motion_of(
         rest_s=rest_s if rest_s >= LEAST_REST_S else 0.0,
         stroke_m=float(np.median([np.ptp(x) for _, x in strokes])),
         speeds_m_s=(min(speeds, default=0.0), max(speeds, default=0.0)),
-        has_constant_speed=2 * sum(map(bool, steady)) > len(moving),
+        has_constant_speed=has_constant_speed,
+        reverses=reverses,
     )
 
 

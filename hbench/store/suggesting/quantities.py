@@ -79,7 +79,7 @@ _DRIVE = re.compile(r"\b(motor|drive|antrieb|spindle|spindel|actuator|aktor)\b")
 _NAMES: dict[Quantity, tuple[re.Pattern[str], re.Pattern[str]]] = {
     "valve": (
         re.compile(r"\b(u|u ?[tv]|valve|ventil|servo|spool|stell|ansteuerung|control)\b"),
-        re.compile(r"\b(y|out)\b"),
+        re.compile(r"\b(y|out|cmd|command)\b"),
     ),
     "velocity": (
         re.compile(

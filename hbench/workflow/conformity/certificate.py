@@ -12,7 +12,6 @@ from hbench.config.conformity.certificate import (
     read_template,
 )
 from hbench.config.files.loading import read_yaml
-from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
 from hbench.report.campaign.results_document import results_json
 from hbench.report.conformity.certificate.certificate import Certificate
@@ -83,10 +82,9 @@ def certify(folder: Path, file: Path, output: Path, today: date | None = None) -
 
 def _refuse_other_specimens(campaign: StoredCampaign) -> None:
     """Raise ``DataError`` unless the specimen is a cylinder: a certificate has its quantities."""
-    content = (campaign.header.get("map") or {}).get("content")
-    if content and parse_import_map(content, "map").rotary:
+    if campaign.rotary:
         what = "its actuator is rotary; a certificate states forces in N and speeds in mm/s"
-    elif content and "f_drive_n" in content["columns"]:
+    elif all(plan.specimen.area_piston_m2 == 0 for plan in campaign.plans):
         what = "a drive without hydraulics moves its specimen; a certificate is of a cylinder"
     else:
         return

@@ -1,0 +1,46 @@
+"""Signs of channels that contradict each other, or the file's name."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from hbench.store.importing.file_matches import FileMatch
+from hbench.store.importing.file_notes import FileNote
+
+_WRONG_SIGN = 0.2  # of the nominal load: a measured load beyond it has a sign
+_OPPOSITE = -0.5  # correlation of velocity and motion: below it their signs differ
+
+
+def contradicting_signs(match: FileMatch, channels: Mapping[str, np.ndarray]) -> Iterator[FileNote]:
+    """Yield a note on each sign in a run's channels (n,) that contradicts another one."""
+    yield from _load_sign(match, channels.get("f_applied_n"))
+    yield from _velocity_sign(match, channels)
+
+
+def _velocity_sign(match: FileMatch, channels: Mapping[str, np.ndarray]) -> Iterator[FileNote]:
+    """Yield a note if the velocity has the sign opposite to that of the position's motion."""
+    v, t, x = channels.get("v_m_s"), channels["t_s"], channels["x_m"]
+    if v is None or len(t) < 3:
+        return
+    moved, way = np.diff(x), np.diff(t) * (v[1:] + v[:-1]) / 2
+    known = np.isfinite(way)
+    square = float(np.sum(moved[known] ** 2) * np.sum(way[known] ** 2))
+    if square > 0 and float(moved[known] @ way[known]) < _OPPOSITE * np.sqrt(square):
+        text = (
+            "v_m_s has the sign opposite to that of the motion of x_m: turn the one that is not "
+            "positive when the cylinder extends (scale: -1)"
+        )
+        yield FileNote(match.name, text)
+
+
+def _load_sign(match: FileMatch, f_applied_n: np.ndarray | None) -> Iterator[FileNote]:
+    """Yield a note if the load cell contradicts the sign of the load in the file's name."""
+    load = match.f_load_n
+    if load and f_applied_n is not None and np.isfinite(f_applied_n).any():
+        mean = float(np.nanmean(f_applied_n))
+        if mean * np.sign(load) < -_WRONG_SIGN * abs(load):
+            text = (
+                "the load in the name, {load} N, has the other sign than the load cell's mean, "
+                "{mean} N; positive opposes extension (scale: -1 turns a column)"
+            )
+            yield FileNote(match.name, text, {"load": load, "mean": mean})
