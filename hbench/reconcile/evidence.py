@@ -224,9 +224,16 @@ class Comparison(NamedTuple):
         """Return the cross-validated gain in ln L (b,) of the fit after over the one before."""
         return self.gains(signs)[1].sum(axis=-1)
 
-    def gains(self, signs: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Return the groups (g,) that are compared, and the part (b, g) of each in the score."""
+    def gains(
+        self, signs: np.ndarray | None = None, within: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the groups (g,) that are compared, and the part (b, g) of each in the score.
+
+        ``within`` (g,) are groups to which the comparison is limited.
+        """
         groups = touched(self.data, self.before.chosen, self.more)
+        if within is not None:
+            groups = np.intersect1d(groups, within)
         before, after = (
             _log_likelihoods(predicted(self.data, fit, self.points, signs, groups))
             for fit in (self.before, self.after)

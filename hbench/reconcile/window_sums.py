@@ -10,6 +10,10 @@ beside those of the values:
 
 Slow errors cancel in a change. Its variance is at least that of a single window's noise, so that
 what the log can't resolve is no evidence.
+
+The level of a run that is not known, such as that of its friction, is taken out of its windows and
+has a group of its own, with one row a run: what a run shows of a level is the same, however many
+windows it has.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -24,25 +28,32 @@ from hbench.records.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady", "reversing")
 _REVERSING = MOTIONS.index("reversing")
-GROUPS = (*MOTIONS, "change", "step", "change at a reversal")  # of each balance
+_LEVEL = "level"
+GROUPS = (*MOTIONS, _LEVEL, "change", "step", "change at a reversal")  # of each balance
 _STEP = 0.6  # relative change of the velocity
 _IMMATERIAL_CHANGE = 0.2  # of what is not material: root mean square over a group, not its largest
 _UNSTEADY = 0.1  # relative change of the velocity over a window's width
 
 
 class _Rows(NamedTuple):
-    """Values or changes of m windows, in units of the scatter."""
+    """Values or changes of m windows, or levels of m runs, in units of the scatter."""
 
     # Of each balance (m, 1 + u + 1): residuals, the u columns that change it, what is not material.
     matrices: tuple[np.ndarray, ...]
     usable: np.ndarray  # (m, c)
+    dof: np.ndarray  # (m, c) degrees of freedom that each has: 1 less what a level takes
     point: np.ndarray  # (m,) index of the operating point
     kind: np.ndarray  # (m,) index in ``GROUPS``
 
 
 def is_change(kind: str) -> bool:
     """Return whether a group among ``GROUPS`` is one of changes."""
-    return kind not in MOTIONS
+    return kind not in (*MOTIONS, _LEVEL)
+
+
+def is_level(kind: str) -> bool:
+    """Return whether a group among ``GROUPS`` is one of levels."""
+    return kind == _LEVEL
 
 
 def window_motions(residuals: GapMap) -> np.ndarray:
@@ -70,9 +81,11 @@ def products(
     """
     used = _used(columns.values(), len(residuals.names))
     values = _values(residuals, list(columns.values()), used)
-    for level in residuals.levels:
-        _take_out(values.matrices[level.balance][level.windows], level)
-    every = [values] if residuals.white is None else [values, _changes(residuals, values)]
+    every, levels = [values], _levels_taken_out(residuals, values)
+    if residuals.levels:
+        every.append(levels)
+    if residuals.white is not None:
+        every.append(_changes(residuals, values))
     groups = tuple((name, kind) for name in residuals.names for kind in GROUPS)
     size = len(residuals.points), len(groups)
     mixed = np.zeros((*size, len(columns)))
@@ -83,7 +96,7 @@ def products(
     if residuals.white is None:
         noise = _noise(residuals, values, counts)
     else:
-        squares, noise = _without_noise(residuals, values, squares, counts)
+        squares, noise = _without_noise(residuals, values, levels, squares, counts)
         noise = noise + immaterial
     if known is not None:
         return known.with_residuals(mixed, squares, noise)
@@ -123,7 +136,25 @@ def _values(residuals: GapMap, columns: Sequence[np.ndarray], used: Sequence[np.
         if residuals.material is not None:
             matrix[:, -1] = np.nan_to_num(residuals.material[c]) * np.sign(residuals.v_m_s)
         matrices.append(matrix)
-    return _Rows(tuple(matrices), usable, residuals.point, window_motions(residuals))
+    dof = usable.astype(float)
+    return _Rows(tuple(matrices), usable, dof, residuals.point, window_motions(residuals))
+
+
+def _levels_taken_out(residuals: GapMap, values: _Rows) -> _Rows:
+    """Take the levels out of the rows of windows, and return them as rows of their own."""
+    every = residuals.levels
+    matrices = tuple(np.zeros((len(every), matrix.shape[1])) for matrix in values.matrices)
+    usable = np.zeros((len(every), len(matrices)), bool)
+    for k, level in enumerate(every):
+        windows, balance = level.windows, level.balance
+        square = level.change @ level.change
+        if square > 0:
+            matrices[balance][k] = _take_out(values.matrices[balance][windows], level)
+            values.dof[windows, balance] *= 1 - level.change**2 / square
+            usable[k, balance] = True
+    point = residuals.point[[level.windows.start for level in every]]
+    kind = np.full(len(every), GROUPS.index(_LEVEL))
+    return _Rows(matrices, usable, usable.astype(float), point, kind)
 
 
 def _changes(residuals: GapMap, values: _Rows) -> _Rows:
@@ -145,9 +176,10 @@ def _changes(residuals: GapMap, values: _Rows) -> _Rows:
         change[:, -1] = material * share
         matrices.append(change * usable[:, c, None])
     step = np.abs(v[2:] - v[:-2]) > _STEP * fastest + REST_M_S
-    kind = len(MOTIONS) + np.select([reversing, step], [2, 1], 0)
+    kind = GROUPS.index("change") + np.select([reversing, step], [2, 1], 0)
     moving = np.maximum.reduce([motion[2:], motion[1:-1], motion[:-2]]) > MOTIONS.index("steady")
-    return _Rows(tuple(matrices), usable & moving[:, None], values.point[1:-1], kind)
+    usable &= moving[:, None]
+    return _Rows(tuple(matrices), usable, usable.astype(float), values.point[1:-1], kind)
 
 
 def _add(
@@ -175,7 +207,7 @@ def _add(
         squares[point, group] += sums[:, 0]
         mixed[point[:, None], group[:, None], used[c]] += sums[:, 1:-1]
         immaterial[point, group] += np.add.reduceat(part[:, -1] ** 2, first)
-        counts[point, group] += np.add.reduceat(usable, first, dtype=float)
+        counts[point, group] += np.add.reduceat(rows.dof[order, c], first)
         if blocks is not None:
             runs = np.split(np.ascontiguousarray(part[:, 1:-1]), first[1:])
             blocks[c].values[point, kind] += np.array([run.T @ run for run in runs])
@@ -193,34 +225,47 @@ def _noise(residuals: GapMap, values: _Rows, counts: np.ndarray) -> np.ndarray:
 
 
 def _without_noise(
-    residuals: GapMap, values: _Rows, squares: np.ndarray, counts: np.ndarray
+    residuals: GapMap, values: _Rows, levels: _Rows, squares: np.ndarray, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the sums of squares (p, g) without the noise of single windows, and their error.
 
     What remains is structured. It is no evidence below the chance error of the noise's own sum of
     squares plus what changes between the trials of an operating point; in changes, plus the noise
-    of a single window: that is the least variance of a group.
+    of a single window: that is the least variance of a group. The noise of a level is its own
+    standard deviation.
     """
     assert residuals.white is not None  # of a map of logs
-    white = np.repeat(np.nan_to_num(residuals.white), len(GROUPS))
+    shape = len(residuals.names), len(GROUPS)
+    white = np.tile(np.nan_to_num(residuals.white)[:, None], len(GROUPS))
+    for level in residuals.levels:
+        white[level.balance, GROUPS.index(_LEVEL)] = level.ridge
     with np.errstate(divide="ignore", invalid="ignore"):
-        chance = white * np.sqrt(2 / counts.sum(axis=0))
+        chance = white * np.sqrt(2 / counts.sum(axis=0).reshape(shape))
     first = np.unique(residuals.run, return_index=True)[1]
-    deviations = np.column_stack([matrix[:, 0] for matrix in values.matrices])
-    between = between_runs(deviations, residuals.run, residuals.point[first])
-    between = np.repeat(between, len(GROUPS))
-    of_change = np.tile([is_change(kind) for kind in GROUPS], len(residuals.names))
-    least = np.nan_to_num(chance, posinf=0.0) + np.where(of_change, white, np.nan_to_num(between))
-    return squares - counts * white, counts * least
+    point_of_run = residuals.point[first]
+    least = np.tile(_between(values, residuals.run, point_of_run)[:, None], len(GROUPS))
+    run_of_level = residuals.run[[level.windows.start for level in residuals.levels]]
+    least[:, GROUPS.index(_LEVEL)] = _between(levels, run_of_level, point_of_run)
+    least = np.where([is_change(kind) for kind in GROUPS], white, least)
+    least += np.nan_to_num(chance, posinf=0.0)
+    return squares - counts * white.ravel(), counts * least.ravel()
 
 
-def _take_out(rows: np.ndarray, level: RunLevel) -> None:
-    """Take the level of a run out of its windows ``rows`` (m, q), as far as it is not known.
+def _between(rows: _Rows, run: np.ndarray, point_of_run: np.ndarray) -> np.ndarray:
+    """Return the variance (c,) of the residuals' means between the runs of an operating point."""
+    deviations = np.column_stack([matrix[:, 0] for matrix in rows.matrices])
+    deviations = np.where(rows.usable, deviations, np.nan)
+    return np.nan_to_num(between_runs(deviations, run, point_of_run))
 
-    The covariance sigma^2 (1 + c c' / ridge), c the change by one standard deviation of the level,
-    is whitened: 1 - (1 - sqrt(ridge / (ridge + c'c))) c c' / c'c.
+
+def _take_out(rows: np.ndarray, level: RunLevel) -> np.ndarray:
+    """Take the level of a run out of its windows ``rows`` (m, q); return it as a row (q,).
+
+    With the covariance sigma^2 (1 + c c' / ridge), c the change by one standard deviation of the
+    level, the row is white: c' / |c| times the windows' rows and sqrt(ridge / (ridge + c'c)).
     """
     square = level.change @ level.change
-    if square > 0:
-        kept = np.sqrt(level.ridge / (level.ridge + square))
-        rows -= np.outer((1 - kept) / square * level.change, level.change @ rows)
+    unit = level.change / np.sqrt(square)
+    along = unit @ rows
+    rows -= np.outer(unit, along)
+    return np.sqrt(level.ridge / (level.ridge + square)) * along

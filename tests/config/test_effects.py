@@ -64,7 +64,7 @@ def test_a_plant_file_lays_its_effects_over_those_of_the_bench():
     bench = BENCH | {"effects": {"valve_lag": {"time": "2 ms"}, "added_mass": {"test": "1 kg"}}}
     over = {"effects": {"added_mass": {"load": "2 kg"}, "load_cell_gain": {"error": "1 %"}}}
     assert read_effects(parse_plant(bench, over, "plant").effects) == {
-        "valve_lag": {"time": 0.002},
+        "valve_lag": {"time": 0.002, "second": 0.0},
         "added_mass": {"test": 1.0, "load": 2.0, "lag": 0.003},
         "load_cell_gain": {"error": pytest.approx(0.01)},
     }

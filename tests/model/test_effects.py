@@ -369,6 +369,28 @@ def test_friction_effects_add_their_closed_forms(friction_of, start, v):
     assert got == pytest.approx(way * own + viscous * np.exp(-0.3), rel=1e-9)
 
 
+@pytest.mark.parametrize("v", [0.005, -0.02, 0.05, 0.2])
+def test_added_friction_may_follow_the_stribeck_curve_in_part(friction_of, start, v):
+    """At 50 mm/s it is the same; at other speeds a share changes as the cylinder's own does."""
+    p_tp, p_tr, p_lp, p_lr = start[P_TP : P_LR + 1]
+    ratio = np.array(
+        [
+            dry(v, p_tp, p_tr, 80, 450) / dry(0.05, p_tp, p_tr, 80, 450),
+            dry(v, p_lp, p_lr, 180, 260) / dry(0.05, p_lp, p_lr, 180, 260),
+        ]
+    )
+    for name, values in (
+        ("load_friction", {"test": 0.1, "load": 0.2}),
+        ("seal_pressure_friction", {"test_piston": 1e-5, "load_rod": 2e-5}),
+    ):
+        none, constant, part = (
+            np.abs(friction_of(v, section))
+            for section in ({}, {name: values}, {name: values | {"stribeck": 0.4}})
+        )
+        assert np.all(constant > none + 1)
+        assert part - none == pytest.approx((constant - none) * (0.6 + 0.4 * ratio), rel=1e-9)
+
+
 def test_friction_stays_passive_however_much_an_effect_takes_off(friction_of):
     bare = friction_of(0.05, {}) - np.array([2500, 3000]) * 0.05
     left = friction_of(0.05, {"position_friction": {"slope": 0, "bow": -1e5}}, x=0.39)

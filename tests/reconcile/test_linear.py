@@ -294,41 +294,35 @@ def test_what_is_not_material_changes_its_sign_at_a_reversal():
 
 
 @pytest.mark.parametrize("ridge", [0.2, 1.0, 5.0])
-def test_a_level_that_is_not_known_is_whitened(ridge):
-    """W (1 + c c' / ridge) W' = 1, for a change of any shape and size."""
+def test_a_level_that_is_not_known_is_a_row_of_its_own(ridge):
+    """White with the covariance 1 + c c' / ridge; the windows keep what is orthogonal to it."""
     rng = np.random.default_rng(4)
     for size in (0.01, 1.0, 30.0):
         change = size * rng.standard_normal(12)
-        taken = np.eye(12)
-        _take_out(taken, RunLevel(slice(0, 12), 0, change, ridge))
+        left = np.eye(12)
+        row = _take_out(left, RunLevel(slice(0, 12), 0, change, ridge))
         covariance = np.eye(12) + np.outer(change, change) / ridge
-        assert taken @ covariance @ taken.T == pytest.approx(np.eye(12), abs=1e-8)
+        assert row @ covariance @ row == pytest.approx(1.0)
+        assert change @ left == pytest.approx(np.zeros(12), abs=1e-9 * size)
+        assert np.trace(left @ covariance @ left.T) == pytest.approx(11)
 
 
-def test_residuals_with_a_level_drawn_for_each_run_become_white():
-    """Means of runs scatter as those of white windows, and columns lose the same share."""
+def test_levels_drawn_for_each_run_have_the_variance_of_a_white_row():
+    """However many windows a run has, also where its columns are far larger than the noise."""
     rng = np.random.default_rng(5)
-    run = np.repeat(np.arange(RUNS), PER_RUN)
-    change = 0.5 + 0.2 * rng.standard_normal(RUNS * PER_RUN)
-    levels = tuple(
-        RunLevel(slice(i * PER_RUN, (i + 1) * PER_RUN), 0, change[run == i], 1.0)
-        for i in range(RUNS)
-    )
-    drawn = rng.standard_normal((400, RUNS))[:, run] * change
-    raw = rng.standard_normal((400, RUNS * PER_RUN)) + drawn
-    rows = raw.T.copy()
-    for level in levels:
-        _take_out(rows[level.windows], level)
-    unit = [level.change / np.linalg.norm(level.change) for level in levels]
-    after = [rows[level.windows].T @ way for level, way in zip(levels, unit, strict=True)]
-    before = [raw[:, level.windows] @ way for level, way in zip(levels, unit, strict=True)]
-    assert np.var(after) == pytest.approx(1.0, rel=0.03)
-    assert np.var(before) > 5
-    assert np.var(rows) == pytest.approx(1.0, rel=0.01)
+    levels, drawn = [], []
+    for count in (5, 20, 80, 320):
+        change = 3.0 + 0.2 * rng.standard_normal(count)
+        level = RunLevel(slice(0, count), 0, change, 1.0)
+        raw = rng.standard_normal((count, 500)) + np.outer(change, rng.standard_normal(500))
+        levels.append(np.var(_take_out(raw, level)))
+        drawn.append(np.var(raw) * count / (count - 1))
+    assert levels == pytest.approx(np.ones(4), rel=0.2)
+    assert drawn == pytest.approx(np.ones(4), rel=0.1)
 
 
 def test_columns_of_a_balance_lose_the_level_and_those_of_others_do_not():
-    """By hand for one run: residuals and columns are both multiplied by W."""
+    """By hand for one run: residuals and columns lose it, and the group of levels has it."""
     rng = np.random.default_rng(6)
     found = a_map(rng, (8, 6), [0.1] * 14)
     found.difference[:] = rng.standard_normal((14, 3))
@@ -338,25 +332,44 @@ def test_columns_of_a_balance_lose_the_level_and_those_of_others_do_not():
     before, after = (
         products(replace(found, levels=levels), {"one": column}) for levels in ((), (level,))
     )
-    square = change @ change
-    whiten = np.eye(8) - (1 - sqrt(0.5 / (0.5 + square))) * np.outer(change, change) / square
-    own = slice(0, 8)
-    d, c = (whiten @ (each[own, 1] / found.scatter[own, 1]) for each in (found.difference, column))
-    group = len(GROUPS) + 1  # flow_tr, steady
-    assert after.squares[0, group] == pytest.approx(d @ d)
-    assert after.mixed[0, group, 0] == pytest.approx(d @ c)
-    assert after.columns.dense[0, group, 0, 0] == pytest.approx(c @ c)
-    assert before.squares[0, group] != pytest.approx(d @ d)
-    others = np.delete(np.arange(3 * len(GROUPS)), group)
+    square, own = change @ change, slice(0, 8)
+    d, c = (each[own, 1] / found.scatter[own, 1] for each in (found.difference, column))
+    along = [sqrt(0.5 / (0.5 + square)) * (change @ each) / sqrt(square) for each in (d, c)]
+    left = np.eye(8) - np.outer(change, change) / square
+    steady = len(GROUPS) + 1  # of flow_tr
+    of_levels = len(GROUPS) + GROUPS.index("level")
+    for group, (one, other) in ((steady, (left @ d, left @ c)), (of_levels, along)):
+        assert after.squares[0, group] == pytest.approx(np.sum(one * one))
+        assert after.mixed[0, group, 0] == pytest.approx(np.sum(one * other))
+        assert after.columns.dense[0, group, 0, 0] == pytest.approx(np.sum(other * other))
+    assert before.windows[0, [steady, of_levels]] == pytest.approx([8, 0])
+    assert after.windows[0, [steady, of_levels]] == pytest.approx([7, 1])
+    others = np.delete(np.arange(3 * len(GROUPS)), [steady, of_levels])
     assert np.array_equal(before.squares[:, others], after.squares[:, others])
     assert np.array_equal(before.squares[1], after.squares[1])
 
 
 def test_a_level_without_a_change_takes_nothing():
-    rows = np.random.default_rng(7).standard_normal((5, 2))
-    taken = rows.copy()
-    _take_out(taken, RunLevel(slice(0, 5), 0, np.zeros(5), 1.0))
-    assert np.array_equal(taken, rows)
+    found = a_map(np.random.default_rng(7), (5,))
+    level = RunLevel(slice(0, 5), 0, np.zeros(5), 1.0)
+    before, after = (products(replace(found, levels=own), {}) for own in ((), (level,)))
+    assert np.array_equal(before.squares, after.squares)
+    assert np.array_equal(before.windows, after.windows)
+
+
+def test_a_run_of_many_windows_shows_its_level_as_well_as_one_of_few():
+    """Ten standard deviations of the level, which the mean over 200 windows would dilute."""
+    rng = np.random.default_rng(8)
+    for count in (10, 200):
+        found = a_map(rng, (count, count), [0.1] * 2 * count)
+        found.difference[:] = 30.0 * found.scatter
+        levels = tuple(
+            RunLevel(slice(i * count, (i + 1) * count), 0, np.full(count, 3.0), 1.0) for i in (0, 1)
+        )
+        data = products(replace(found, levels=levels), {})
+        group = GROUPS.index("level")
+        mean = data.squares[:, group].sum() / data.windows[:, group].sum()
+        assert mean == pytest.approx(100, rel=0.02)
 
 
 # ---- priors
@@ -409,7 +422,8 @@ def test_beside_a_slow_valve_the_bandwidth_is_that_of_the_given_model(measured):
     without, beside = model.priors([]), model.priors(["valve_lag"])
     assert without.sigma[:2] == pytest.approx([1.0, 1.0])
     assert beside.sigma[:2] == pytest.approx([1.0, 0.01])
-    assert without.centre[:2] == beside.centre[:2] == pytest.approx([0.0, -2.0])
+    for priors in (without, beside):
+        assert priors.centre[:2] == pytest.approx([0.0, -2.0])
 
 
 def test_a_model_about_itself_has_its_tolerances_about_its_coefficients(measured):

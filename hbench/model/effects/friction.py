@@ -14,17 +14,30 @@ from hbench.model.effects.couplings import Coefficients, FrictionTerms
 from hbench.model.effects.flows import PRESSURE_PA
 from hbench.model.effects.shapes import power_law
 from hbench.model.friction.laws import steady_parts
-from hbench.model.parameters import PlantParameters
+from hbench.model.parameters import FrictionParameters, PlantParameters
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 
 _AT_REST_M_S = 1e-4
 _FORCE_N = 2500.0  # where a law with another exponent stays the same
+_SPEED_M_S = 0.05  # where one that follows the Stribeck curve stays the same
 
 
 @inlined
 def add_dry(f: FrictionTerms, test: float, load: float) -> FrictionTerms:
     """Add to the dry magnitudes [N]."""
     return FrictionTerms(f.dry_t, f.dry_l, f.more_t + test, f.more_l + load, f.force_t, f.force_l)
+
+
+@inlined
+def stribeck_factor(
+    share: float, v: float, p_p: float, p_r: float, par: FrictionParameters
+) -> float:
+    """Factor on added dry friction, a ``share`` of which follows the law's own over the speed."""
+    if share == 0.0:
+        return 1.0
+    usual, _ = steady_parts(_SPEED_M_S, p_p, p_r, 1.0, par)
+    own, _ = steady_parts(v, p_p, p_r, 1.0, par)
+    return 1.0 if usual == 0.0 else 1.0 + share * (abs(own) / usual - 1.0)
 
 
 @inlined
@@ -41,13 +54,18 @@ def seal_pressure_friction(
 
     Of a piston's two lips one faces each chamber; the rod's faces the rod chamber. With the drop
     across one piston seal instead, as in 3.7, a falling pressure behind it could add friction.
-    c: k_p, k_r [N/Pa] of the test and of the load cylinder, and an exponent of the pressures other
-    than 1: the same at 50 bar.
+    c: k_p, k_r [N/Pa] of the test and of the load cylinder, an exponent of the pressures other than
+    1: the same at 50 bar, and the share that follows the Stribeck curve: the same at 50 mm/s.
     """
-    test_p, test_r, load_p, load_r, n = c
-    p_tp, p_tr = power_law(state[P_TP], PRESSURE_PA, n), power_law(state[P_TR], PRESSURE_PA, n)
-    p_lp, p_lr = power_law(state[P_LP], PRESSURE_PA, n), power_law(state[P_LR], PRESSURE_PA, n)
-    return add_dry(f, test_p * p_tp + test_r * p_tr, load_p * p_lp + load_r * p_lr)
+    test_p, test_r, load_p, load_r, n, share = c
+    v, tp, tr, lp, lr = state[V], state[P_TP], state[P_TR], state[P_LP], state[P_LR]
+    p_tp, p_tr = power_law(tp, PRESSURE_PA, n), power_law(tr, PRESSURE_PA, n)
+    p_lp, p_lr = power_law(lp, PRESSURE_PA, n), power_law(lr, PRESSURE_PA, n)
+    of_test = stribeck_factor(share, v, tp, tr, par.test.friction)
+    of_load = stribeck_factor(share, v, lp, lr, par.load.friction)
+    return add_dry(
+        f, of_test * (test_p * p_tp + test_r * p_tr), of_load * (load_p * p_lp + load_r * p_lr)
+    )
 
 
 def load_friction(
@@ -56,13 +74,16 @@ def load_friction(
 ) -> FrictionTerms:  # fmt: skip
     """Guides pressed by the load: dry friction grows by k |F|, F the cylinder's pressure force.
 
-    c: k [1] of the test and load cylinder, and an exponent of the force other than 1: the same
-    at 2500 N.
+    c: k [1] of the test and load cylinder, an exponent of the force other than 1: the same at
+    2500 N, and the share that follows the Stribeck curve: the same at 50 mm/s.
     """
-    test, load, n = c
-    f_test = abs(pressure_force(state[P_TP], state[P_TR], par.test))
-    f_load = abs(pressure_force(state[P_LP], state[P_LR], par.load))
-    return add_dry(f, test * power_law(f_test, _FORCE_N, n), load * power_law(f_load, _FORCE_N, n))
+    test, load, n, share = c
+    v, tp, tr, lp, lr = state[V], state[P_TP], state[P_TR], state[P_LP], state[P_LR]
+    f_test = power_law(abs(pressure_force(tp, tr, par.test)), _FORCE_N, n)
+    f_load = power_law(abs(pressure_force(lp, lr, par.load)), _FORCE_N, n)
+    of_test = stribeck_factor(share, v, tp, tr, par.test.friction)
+    of_load = stribeck_factor(share, v, lp, lr, par.load.friction)
+    return add_dry(f, test * of_test * f_test, load * of_load * f_load)
 
 
 def direction_asymmetry(

@@ -5,6 +5,7 @@ from hbench.model.effects import friction
 from hbench.model.effects.rows import FORCES, Effect, Separation
 
 _LINEAR = Coefficient("1", 0, 0.3, 3, 1)  # exponent
+_STRIBECK = Coefficient("1", 0, 0, 1)  # share
 
 ROWS = {
     "seal_pressure_friction": Effect(
@@ -16,11 +17,13 @@ ROWS = {
                 for chamber in ("piston", "rod")
             },
             "exponent": _LINEAR,
+            "stribeck": _STRIBECK,
         },
         balances=FORCES,
         laws={"friction": friction.seal_pressure_friction},
         law="dry friction grows by k P_0 (P / P_0)^n for the piston side and for the rod side, "
-        "k and P of the side, n = exponent (1: in proportion), P_0 = 50 bar",
+        "k and P of the side, n = exponent (1: in proportion), P_0 = 50 bar, and the share "
+        "stribeck follows the Stribeck curve, equal at 50 mm/s",
         signals="Friction rises with the pressure level, also at the same load.",
         confused_with={
             "load_friction": Separation(
@@ -46,11 +49,13 @@ ROWS = {
             "test": Coefficient("%", 2, 0, 100),
             "load": Coefficient("%", 2, 0, 100),
             "exponent": _LINEAR,
+            "stribeck": _STRIBECK,
         },
         balances=FORCES,
         laws={"friction": friction.load_friction},
         law="dry friction grows by k F_0 (|F| / F_0)^n, k = test or load, F the pressure force, "
-        "n = exponent (1: in proportion), F_0 = 2500 N",
+        "n = exponent (1: in proportion), F_0 = 2500 N, and the share stribeck follows the "
+        "Stribeck curve, equal at 50 mm/s",
         signals="Friction rises with the load in both directions.",
         confused_with={
             "load_cell_gain": Separation(

@@ -21,7 +21,7 @@ from hbench.reconcile.hypothesis import (
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search.acceptance import CRITERIA, score_to_exceed
 from hbench.reconcile.search.refits import SHORTER, Refits
-from hbench.reconcile.window_sums import is_change
+from hbench.reconcile.window_sums import is_change, is_level
 from hbench.records import Candidate
 
 _FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it
@@ -53,13 +53,18 @@ class CandidateEvaluator(Refits):
         return EvaluatedCandidate(self._candidate(name, gain, share, values, "linear"), None)
 
     def _promise(self, model: LinearisedModel, added: Sequence[str], name: str) -> float:
-        """Return a candidate's linear score: of values, changes or both, whichever is the largest.
+        """Return a candidate's linear score: of values, changes, both or levels, the largest.
 
-        A large effect is far from linear, and its error shows in changes, which are small.
+        A large effect is far from linear, and its error shows in changes, which are small. A law of
+        another form can err at every start and stop, and explain the levels of the runs.
         """
-        groups, gains = self._comparison(model, added, name).gains()
+        comparison = self._comparison(model, added, name)
+        groups, gains = comparison.gains()
         change = np.array([is_change(model.data.groups[g][1]) for g in groups], bool)
-        return max(float(gains[0, part].sum()) for part in (change, ~change, change | ~change))
+        levels = np.flatnonzero([is_level(kind) for _, kind in model.data.groups])
+        of_levels = comparison.gains(within=levels)[1]
+        parts = (gains[0, change], gains[0, ~change], gains[0], of_levels[0])
+        return max(float(part.sum()) for part in parts)
 
     def score_of(
         self,
@@ -123,6 +128,8 @@ class CandidateEvaluator(Refits):
         shapes = [".".join(which) for which in shape_coefficients(name)]
         if shapes and best.model is not None and best.candidate.score > 0:
             shaped = self.with_columns(best.model, shapes)
+            if best.candidate.explained <= CRITERIA.explained:  # another form may explain far more
+                shaped = self.refit(shaped, (*added, name))
             with_shape = self._evaluate_at_best(model, shaped, added, name)
             if with_shape.candidate.score > best.candidate.score + CRITERIA.score:
                 return with_shape
@@ -203,8 +210,9 @@ def explained_share(
 ) -> float:
     """Return the share of the excess gap that an effect explains in the balances it changes.
 
-    The share of the values or that of the changes between windows, whichever is larger: an effect
-    that acts for a moment is a small part of the values. It is that of all balances, or the mean
+    The share of the values, of the changes between windows or of the levels of runs, the largest:
+    an effect that acts for a moment is a small part of the values, and of one that differs from run
+    to run little is left in the windows without the levels. It is that of all balances, or the mean
     of the balances of which the effect's own ``squares`` (g,) are enough to explain a quarter: the
     excess of another balance may be that of a far larger effect.
     """
@@ -213,6 +221,7 @@ def explained_share(
     balances = {model.data.groups[i][0] for i in changed}
     balance = np.array([each for each, _ in model.data.groups])
     change = np.array([is_change(kind) for _, kind in model.data.groups])
+    level = np.array([is_level(kind) for _, kind in model.data.groups])
     excess, left = _excess(before), _excess(after)
 
     def shares(kinds: np.ndarray) -> Iterator[float]:
@@ -223,7 +232,7 @@ def explained_share(
         if large:
             yield float(np.mean([_share(excess[g].sum(), left[g].sum()) for g in large]))
 
-    return float(max((*shares(~change), *shares(change))))
+    return float(max((*shares(~change), *shares(change), *shares(level))))
 
 
 def _share(total: float, left: float) -> float:

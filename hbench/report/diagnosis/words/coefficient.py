@@ -14,7 +14,7 @@ _AT_REFERENCE = {
     "bar min/l": ("bar", 1),
     "bar min^2/l^2": ("bar", 2),
 }
-_NOT_OF_POWER = ("exponent", "lag")
+_NOT_OF_POWER = ("exponent", "lag", "stribeck")
 _COEFFICIENTS = {
     "test": "test cylinder",
     "load": "load cylinder",
