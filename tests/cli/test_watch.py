@@ -507,7 +507,7 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     assert titles == ["5.3: breakaway, extending", "breakaway, extending", "breakaway, extending"]
     passed, nearest = map(ordinary_spaces, limits_checked(checks[:1]))
     assert passed == "Limits met: 1 of 1."
-    assert "3.00 ± 0.10 bar, limit at most 4 bar, margin 1.0 bar or 10 U." in nearest
+    assert "3.00 ± 0.10 bar, limit at most 4 bar, margin 1.0 bar." in nearest
     several = limits_checked(checks * 5)
     assert len(several) == 6 and several[-1].startswith("11 more") and limits_checked([]) == []
 

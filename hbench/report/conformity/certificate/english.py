@@ -2,6 +2,7 @@
 
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.conformity.text import LEAKAGE_ASSUMES, U_OF_LEAKAGE
+from hbench.report.quality_words import LOAD_CELL_ZERO
 
 ENGLISH = {
     "title": "Test certificate",
@@ -30,6 +31,8 @@ ENGLISH = {
     "friction_alone": "Results: friction at constant speed",
     "breakaway": "Results: breakaway",
     "leakage": "Results: leakage",
+    "speed_ripple": "Results: speed ripple",
+    "drift": "Results: drift of friction",
     "uncertainty": "Uncertainty of measurement",
     "conformity": "Statement of conformity",
     "not_tested": "Not tested and deviations",
@@ -102,7 +105,8 @@ ENGLISH = {
     "pushes the piston after the longest rest under load. The piston creeps meanwhile: where "
     "friction falls with speed, breakaway can be below the friction at a lower steady speed.",
     "method_leakage": "Leakage follows from the decay of the chamber pressures with all valves "
-    "closed, with the effective bulk modulus of the bench file{bulk_modulus}. {leak_law}",
+    "closed, with the effective bulk modulus of the bench file{bulk_modulus}, which includes air "
+    "in the oil and the compliance of hoses. {leak_law}",
     "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure{holds}.",
     "leak_holds": "; across the piston, the holds had {pressures} bar",
     "leak_power": "It was found to be proportional to the pressure to the power {exponent}; the "
@@ -128,6 +132,7 @@ ENGLISH = {
     "pressure_u": "Equivalent pressure ± U (bar)",
     "efficiency_u": "Efficiency ± U (%)",
     "breakaway_u": "Breakaway ± U (N)",
+    "percent_u": "Value ± U (%)",
     "dwell": "Rest (s)",
     "k": "k",
     "n": "Runs",
@@ -150,7 +155,11 @@ ENGLISH = {
     "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
-    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}.",
+    "of_trials": "U of speed ripple and of drift is that of the trials alone, for a coverage "
+    "probability of 95 %; k is Student's factor.",
+    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}. Where the step decides, "
+    "U is a limit of error and has no factor k.",
+    "load_cell_zero": f"{LOAD_CELL_ZERO[:1].upper()}{LOAD_CELL_ZERO[1:]}.",
     # Conformity
     "of_limits": "Limits: {limits}.",
     "of_product": "Product: {product}.",
@@ -190,7 +199,8 @@ ENGLISH = {
     "between": "{low} to {high} {unit}",
     "no_limits": "No statement of conformity was asked for.",
     # Not tested
-    "tested": "Limits tested: {tested} of {count}.",
+    "tested": "Limits tested: {tested} of {count}, with {decisions} decisions: a limit is decided "
+    "for each series that it applies to.",
     "untested": "Not measured for the others: {quantities}.",
     "not_measured": "Not measured: {quantities}.",
     "undecided": "Measured, but not decided, because U is too large for the decision rule or "
@@ -213,6 +223,8 @@ ENGLISH = {
     "check_equal_directions": "difference of the directions",
     "check_instruments": "uncertainty of the instruments",
     "no_deviations": "No deviations from the schedule.",
+    "run_remarks": "Remarks on accepted runs: {remarks}.",
+    "and": "and",
     "record_notes": "Notes of the record: {notes}",
     # Data
     "campaign": "Campaign",
