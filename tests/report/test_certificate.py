@@ -158,11 +158,11 @@ def checks(certificate, *decisions):
 
 def test_the_certificate_states_whether_all_limits_were_tested(certificate):
     whole = checks(certificate(), ("friction", "PASS", None), ("drift", "FAIL", None))
-    assert "Limits tested: 2 of 2, with 2 decisions: a limit is decided for" in page_text(whole)
+    assert "Limits tested: 2 of 2 (decisions: 2, one for each series)." in page_text(whole)
     part = checks(certificate(), ("friction", "PASS", None), ("leakage", "NOT TESTED", None))
     text = page_text(part)
-    assert "Limits tested: 1 of 2, with 1 decision" in text
-    assert "applies to. Not measured for the others: limit 1: leakage." in text
+    assert "Limits tested: 1 of 2 (decisions: 1," in text
+    assert "series). Not measured for the others: limit 1: leakage." in text
     assert "Not measured: breakaway." in text
     none = page_text(replace(part, acceptance=None))
     assert "Limits tested" not in none and "Not measured: breakaway; leakage." in none
@@ -202,16 +202,15 @@ def test_the_method_states_the_rate_of_the_force_and_the_bulk_modulus(certificat
             "en",
             (
                 "rising force (200–400 N/s) pushes",
-                "bench file (700 bar), which includes air in the oil and the compliance of hoses. "
-                "It is assumed to be laminar",
+                "bench file (700 bar), air in the oil and hoses included. It is assumed to be lam",
             ),
         ),
         (
             "de",
             (
                 "Kraft (200–400 N/s) den",
-                "Kompressionsmodul der Prüfstandsdatei (700 bar), der Luft im Öl und die",
-                "einschließt. Sie wird als laminar angenommen",
+                "Kompressionsmodul der Prüfstandsdatei (700 bar), einschließlich Luft im Öl und "
+                "Schläuchen. Sie wird als laminar angenommen",
             ),
         ),
     ):
@@ -279,7 +278,7 @@ def test_what_a_probability_of_conformity_rests_on_is_beside_it(certificate):
     assert "no calibration certificate is recorded for" in plain[begin:][:600]
     ripple = page_text(checks(certificate(), ("speed_ripple", "PASS", 0.02)))
     assert "at the speed with the lowest probability" in ripple
-    assert "divided by the mean speed. Its U is that of the trials alone." in ripple
+    assert "divided by the mean speed." in ripple
     assert "at the speed with" not in plain
 
 
@@ -333,9 +332,9 @@ def test_a_text_without_a_table_is_on_one_sheet(certificate):
                 number
                 for number, sheet in enumerate(sheets(made))
                 for t in sheet.texts
-                if t.get_text() == first_line
+                if t.get_text() and text.startswith(t.get_text())
             }
-            for first_line in (shown.title, shown.paragraphs[-1])
+            for text in (shown.title, shown.paragraphs[-1])
         ]
         assert sheet_of[0] == sheet_of[1] and len(sheet_of[0]) == 1
 

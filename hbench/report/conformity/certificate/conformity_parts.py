@@ -176,7 +176,7 @@ def not_tested_part(certificate: Certificate) -> Part:
         deviations.append(word("short", points=points, of=complete.points))
     if rejected:
         deviations.append(word("rejected", runs=rejected))
-    paragraphs += deviations or [word("no_deviations")]
+    paragraphs.append(" ".join(deviations or [word("no_deviations")]))
     if remarks := [
         f"{run.run.plan.run}: {printable('; '.join(run.notes))}"
         for run in results.runs
@@ -184,7 +184,7 @@ def not_tested_part(certificate: Certificate) -> Part:
     ]:
         more = [f"… ({len(remarks)})"] if len(remarks) > _MOST_REMARKS else []
         shown = "; ".join((*remarks[:_MOST_REMARKS], *more))
-        paragraphs.append(word("run_remarks", remarks=shown))
+        paragraphs[-1] += f" {word('run_remarks', remarks=shown)}"
     if certificate.acceptance is None and (reservation := _reservation(certificate)):
         paragraphs.append(reservation)
     if certificate.warnings:

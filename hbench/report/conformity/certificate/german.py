@@ -98,18 +98,16 @@ GERMAN = {
     "Kolben kriecht dabei: Wo die Reibung mit der Geschwindigkeit fällt, kann die Losbrechkraft "
     "unter der Reibung bei einer kleineren konstanten Geschwindigkeit liegen.",
     "method_leakage": "Die Leckage folgt aus dem Abfall der Kammerdrücke bei geschlossenen "
-    "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}, der Luft "
-    "im Öl und die Nachgiebigkeit der Schläuche einschließt. {leak_law}",
+    "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}, "
+    "einschließlich Luft im Öl und Schläuchen. {leak_law}",
     "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck{holds}.",
     "leak_holds": "; am Kolben lagen während des Haltens {pressures} bar an",
     "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
     "die Werte bei {pressure} bar.",
     "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der mittleren "
-    "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit. Ihr U ist das "
-    "der Wiederholungen allein.",
+    "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit.",
     "method_drift": "Die Drift ist die relative Änderung der Reibung vom ersten bis zum "
-    "letzten Lauf, nach kleinsten Quadraten über den Anfangszeiten der Läufe. Ihr U ist das "
-    "der Wiederholungen allein.",
+    "letzten Lauf, nach kleinsten Quadraten über den Anfangszeiten der Läufe.",
     "software": "Ausgewertet mit hbench {version}; Firmware des Prüfstands: {firmware}.",
     "external": "Ergebnisse externer Anbieter: {external}.",
     "no_external": "Ergebnisse externer Anbieter sind nicht verzeichnet.",
@@ -150,8 +148,7 @@ GERMAN = {
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
-    "of_trials": "U der Ungleichförmigkeit und der Drift ist das der Wiederholungen allein, für "
-    "eine Überdeckungswahrscheinlichkeit von 95 %; k ist der Studentfaktor.",
+    "of_trials": "U der Ungleichförmigkeit und der Drift ist das der Wiederholungen allein (95 %).",
     "load_cell_zero": "Der Nullpunkt des Kraftaufnehmers wurde nicht geprüft: U enthält seine "
     "Abweichung nur, soweit eine Toleranz vom Endwert sie enthält.",
     "leak_interval": "U der Leckage ist die halbe Breite des 95-%-Intervalls der Anpassung an "
@@ -200,8 +197,8 @@ GERMAN = {
     "at_least": "min. {low} {unit}",
     "between": "{low} bis {high} {unit}",
     "no_limits": "Eine Konformitätsaussage wurde nicht verlangt.",
-    "tested": "Geprüfte Grenzwerte: {tested} von {count}, mit {decisions} Entscheidungen: über "
-    "einen Grenzwert wird für jede Reihe entschieden, für die er gilt.",
+    "tested": "Geprüfte Grenzwerte: {tested} von {count} (Entscheidungen: {decisions}, eine für "
+    "jede Reihe).",
     "untested": "Für die übrigen nicht gemessen: {quantities}.",
     "not_measured": "Nicht gemessen: {quantities}.",
     "undecided": "Gemessen, aber nicht entschieden, weil U für die Entscheidungsregel zu groß "

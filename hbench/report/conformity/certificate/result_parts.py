@@ -34,12 +34,14 @@ def method_part(certificate: Certificate) -> Part:
             if key in measured
         ),
         *(word(f"method_{key}") for key in ("speed_ripple", "drift") if key in decided),
+    ]
+    of_record = [
         word("software", version=printable(version), firmware=firmware),
         word("external", external=file.external) if file.external else word("no_external"),
         word("no_sampling"),
+        *([word("imported")] if provenance.source == "imported" else []),
     ]
-    if provenance.source == "imported":
-        paragraphs.append(word("imported"))
+    paragraphs.append(" ".join(of_record))
     return Part("method", word("method"), paragraphs=tuple(paragraphs))
 
 
@@ -92,7 +94,9 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
             remarks.append(word("fewer"))
         table = _steady(certificate)
         title = word("friction" if certificate.of("efficiency") else "friction_alone")
-        yield Part("friction", title, tables=(table,), paragraphs=tuple(remarks))
+        yield Part(
+            "friction", title, tables=(table,), paragraphs=(" ".join(remarks),) * bool(remarks)
+        )
     if certificate.of("breakaway"):
         yield Part("breakaway", word("breakaway"), tables=(_breakaways(certificate),))
     if certificate.of("leakage"):
@@ -225,13 +229,14 @@ def _factor(certificate: Certificate, value: Certified | None) -> str:
 def uncertainty_part(certificate: Certificate) -> Part:
     """Return what U is and what it does not contain."""
     word = certificate.word
-    paragraphs = [word("trials_only" if certificate.instruments is None else "gum")]
-    if certificate.of("speed_ripple") or certificate.of("drift"):
-        paragraphs.append(word("of_trials"))
     motions = certificate.results.motions
+    general = [word("trials_only" if certificate.instruments is None else "gum")]
+    if certificate.of("speed_ripple") or certificate.of("drift"):
+        general.append(word("of_trials"))
+    if motions.load_cell_zero_unchecked:
+        general.append(word("load_cell_zero"))
+    paragraphs = [" ".join(general)]
     if certificate.of("leakage"):
         step = max((each.step_pa or 0.0 for each in motions.leakages), default=0.0)
         paragraphs.append(word("leak_interval", step=localized(certificate, step_words(step))))
-    if motions.load_cell_zero_unchecked:
-        paragraphs.append(word("load_cell_zero"))
     return Part("uncertainty", word("uncertainty"), paragraphs=tuple(paragraphs))
