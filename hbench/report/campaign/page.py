@@ -279,7 +279,7 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     remarks = page_tables.remark_table(results)
     if remarks.rows:
         title = f"Remarks on accepted runs ({len(remarks.rows)})"
-        subsections.append(Section(title, tables=(remarks,), folded=True))
+        subsections.append(Section(title, tables=(remarks,), folded=len(remarks.rows) > LONG_LIST))
     words = _cause_words(results) if has_rejected(results) else "None."
     return Section(
         "Rejected runs", (words,) if words else (), parts=tuple(subsections), anchor="rejected"
