@@ -20,8 +20,8 @@ def test_an_unknown_deviation_states_whether_the_sensors_may_cause_it(compared):
         return ordinary_spaces(dict(answers(found)).get("Sensors", ""))
 
     assert sensors() == (
-        "The refit includes sensor errors within the tolerances, and the deviation remains: only a "
-        "sensor beyond its tolerance may cause it."
+        "Sensor errors within the tolerances do not explain this, since the refit includes "
+        "them; a sensor beyond its tolerance may."
     )
     assert sensors(allowed=39.0) == "Sensor errors within the tolerances cannot cause as much."
     may = "may cause as much in the force of the test cylinder: check these first."

@@ -70,8 +70,8 @@ def sensors_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
             f"Sensor errors within the tolerances may cause as much in {names}: check these first."
         )
     return (
-        "The refit includes sensor errors within the tolerances, and the deviation remains: only a "
-        "sensor beyond its tolerance may cause it."
+        "Sensor errors within the tolerances do not explain this, since the refit includes "
+        "them; a sensor beyond its tolerance may."
     )
 
 
