@@ -66,20 +66,31 @@ _MEASURE = "measure what is missing"
 _REDUCE = "reduce U with more trials or more accurate instruments"
 
 
-def acceptance_table(acceptance: Acceptance) -> WordTable:
-    """Return a row for each decision."""
+def _decision_lines(checks: Sequence[ConformityCheck]) -> Iterator[str]:
+    """Yield the decisions in columns, those on one quantity and limit below a line with both."""
     rows = tuple(
         (
             check.decision,
             measured_words(check),
-            _short_limit(check.requirement),
             probability_words(check.probability),
-            _test_first(check) + (f": {check.reason}" if check.reason else ""),
+            ": ".join(
+                filter(None, (series_words(check.requirement, check.measurement), check.reason))
+            ),
         )
-        for check in acceptance.checks
+        for check in checks
     )
-    head = ("decision", "measured, U", "limit", "conforms", "test; quantity")
-    return WordTable("", head, rows)
+    table = WordTable("", ("decision", "measured, U", "conforms", "test"), rows)
+    _, *lines = table_lines(table)
+    head, *decisions = (wrap(line, _WIDE, subsequent_indent="  ") for line in lines)
+    yield from head
+    above = ""
+    for check, decision in zip(checks, decisions, strict=True):
+        quantity = requirement_words(check.requirement, check.measurement)
+        of = f"{quantity}, limit {limit_words(check.requirement)}"
+        if of != above:
+            yield from wrap(of, _WIDE, subsequent_indent="  ")
+        above = of
+        yield from decision
 
 
 def acceptance_text(acceptance: Acceptance) -> str:
@@ -88,10 +99,9 @@ def acceptance_text(acceptance: Acceptance) -> str:
     product = f", product {acceptance.product}" if acceptance.product else ""
     rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
     load, checks = without_common_load(without_common_rod_pressure(acceptance.checks))
-    table = acceptance_table(replace(acceptance, checks=tuple(checks)))
     lines = [
         f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
-        *list(table_lines(table, _WIDE))[1:],
+        *_decision_lines(checks),
     ]
     remarks = [
         *([f"load: {load}"] if load else []),
@@ -311,18 +321,6 @@ def limit_words(requirement: Requirement) -> str:
     if low is not None and high is not None:
         return f"{low} to {high} {unit}"
     return f"at least {low} {unit}" if high is None else f"at most {high} {unit}"
-
-
-def _test_first(check: ConformityCheck) -> str:
-    """Write the series and then the quantity."""
-    of = check.requirement, check.measurement
-    return "; ".join(filter(None, (series_words(*of), requirement_words(*of))))
-
-
-def _short_limit(requirement: Requirement) -> str:
-    """Write the limits as ``limit_words`` does, for a narrow column."""
-    words = limit_words(requirement)
-    return words.replace("at most", "max.").replace("at least", "min.")
 
 
 def probability_words(probability: float | None) -> str:
