@@ -101,7 +101,7 @@ class LeakCoefficient:
     value: float | None  # None: the runs don't determine it
     se: float | None
     ci95: tuple[FloatOrNan, FloatOrNan] | None
-    by_resolution: bool = False  # ci95 is a code of the pressure converter: more than the fit's
+    by_resolution: bool = False  # ci95 is that of the pressures' step: more than the fit's
 
 
 @dataclass(frozen=True)
@@ -120,6 +120,7 @@ class Leakage:
     exponent: float = 1.0  # of the pressure, the same for all leaks; 1: laminar
     exponent_ci95: float | None = None  # half-width of its interval; None: not fitted
     reference_pa: float | None = None  # pressure at which a coefficient is that of a laminar leak
+    step_pa: float | None = None  # smallest of the logged pressures, of the coarser side
 
     def flow_m3_s(self, leak: LeakCoefficient, pressure_pa: float) -> tuple[float, float] | None:
         """Return the flow of a leak at a pressure, and the half-width of its 95 % interval.
@@ -286,3 +287,9 @@ class Motions:
     zero_checks: tuple[ZeroCheck, ...] = ()
     surfaces: tuple[Surface, ...] = ()
     over_distance: tuple[DistanceTrend, ...] = ()
+
+    @property
+    def load_cell_zero_unchecked(self) -> bool:
+        """Whether zeros were checked, but that of the load cell was not."""
+        channels = {zero.channel for check in self.zero_checks for zero in check.zeros}
+        return bool(channels) and "f_applied_n" not in channels

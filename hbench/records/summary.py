@@ -82,6 +82,7 @@ class Drift:
     # of the span: so much of the drift appears as an effect of speed.
     speed_share: float
     separated: bool  # whether the plan separates drift from the effect of speed
+    several_speeds: bool = True  # whether a curve has more than one, so that they can be mixed
     # Of the oil over the same runs, by a straight line from the first run to the last. The
     # correlation is that of a trial's deviations from its point: friction with temperature. None
     # where the temperature was not measured, or did not change within the points.

@@ -2,7 +2,7 @@
 
 from hbench.records import Drift
 from hbench.records.summary import SIGNIFICANCE
-from hbench.report.render.numbers import number, significant, with_interval
+from hbench.report.render.numbers import NONE, number, significant, with_interval
 from hbench.report.render.word_tables import Cell, Table
 
 DRIFT_MEANS = "the drift would appear as an effect of speed"
@@ -27,9 +27,10 @@ def drift_words(drift: Drift) -> str:
             "of the runs are known"
         )
     basis = "" if drift.basis == "time" else ", by their order since no times are known"
-    text = f"{change} % from the first run to the last{basis} ({how}, {_p(drift.p)})"
+    text = f"{change} % from the first to the last steady run{basis} ({how}, {_p(drift.p)})"
     if drift.separated:
-        return f"{text}, separated from speed by the order of the runs"
+        apart = ", separated from speed by the order of the runs"
+        return f"{text}{apart if drift.several_speeds else ''}"
     text = f"{text}, not separated from speed by the order of the runs"
     if drift.significant:
         return text
@@ -128,9 +129,9 @@ def drift_table(drift: Drift) -> Table:
         _p(drift.p).removeprefix("p = ").removeprefix("p "),
         str(drift.points),
         str(drift.trials),
-        number(drift.speed_vif),
-        number(100 * drift.speed_share, 0),
-        "yes" if drift.separated else "no",
+        number(drift.speed_vif if drift.several_speeds else None),
+        number(100 * drift.speed_share if drift.several_speeds else None, 0),
+        ("yes" if drift.separated else "no") if drift.several_speeds else NONE,
     )
     words = frozenset({"Separated from speed"})
     return Table(

@@ -1,5 +1,9 @@
 """Names, limits and remedies of the checks of a campaign's data, in words."""
 
+LOAD_CELL_ZERO = (
+    "the zero of the load cell was not checked: U contains its error only as far as a tolerance of "
+    "full scale does"
+)
 NAMES = {
     "complete": "Complete",
     "runs_accepted": "Runs accepted",

@@ -290,12 +290,12 @@ def test_the_decision_states_the_value_nearest_to_its_limit():
         return decision_section(decision, checks, rule).paragraphs[0]
 
     passed = words("PASS", decided(6.0))
-    assert passed.startswith("PASS: 2 of 2 checks pass. Nearest to its limit is friction: 85.0")
-    assert "85.0 ± 6.0 N, limit at most 100 N, margin 15 N or 2.5 U, probability" in passed
+    assert passed.startswith("PASS: 2 of 2 checks pass. Nearest to its limit in multiples of U is")
+    assert "85.0 ± 6.0 N, limit at most 100 N, margin 15 N, probability" in passed
     assert [check.decision for check in decided(2.49 * 6.0)] == ["PASS", "PASS"]
     assert [check.decision for check in decided(2.51 * 6.0)] == ["MARGINAL", "PASS"]
     failed = words("FAIL", decided(6.0, near=109.0))
-    assert failed.startswith("FAIL: 1 of 2 checks fails (friction). Farthest beyond its limit is")
+    assert failed.startswith("FAIL: 1 of 2 checks fails (friction). Farthest beyond its limit in")
     assert "is friction: 109.0 ± 6.0 N, limit at most 100 N" in failed
     marginal = words("MARGINAL", decided(6.0, near=96.0))
     assert "MARGINAL: 1 of 2 checks is too near its limit for its U (friction). Near" in marginal
@@ -331,6 +331,17 @@ def test_the_decisions_on_leakage_state_what_its_u_leaves_out():
     assert "U of leakage" not in dict(without)
 
 
+def test_a_leakage_has_the_step_of_its_pressures_and_the_loads_of_its_holds():
+    friction = ConformityCheck(
+        HIGHEST, Measurement(8.0, 1.0, direction="extend", f_load_n=0.0), 0.99, "PASS"
+    )
+    (leak,) = measured_checks("leakage")
+    holds = Measurement(0.5, 0.1, step_pa=360.0, lowest_load_n=-10000.0, highest_load_n=11500.0)
+    facts = dict(decision_section("PASS", [friction, replace(leak, measurement=holds)]).facts)
+    assert facts["Load"] == "Friction: 0 N; leakage: holds at −10000 to 11500 N."
+    assert "smallest step of its logged values (0.0036 bar)" in facts["U of leakage"]
+
+
 def test_a_load_that_all_series_have_is_stated_once():
     def section(*loads):
         checks = [
@@ -342,7 +353,7 @@ def test_a_load_that_all_series_have_is_stated_once():
         made = decision_section("PASS", checks)
         return [str(row[2].text) for row in made.tables[0].rows], dict(made.facts).get("Load")
 
-    assert section(500.0, 500.0) == (["extending"] * 2, "500 N wherever one is set.")
+    assert section(500.0, 500.0) == (["extending"] * 2, "Friction: 500 N.")
     assert section(500.0, 900.0) == (["extending, load 500 N", "extending, load 900 N"], None)
 
 

@@ -220,6 +220,8 @@ def test_holds_that_agree_by_rounding_alike_know_no_leak_smaller_than_a_code(sti
     half = (one.ci95[1] - one.ci95[0]) / 2
     assert 0.5 * by_hand < half < 5 * by_hand
     assert found.message.count("larger than that of the fit: piston_side_out") == 1
+    assert found.step_pa == pytest.approx(code)
+    assert "smallest step of the logged pressures (0.0036 bar)" in found.message
     assert one.by_resolution
 
 

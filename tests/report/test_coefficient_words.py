@@ -168,13 +168,18 @@ def test_the_cylinder_that_leaks_is_the_one_that_is_inspected(named):
     def advice(**parameters):
         effect = replace(named.effects[0], parameters=parameters)
         found = replace(named, effects=(effect,), practice=(seal,))
-        words = verdict_words(found).rpartition("Next, inspect ")[2]
+        words = verdict_words(found).rpartition("inspect ")[2]
         assert words in short_summary(found).replace("Inspect ", "")
         return words
 
     assert advice(test=none, load=leak) == "the piston seal of the load cylinder."
     assert advice(test=leak, load=none) == "the piston seal of the test cylinder."
     assert advice(test=leak, load=leak) == "the piston seal of each cylinder."
+    both = replace(named.effects[0], parameters={"test": leak, "load": leak})
+    assert verdict_words(replace(named, effects=(both,), practice=(seal,))).endswith(
+        "First check for a common cause, such as leakage of the valves; then inspect the piston "
+        "seal of each cylinder."
+    )
     assert advice(exponent=replace(leak, unit="1")) == "the piston seal of each leaking cylinder."
     other = replace(LEAK, name="tank_back_pressure", lookalikes=())
     effects = (replace(named.effects[0], parameters={"test": none, "load": leak}),

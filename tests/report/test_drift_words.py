@@ -41,7 +41,7 @@ MEASURED = {
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({}, "−16.0 ± 3.6 % from the first run to the last (significant, p < 0.0001), separated"),
+        ({}, "−16.0 ± 3.6 % from the first to the last steady run (significant, p < 0.0001), sep"),
         ({"p": 0.3}, "(not significant, p = 0.30), separated from speed by the order of the runs"),
         ({"separated": False}, "p < 0.0001), not separated from speed by the order of the runs"),
         ({"p": 0.3, "separated": False}, "not separated from speed by the order of the runs: up to "
@@ -52,6 +52,14 @@ MEASURED = {
 )  # fmt: skip
 def test_the_words_have_the_size_the_test_and_the_plan(changes, words):
     assert words in drift_words(Drift(**MEASURED | changes))
+
+
+def test_curves_of_a_single_speed_have_nothing_to_separate():
+    one_speed = Drift(**MEASURED | {"p": 0.7, "several_speeds": False})
+    assert "separated" not in drift_words(one_speed)
+    table = drift_table(one_speed)
+    (row,) = table.rows
+    assert [cell.text for cell in row[-3:]] == ["–"] * 3
 
 
 def test_a_change_that_is_extrapolated_from_the_order_of_files_has_no_number():

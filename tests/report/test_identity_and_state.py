@@ -53,7 +53,7 @@ def test_begin_and_end_are_stated_with_their_date_once_and_equal_ones_once(small
         return dict(report_document(made, ()).identity)["Simulated time"]
 
     assert measured("08:07:50") == "2026-01-01 08:00:00 to 08:07:50 UTC"
-    assert measured("08:00:00") == "2026-01-01 08:00:00 UTC"
+    assert measured("08:00:00") == "2026-01-01 08:00:00 UTC for every run"
 
 
 def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):

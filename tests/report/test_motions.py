@@ -362,3 +362,18 @@ def test_a_campaign_without_steady_runs_shows_what_it_has(moving):
     assert '<h2 id="ramps">' in page and '<h2 id="friction">' in page
     nothing = replace(only, curves=())
     assert summary_text(nothing).partition("\n\n")[2].startswith("ramps' acceleration")
+
+
+def test_the_oil_over_time_is_a_line_for_each_side_at_its_highest_pressure(moving):
+    (leak,) = moving.motions.leakages
+    (hold,) = leak.decays
+    again = replace(hold, run="0004", trace=tuple((t, 3 * p, r) for t, p, r in hold.trace))
+    low = replace(hold, run="0005", series=replace(SERIES, f_load_n=0.0), p_p_pa=1e5, p_r_pa=1e5)
+    leaks = (replace(leak, decays=(hold, again, low)),)
+    results = replace(moving, motions=replace(moving.motions, leakages=leaks))
+    (figure,) = motions.leakage(results).values()
+    _, volumes = figure.axes[:2]
+    piston, rod = (line.get_ydata() for line in volumes.lines[:2])
+    t, lost_p, lost_r = np.array(hold.trace).T
+    assert piston == pytest.approx(2e6 * lost_p) and rod == pytest.approx(1e6 * lost_r)
+    assert len(volumes.lines) == 3  # with that at 0

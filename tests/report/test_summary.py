@@ -316,7 +316,7 @@ def test_a_deviation_that_a_correct_model_has_too_is_no_reason_to_distrust_the_m
     # 7.3 N times the root of 2.73² less 2.43²
     beyond = "In runs outside the fit 9.1 N of it is beyond that uncertainty, which is too small"
     assert beyond in ordinary_spaces(text)
-    assert "has a gap of 2.73, where a correct model whose values are as uncertain" in text
+    assert "has a gap of 2.73, where a correct model with equally uncertain values" in text
     assert "That is no evidence of a further cause: the values of" in text
     assert "mostly due to the uncertainty" in diagnosis_text(close).splitlines()[0]
     for distrusted in (

@@ -13,7 +13,7 @@ from hbench.analysis.conformity.measured import measurements
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.sensors import Instruments
 from hbench.records import Results
-from hbench.records.conformity.acceptance import Measurement, Requirement
+from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.conformity.certified import Certified
 
 MOST_POINTS = 16  # steady points on a certificate; of more, three speeds of each series
@@ -42,6 +42,14 @@ def certified_values(
     )
     values = (*kept, *efficiencies, *breakaways, *_leaks(results))
     return values, len(kept) == len(forces)
+
+
+def certified_trials(checks: Iterable[ConformityCheck]) -> Iterator[Certified]:
+    """Yield the decided speed ripples and drifts, whose U is that of the trials alone."""
+    for check in checks:
+        quantity, measured = check.requirement.quantity, check.measurement
+        if measured is not None and (quantity == "speed_ripple" or quantity == "drift"):
+            yield Certified(quantity, measured, _factor(measured, None))
 
 
 def why_not_certified(results: Results) -> tuple[str, ...]:
@@ -95,7 +103,8 @@ def _factor(measured: Measurement, instruments: Instruments | None) -> float | N
 def _leaks(results: Results) -> Iterator[Certified]:
     """Yield the leak coefficients, at the reference pressure where leaks are not laminar.
 
-    No factor is stated: their intervals are those of a fit, or the resolution of the converter.
+    No factor is stated where the step of the pressures decides: such an interval is a limit. Nor is
+    one where the exponent of the pressure was fitted too.
     """
     for leakage in results.motions.leakages:
         for leak in leakage.coefficients:
@@ -105,7 +114,9 @@ def _leaks(results: Results) -> Iterator[Certified]:
                 measured = Measurement(
                     flow[0] / at, flow[1] / at, len(runs) - 1, leakage.label, runs=runs
                 )
-                yield Certified("leakage", measured, None, leak=leak.name)
+                by_fit = not (leak.by_resolution or leakage.exponent_ci95)
+                k = _factor(measured, None) if by_fit else None
+                yield Certified("leakage", measured, k, leak=leak.name)
 
 
 def _fewer(points: list[Certified], working_m_s: float | None, kept: set[tuple]) -> list[Certified]:

@@ -111,6 +111,7 @@ def _leakage(results: Results, requirement: Requirement) -> Iterable[Measurement
     """Yield the flow at the required pressure, if it is not above those of the holds."""
     for leakage in leaks_measured(results, requirement):
         pressure = requirement.pressure_pa or 0.0
+        loads = [d.series.f_load_n for d in leakage.decays if d.series.f_load_n is not None]
         for leak in leakage.coefficients:
             flow = leakage.flow_m3_s(leak, pressure) if leak.name == requirement.leak else None
             if flow and pressure <= (1 + TOLERANCE) * leakage.highest_pa(leak.name):
@@ -120,6 +121,9 @@ def _leakage(results: Results, requirement: Requirement) -> Iterable[Measurement
                     dof=len(leakage.decays) - 1,
                     label=leakage.label,
                     runs=tuple(decay.run for decay in leakage.decays),
+                    step_pa=leakage.step_pa,
+                    lowest_load_n=min(loads, default=None),
+                    highest_load_n=max(loads, default=None),
                 )
 
 

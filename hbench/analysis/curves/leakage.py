@@ -15,10 +15,11 @@ and likewise the other side: linear in C, solved by least squares over all holds
 for each hold and side. The term in x accounts for the oil that a creeping piston moves. Intervals
 are over whole holds, not samples.
 
-A pressure at rest stays on one or two codes of its converter, so the agreement of holds can be too
-good. Rounding, as a drift of one code q over the hold, causes a leak error of q V / (beta I(p)).
-The half-width of an interval is at least this error, since all holds can round alike. q is the
-smallest step of a channel; for a constant channel nothing is added.
+A pressure at rest stays on one or two of the values that the log can hold, so the agreement of
+holds can be too good. Rounding, as a drift of one step q over the hold, causes a leak error of
+q V / (beta I(p)). The half-width of an interval is at least this error, since all holds can round
+alike. q is the smallest step of a logged channel, which is finer than a code of the converter where
+conversions are averaged; for a constant channel nothing is added.
 
 Pressures determine only C beta / V. So C is conditional on the bench file's bulk modulus and dead
 volumes: with beta 10 % higher, C is 10 % lower.
@@ -58,7 +59,7 @@ def chamber_leakage(screened: Iterable[ScreenedRun], bench: Bench) -> tuple[Leak
 
 
 def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
-    beta = bench.oil.bulk_modulus
+    beta, steps = bench.oil.bulk_modulus, _steps(runs, bench)
     holds = [_hold(run, bench) for run in runs]
     moved = np.concatenate([hold.moved for hold in holds])
     number = np.repeat(np.arange(len(holds)), [len(hold.moved) for hold in holds])
@@ -92,8 +93,8 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         messages.append(f"not significant at the 95 % level: {_listed(none)}")
     if rounded:
         messages.append(
-            "U is that of one code of the converter, larger than that of the fit: "
-            f"{_listed(rounded)}"
+            f"U is that of the smallest step of the logged pressures ({max(steps) / 1e5:.2g} bar), "
+            f"larger than that of the fit: {_listed(rounded)}"
         )
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
@@ -122,6 +123,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         exponent=exponent,
         exponent_ci95=exponent_ci95,
         reference_pa=p_0,
+        step_pa=max(steps) or None,
     )
 
 
@@ -136,7 +138,7 @@ class _Solution(NamedTuple):
     se: np.ndarray
     half: np.ndarray  # of the 95 % interval
     unknown: np.ndarray  # bool
-    by_rounding: np.ndarray  # bool: half is that of a converter code
+    by_rounding: np.ndarray  # bool: half is that of a step of the logged pressures
 
 
 def _solved(
@@ -187,23 +189,32 @@ def _exponent(
     return n, float(half) if np.isfinite(half) else np.inf
 
 
+def _steps(runs: Sequence[Run], bench: Bench) -> list[float]:
+    """Return the smallest step [Pa] of each side's logged pressure; 0: it is constant."""
+    smallest = [0.0, 0.0]
+    for run in runs:
+        _, chambers = _chambers(run, bench)
+        for side, (p, _) in enumerate(chambers):
+            steps = np.diff(distinct(p))
+            if len(steps):
+                smallest[side] = min(smallest[side] or np.inf, float(steps.min()))
+    return smallest
+
+
 def _rounding(inverse: np.ndarray, runs: Sequence[Run], bench: Bench) -> np.ndarray:
-    """Return the largest error of the scaled leaks (3,) from a drift of one code over each hold.
+    """Return the largest error of the scaled leaks (3,) from a drift of one step over each hold.
 
     ``inverse`` (3, 2 n) maps moved volumes to leaks, in the order of ``_equations``.
     """
-    codes, drifts = [0.0, 0.0], []
+    steps, drifts = _steps(runs, bench), []
     for run in runs:
         settled, chambers = _chambers(run, bench)
-        for side, (p, compliance) in enumerate(chambers):
-            steps = np.diff(distinct(p))
-            if len(steps):
-                codes[side] = min(codes[side] or np.inf, float(steps.min()))
+        for side, (_, compliance) in enumerate(chambers):
             t = run.t_s[settled]
             drifts.append((side, compliance * (t - t.mean()) / (t[-1] - t[0])))
     error, start = np.zeros(3), 0
     for side, drift in drifts:
-        error += codes[side] * np.abs(inverse[:, start : start + len(drift)] @ drift)
+        error += steps[side] * np.abs(inverse[:, start : start + len(drift)] @ drift)
         start += len(drift)
     return error
 

@@ -144,6 +144,7 @@ def friction_drift(
         speed_vif=vif,
         speed_share=share,
         separated=vif <= SEPARATED_VIF and abs(share) <= LARGEST_SHARE,
+        several_speeds=points > len(np.unique(trials.curve)),
         temp_change_k=warming,
         temp_correlation=correlation,
         temp_p=temp_p,

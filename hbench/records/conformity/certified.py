@@ -6,7 +6,10 @@ from typing import Literal
 from hbench.records.conformity.acceptance import Measurement
 from hbench.records.motions import Leak
 
-CertifiedQuantity = Literal["friction", "breakaway", "efficiency", "leakage"]
+CertifiedQuantity = Literal[
+    "friction", "breakaway", "efficiency", "leakage", "speed_ripple", "drift"
+]
+# Stated wherever they were measured; the others only where a limit was decided.
 CERTIFIED_QUANTITIES: tuple[CertifiedQuantity, ...] = (
     "friction",
     "breakaway",

@@ -21,9 +21,11 @@ from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.oil_temperature import temperature_section
+from hbench.report.quality_words import LOAD_CELL_ZERO
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span
+from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import titled
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
@@ -41,9 +43,9 @@ _DISTANCE = (
     "the mean. Changing: it is wider and does not contain 0."
 )
 _ZEROS = (
-    "The zeros of the sensors were checked with the supply off and the chambers vented. Their "
-    "errors were subtracted, in between as a straight line over time; the error of the reference "
-    "pressure and the drift of each zero are limits of errors in u."
+    "The zeros of the sensors in the table were checked with the supply off and the chambers "
+    "vented. Their errors were subtracted, in between as a straight line over time; the error of "
+    "the reference pressure and the drift of each zero are limits of errors in u."
 )
 _NO_ZEROS = (
     "The campaign has no zero checks of the sensors (experiments of kind check): u contains zero "
@@ -247,6 +249,7 @@ def _budget(results: Results) -> tuple[Section, ...]:
         "u is the combined standard uncertainty, ν its effective degrees of freedom, and k the "
         "coverage factor: U = k u. Parts below 1 % of u are not listed.",
         _ZEROS if zeros.rows else _NO_ZEROS,
+        *([f"{capital(LOAD_CELL_ZERO)}."] if results.motions.load_cell_zero_unchecked else []),
     )
     tables = (
         *titled(table, "Friction at the working speed and the parts of its uncertainty"),
@@ -276,7 +279,7 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     remarks = page_tables.remark_table(results)
     if remarks.rows:
         title = f"Remarks on accepted runs ({len(remarks.rows)})"
-        subsections.append(Section(title, tables=(remarks,), folded=True))
+        subsections.append(Section(title, tables=(remarks,), folded=len(remarks.rows) > LONG_LIST))
     words = _cause_words(results) if has_rejected(results) else "None."
     return Section(
         "Rejected runs", (words,) if words else (), parts=tuple(subsections), anchor="rejected"

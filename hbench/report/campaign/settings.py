@@ -36,7 +36,7 @@ def provenance_facts(
     specimen, test = (provenance.settings.get(name, {}) for name in ("specimen", "test"))
     stated = ", ".join(f"{name} {specimen[name]}" for name in _SIZES if specimen.get(name))
     name = "Simulated time" if provenance.source == "simulated" else "Measured"
-    bench, when = provenance.bench, {name: _period(provenance.started, provenance.stopped)}
+    bench, when = provenance.bench, {name: _period(provenance)}
     if provenance.source == "imported":
         bench = f"{bench} (name in the map of the import)"
         measured = test.get("date", "") or "date not recorded (test.date in the map)"
@@ -142,11 +142,12 @@ def _calibrations(instruments: Mapping[str, Any]) -> str:
     return "; ".join(named) or "no calibration recorded"
 
 
-def _period(started: str, stopped: str) -> str:
+def _period(provenance: Provenance) -> str:
     """Write begin and end, with the date once if they have the same; one of equal times."""
-    first, last = _time(started), _time(stopped)
+    first, last = _time(provenance.started), _time(provenance.stopped)
     if first == last:
-        return first
+        stopped_clock = provenance.source == "simulated" and first
+        return f"{first} for every run" if stopped_clock else first
     same_day = first[:10] == last[:10] and first.endswith(" UTC") and last.endswith(" UTC")
     if same_day:
         first, last = first.removesuffix(" UTC"), last[11:]

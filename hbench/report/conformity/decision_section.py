@@ -131,15 +131,14 @@ def nearest_words(decision: Conformity, checks: Sequence[ConformityCheck]) -> st
     measured = check.measurement
     if measured is None or (margin < 0) != (decision == "FAIL"):
         return ""
-    what = "Farthest beyond its limit" if margin < 0 else "Nearest to its limit"
+    what = f"{'Farthest beyond' if margin < 0 else 'Nearest to'} its limit in multiples of U"
     which = check_words(check.requirement, replace(measured, p_lr_ref_pa=None))
     unit = check.requirement.unit
-    inside = from_si(check.requirement.margin(measured.value), unit)
+    size = significant(abs(from_si(check.requirement.margin(measured.value), unit)), 2)
     sure = check.probability is None or check.probability > _SURE
     conforms = "" if sure else f", probability of conformity {probability_words(check.probability)}"
     by = "margin" if margin >= 0 else "beyond it by"
-    size = f"{significant(abs(inside), 2)} {unit} or {significant(abs(margin), 2)} U"
     return (
         f"{what} is {which}: {measured_words(check)}, limit {limit_words(check.requirement)}, "
-        f"{by} {size}{conforms}."
+        f"{by} {size} {unit}{conforms}."
     )

@@ -46,7 +46,8 @@ CONFORMS = (
 _TRIALS_ALONE: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
 U_OF_LEAKAGE = (
     "the half-width of the 95 % interval of the fit to all holds, but at least the leak that "
-    "changes a pressure by one code of its converter during a hold"
+    "changes a pressure by the smallest step of its logged values{step} during a hold; value and U "
+    "grow with the pressure that the leakage is stated at"
 )
 LEAKAGE_ASSUMES = (
     "It assumes that the effective bulk modulus and the dead volumes of the bench file are exact "
@@ -65,21 +66,31 @@ _MEASURE = "measure what is missing"
 _REDUCE = "reduce U with more trials or more accurate instruments"
 
 
-def acceptance_table(acceptance: Acceptance) -> WordTable:
-    """Return a row for each decision."""
+def _decision_lines(checks: Sequence[ConformityCheck]) -> Iterator[str]:
+    """Yield the decisions in columns, those on one quantity and limit below a line with both."""
     rows = tuple(
         (
             check.decision,
             measured_words(check),
-            limit_words(check.requirement),
             probability_words(check.probability),
-            check_words(check.requirement, check.measurement)
-            + (f": {check.reason}" if check.reason else ""),
+            ": ".join(
+                filter(None, (series_words(check.requirement, check.measurement), check.reason))
+            ),
         )
-        for check in acceptance.checks
+        for check in checks
     )
-    head = ("decision", "measured, U", "limit", "conforms", "quantity and test")
-    return WordTable("", head, rows)
+    table = WordTable("", ("decision", "measured, U", "conforms", "test"), rows)
+    _, *lines = table_lines(table)
+    head, *decisions = (wrap(line, _WIDE, subsequent_indent="  ") for line in lines)
+    yield from head
+    above = ""
+    for check, decision in zip(checks, decisions, strict=True):
+        quantity = requirement_words(check.requirement, check.measurement)
+        of = f"{quantity}, limit {limit_words(check.requirement)}"
+        if of != above:
+            yield from wrap(of, _WIDE, subsequent_indent="  ")
+        above = of
+        yield from decision
 
 
 def acceptance_text(acceptance: Acceptance) -> str:
@@ -88,10 +99,9 @@ def acceptance_text(acceptance: Acceptance) -> str:
     product = f", product {acceptance.product}" if acceptance.product else ""
     rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
     load, checks = without_common_load(without_common_rod_pressure(acceptance.checks))
-    table = acceptance_table(replace(acceptance, checks=tuple(checks)))
     lines = [
         f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
-        *list(table_lines(table, _WIDE))[1:],
+        *_decision_lines(checks),
     ]
     remarks = [
         *([f"load: {load}"] if load else []),
@@ -123,8 +133,10 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
     alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
     if alone:
         yield f"U of {listed([QUANTITIES[q] for q in alone])}: of the trials alone"
-    if any(_measured(check, "leakage") for check in checks):
-        yield f"U of {QUANTITIES['leakage']}: {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}"
+    if leaks := [check.measurement for check in checks if _measured(check, "leakage")]:
+        steps = [leak.step_pa for leak in leaks if leak and leak.step_pa]
+        words = U_OF_LEAKAGE.format(step=step_words(max(steps, default=None)))
+        yield f"U of {QUANTITIES['leakage']}: {words}. {LEAKAGE_ASSUMES}"
     if any(check.at_worst_speed for check in checks):
         yield (
             "speed: where a limit states none, each series is decided at the speed with the lowest "
@@ -132,6 +144,11 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
         )
     if any("P_Lr" in series_words(c.requirement, c.measurement) for c in checks):
         yield "P_Lr: set pressure on the rod side of the load cylinder"
+
+
+def step_words(step_pa: float | None) -> str:
+    """Write the smallest step of the logged pressures in brackets; empty where it is not known."""
+    return f" ({significant(from_si(step_pa, 'bar'), 2)} bar)" if step_pa else ""
 
 
 def complete_u(checks: Sequence[ConformityCheck]) -> str:
@@ -244,16 +261,31 @@ def series_words(requirement: Requirement, measured: Measurement | None) -> str:
 def without_common_load(
     checks: Sequence[ConformityCheck],
 ) -> tuple[str, list[ConformityCheck]]:
-    """Return the load that all series with one have, in words, and the checks without it."""
-    measured = [check.measurement for check in checks if check.measurement]
-    loads = {each.f_load_n for each in measured if each.f_load_n is not None}
+    """Return the load that all series with one have, in words, and the checks without it.
+
+    The words have the loads of a leakage's holds too.
+    """
+    loaded = [c for c in checks if c.measurement and c.measurement.f_load_n is not None]
+    loads = {check.measurement.f_load_n for check in loaded if check.measurement}
     if len(loads) != 1:
         return "", list(checks)
+    quantities = dict.fromkeys(QUANTITIES[check.requirement.quantity] for check in loaded)
+    words = [f"{listed(list(quantities))}: {short(loads.pop())} N", *_hold_loads(checks)]
     without = [
         replace(check, measurement=check.measurement and replace(check.measurement, f_load_n=None))
         for check in checks
     ]
-    return f"{short(loads.pop())} N wherever one is set", without
+    return "; ".join(words), without
+
+
+def _hold_loads(checks: Sequence[ConformityCheck]) -> Iterator[str]:
+    """Yield the set loads of the holds that leakages are from."""
+    leaks = [check.measurement for check in checks if _measured(check, "leakage")]
+    lows = [leak.lowest_load_n for leak in leaks if leak and leak.lowest_load_n is not None]
+    highs = [leak.highest_load_n for leak in leaks if leak and leak.highest_load_n is not None]
+    if lows and highs:
+        low, high = short(min(lows)), short(max(highs))
+        yield f"leakage: holds at {low}" + (f" to {high} N" if high != low else " N")
 
 
 def without_common_rod_pressure(checks: Sequence[ConformityCheck]) -> list[ConformityCheck]:

@@ -155,7 +155,7 @@ _RANGE = (
     "piston area; of a force, that of the load cell.",
 )
 _ALLOWED = (
-    "Tolerances allow",
+    "Tolerances allow without refit",
     "Deviation that sensors within their tolerances may cause in a model that is not refitted. The "
     "refit includes them (offset, gain and drift): what remains has another cause, even if it is "
     "smaller. A dash: no tolerance changes it.",

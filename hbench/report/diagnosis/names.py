@@ -127,7 +127,7 @@ EDGES = {
     "flow_lr": ("supply", "tank"),
 }
 
-_KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")  # name of an effect
+_KEY = re.compile(r"(?<!/)\b[a-z]+(?:_[a-z]+)+\b(?![/-]|\.\w)")  # of an effect; no file's name
 _CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
 _VALUE_OF = re.compile(r"test cylinder (?=[−\d])")
 _PART = re.compile(r", test (cylinder|side)")

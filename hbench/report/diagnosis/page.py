@@ -170,7 +170,7 @@ def _files(diagnosis: Diagnosis) -> str:
     files = [definitions.NEXT_FILE] if diagnosis.next_schedule else []
     incomplete = of_strokes(diagnosis) or diagnosis.errors  # no plant of a whole bench
     command = "reconcile" if incomplete else "run --plant"
-    use = "" if predictions_words(diagnosis) else f", for hbench {command}"
+    use = "; do not predict with it" if predictions_words(diagnosis) else f", for hbench {command}"
     files.append(f"model.yaml is {model}{use}.")
     left_out = [in_words(effect.name) for effect in diagnosis.effects if not effect.confirmed]
     if left_out:

@@ -142,21 +142,6 @@ def best_candidate(diagnosis: Diagnosis) -> str:
     )
 
 
-def closest_words(diagnosis: Diagnosis) -> str:
-    """Return the best candidate of an unknown deviation if only its size kept it unnamed."""
-    if not hint(diagnosis):
-        return ""
-    best = diagnosis.ranking[0]
-    reason = ""
-    if best.size < LEAST_SIZE:
-        size, least = number(best.size, 2), number(LEAST_SIZE, 2)
-        reason = f"; it is not named, since its size is {size} of a typical one ({least} needed)"
-    return (
-        f"The closest is {in_words(best.name)}, which explains {share(best.explained)} of the "
-        f"deviation of the quantities that it changes{reason}."
-    )
-
-
 def hint(diagnosis: Diagnosis) -> str:
     """Return the known effect that explains a part of the deviation; empty for none."""
     if not diagnosis.ranking:

@@ -34,6 +34,7 @@ from hbench.report.diagnosis.words.action import (
     inspection,
     next_step,
     separation,
+    starting_reason,
     zero_check,
     zero_readings,
 )
@@ -58,12 +59,13 @@ from hbench.report.diagnosis.words.deviation import (
     not_expected,
     poorly_simulated,
     remainder,
+    sensors_words,
     significant_gaps,
     too_small_words,
     undecided_words,
     unreliable,
 )
-from hbench.report.diagnosis.words.error import drift_words, one_sided_words
+from hbench.report.diagnosis.words.error import change_of_errors, drift_words, one_sided_words
 from hbench.report.diagnosis.words.law import law_summary
 from hbench.report.diagnosis.words.place import (
     AT_POINT,
@@ -73,7 +75,7 @@ from hbench.report.diagnosis.words.place import (
     residual_words,
     where_words,
 )
-from hbench.report.diagnosis.words.unexplained import narrowing_words
+from hbench.report.diagnosis.words.unexplained import agreeing_words, narrowing_words
 from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
@@ -91,6 +93,7 @@ _MEANWHILE = (
 )
 _IF_PRESENT = "The sizes that follow apply only if {name} is present."
 _NO_GAIN = "So model.yaml and all gaps below are those of the model without it."
+_INSPECT, _MODEL = "What to inspect", "Model"
 _EXPECTED, _READINGS = "Expected deviations", "Expected readings"
 _UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
 _CLOSEST, _SCORES, _DETECTABLE = "Closest known effect", "Scores", "What these runs can show"
@@ -191,6 +194,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield law_summary(diagnosis.unnamed)
             yield best_candidate(diagnosis)
             yield next_step(diagnosis)
+            yield starting_reason(diagnosis)
             yield doubtful_volume(diagnosis)
             yield from further_inspections(diagnosis)
             if not diagnosis.next_experiment:
@@ -281,14 +285,16 @@ def _only_in_size(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
+    yield _INSPECT, starting_reason(diagnosis)
     for sentence in further_inspections(diagnosis):
-        yield _ACTION, sentence
-    yield _ACTION, diagnosis.next_experiment or ""
-    yield _ACTION, doubtful_volume(diagnosis)
-    yield _ACTION, predictions_words(diagnosis)
-    yield _ACTION, _OWN_EFFECT
+        yield _INSPECT, sentence
+    yield _INSPECT, doubtful_volume(diagnosis)
+    yield "Sensors", sensors_words(diagnosis, gaps)
+    yield "Next runs", diagnosis.next_experiment or ""
+    yield _MODEL, predictions_words(diagnosis)
+    yield _MODEL, _OWN_EFFECT
     if diagnosis.unnamed:
-        yield _ACTION, _MEANWHILE
+        yield _MODEL, _MEANWHILE
     yield _UNNAMED, law_summary(diagnosis.unnamed)
     names = [gap.name for gap in gaps]
     places = places_words(diagnosis, names)
@@ -297,6 +303,8 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
         yield _RESIDUALS, places
     if not places:
         yield _RESIDUALS, residual_words(diagnosis, names)
+    yield _RESIDUALS, agreeing_words(diagnosis, gaps)
+    yield _RESIDUALS, change_of_errors(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield _REFIT, refit_words(diagnosis)

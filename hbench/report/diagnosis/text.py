@@ -8,7 +8,13 @@ from hbench.records import (
     Gap,
     WordTable,
 )
-from hbench.report.diagnosis.names import BALANCE_NAMES, gap_number, in_sentence, steps_of
+from hbench.report.diagnosis.names import (
+    BALANCE_NAMES,
+    gap_number,
+    in_sentence,
+    keys_in_words,
+    steps_of,
+)
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
 from hbench.report.diagnosis.tables.effect_tables import (
@@ -45,18 +51,19 @@ _LEFT_OUT = 5  # runs that the terminal lists
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
     blocks = [
-        f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}",
+        f"{verdict_sentence(diagnosis)}\n{keys_in_words(short_summary(diagnosis))}",
         gap_line(diagnosis),
     ]
     errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
     blocks += (
-        diagnosis.why,
+        keys_in_words(diagnosis.why),
         " ".join(filter(None, errors)),
         *effect_lines(diagnosis),
         *law_lines(diagnosis),
     )
-    if diagnosis.next_experiment:
-        blocks.append(f"next experiment: {diagnosis.next_experiment}")
+    experiment = keys_in_words(diagnosis.next_experiment or "")
+    if experiment not in blocks[0]:
+        blocks.append(f"next experiment: {experiment}")
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
     blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
     text = "\n\n".join(block for block in blocks if block)
@@ -90,8 +97,9 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         finding = f"{refitted}the model agrees with the measurement"
         if isfinite(total.refitted):
             finding += (
-                f". In runs outside the fit the model deviates by {gap} times the repeatability, "
-                f"where {expected} is expected of a correct model whose values are as uncertain"
+                f". In runs outside the fit the model deviates by {gap} times the repeatability; "
+                f"a correct model with equally uncertain values would deviate by {expected} times "
+                "on average"
             )
     else:
         finding = (
@@ -131,7 +139,7 @@ def gap_line(diagnosis: Diagnosis) -> str:
     every = ", all flows and forces" if len(diagnosis.gap_heldout.balances) > 1 else ""
     words = (
         f"Gap of runs outside the fit (RMS of measurement less model, in multiples of the "
-        f"repeatability{every}): {steps}.{remark} A correct model whose values are as uncertain "
+        f"repeatability{every}): {steps}.{remark} A correct model with equally uncertain values "
         "would have "
         f"{gap_number(total.floor)} on average.",
         _most_in(diagnosis),

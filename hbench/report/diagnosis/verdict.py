@@ -17,7 +17,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     p_equation,
 )
-from hbench.report.diagnosis.sentences import closest_words, favoured, least_odds
+from hbench.report.diagnosis.sentences import favoured, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.diagnosis.words.action import first_step, next_step
@@ -42,8 +42,8 @@ from hbench.report.diagnosis.words.deviation import (
     exceeding,
     largest_deviation,
     not_expected,
-    sensors_words,
     too_small_words,
+    worst_signal,
 )
 from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
 from hbench.report.diagnosis.words.place import (
@@ -267,6 +267,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
     yield "" if diagnosis.errors else sizes
     yield _largest_gap(diagnosis)
+    yield worst_signal(diagnosis)
     yield _largest(diagnosis)
 
 
@@ -319,10 +320,8 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return
     gaps = diagnosis.rest or diagnosis.where[:1]
-    yield from unexplained_words(diagnosis, gaps)
-    yield sensors_words(diagnosis, gaps)
-    yield closest_words(diagnosis)
+    finding, *place = unexplained_words(diagnosis, gaps)
+    yield finding
+    yield beyond_balances(diagnosis) or " ".join(place)
     yield next_step(diagnosis)
     yield "" if diagnosis.next_experiment else narrowing_words(diagnosis, gaps[0].name)
-    yield change_of_errors(diagnosis)
-    yield beyond_balances(diagnosis)

@@ -10,6 +10,7 @@ from hbench.records.conformity.acceptance import Acceptance
 from hbench.report.campaign.quality import grade_words, missing_words
 from hbench.report.conformity.acceptance_document import acceptance_json
 from hbench.report.conformity.text import junit_xml
+from hbench.report.quality_words import LOAD_CELL_ZERO
 from hbench.store.campaign.folder import load_campaign, write_results
 from hbench.workflow.results import derive
 
@@ -34,6 +35,8 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
         notes.append(grade_words(results.quality))
     if missing := missing_words(results.quality.completeness):
         notes.append(missing)
+    if results.motions.load_cell_zero_unchecked:
+        notes.append(LOAD_CELL_ZERO)
     checks = conformity_checks(
         results,
         [limit.requirement for limit in limits.limits],

@@ -4,7 +4,11 @@ from collections.abc import Callable
 from datetime import date
 from pathlib import Path
 
-from hbench.analysis.conformity.certified import certified_values, why_not_certified
+from hbench.analysis.conformity.certified import (
+    certified_trials,
+    certified_values,
+    why_not_certified,
+)
 from hbench.config.conformity.certificate import (
     completed,
     parse_certificate,
@@ -120,6 +124,7 @@ def _certificate(folder: Path, path: Path, today: date) -> Certificate:
                 f"Known are {', '.join(repr(each) for each in sorted(known - {''}))}.",
             )
     values, all_speeds = certified_values(results, instruments, measured)
+    values = (*values, *certified_trials(checks))
     if not values:
         raise DataError(f"{folder}: gets no certificate: none of its quantities was measured")
     return Certificate(

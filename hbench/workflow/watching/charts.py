@@ -12,6 +12,7 @@ from hbench.records import FEWEST_CAMPAIGNS
 from hbench.records.conformity.acceptance import ConformityCheck
 from hbench.report.conformity.decision_section import nearest_words
 from hbench.report.conformity.text import (
+    QUANTITIES,
     check_words,
     limit_words,
     measured_words,
@@ -79,6 +80,7 @@ def _chart(
     halves = [None if each.u95 is None else from_si(each.u95, unit) for each in measured]
     chart: dict[str, Any] = {
         "title": unit_kept(check_words(last.requirement, last.measurement)),
+        "quantity": QUANTITIES[limits.quantity],
         "unit": unit,
         "names": [name for name, _ in found],
         "values": values.tolist(),

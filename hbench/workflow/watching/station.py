@@ -41,7 +41,7 @@ class Station:
 
         ``present`` is the folder's name of this campaign. ``charts`` are the control charts of the
         limited quantities, over the last campaigns; ``limited`` is the number of these quantities.
-        ``unusual`` is whether the present cylinder passed with an unusual value.
+        ``unusual`` are the quantities whose value is unusual though the present cylinder passed.
         """
         self._read()
         state = self._watch.state()
@@ -51,14 +51,16 @@ class Station:
         charts = {"charts": self._charts, "limited": self._limited, "unusual": self._unusual()}
         return state | {"version": version, "present": present, "cylinders": cylinders} | charts
 
-    def _unusual(self) -> bool:
-        """Return whether the present cylinder passed with an unusual value in a chart."""
+    def _unusual(self) -> list[str]:
+        """Return the quantities with an unusual value if the present cylinder passed."""
         if self._shown is None or self._shown not in self._campaigns:
-            return False
+            return []
         row = self._row(self._shown)
         name = row["serial"] or row["folder"]
+        if row["decision"] != "PASS":
+            return []
         charts = (chart for chart in self._charts if chart["names"][-1] == name)
-        return row["decision"] == "PASS" and any(chart["last_unusual"] for chart in charts)
+        return list(dict.fromkeys(chart["quantity"] for chart in charts if chart["last_unusual"]))
 
     def runs(self) -> dict[str, Any]:
         """Return the present campaign's runs."""

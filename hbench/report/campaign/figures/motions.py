@@ -1,6 +1,9 @@
 """Hysteresis loops, steps, leakage, breakaway, and friction over velocity and load."""
 
+from collections.abc import Sequence
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import Results, Surface
@@ -93,7 +96,10 @@ def has_leakage(results: Results) -> bool:
 
 
 def leakage(results: Results) -> dict[str, Figure]:
-    """Draw the oil that left each side: flow [ml/min] by hold, volume [ml] over time."""
+    """Draw the oil that left each side: flow [ml/min] by hold, volume [ml] over time.
+
+    The course over time is that of the load at which the pressure of the side is highest.
+    """
     figure = style.new_figure(height_in=5.6)
     flows, volumes = figure.subplots(2)
     decays = [decay for leak in results.motions.leakages for decay in leak.decays]
@@ -104,17 +110,27 @@ def leakage(results: Results) -> dict[str, Figure]:
         look = style.series_style(rank)
         bars = flows.errorbar(p, q, label=side, **look, **style.POINTS)
         behind(bars, {"run": [decay.run for decay in decays]})
-        for decay in decays:
-            t_s = [row[0] for row in decay.trace]
-            volumes.plot(t_s, [1e6 * row[1 + rank] for row in decay.trace], color=look["color"])
+        highest = max(decays, key=lambda decay: getattr(decay, pressure)).series
+        traces = [decay.trace for decay in decays if decay.series == highest and decay.trace]
+        _draw_lost(volumes, list(map(np.array, traces)), 1 + rank, look["color"])
     for axes in (flows, volumes):
         axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
     flows.set(xlabel="Pressure of the side (bar)", ylabel="Oil that leaves (ml/min)")
     volumes.set(xlabel="Time (s)", ylabel="Oil that has left (ml)")
     style.head(flows, "Leakage with all valves closed", results)
-    style.read_as(figure, "One point and line for each hold; negative: oil flowed in.")
+    style.read_as(figure, "Lines: means of the trials at the highest pressure; shaded: range.")
     style.legend_above(figure, flows)
     return {"": figure}
+
+
+def _draw_lost(axes: Axes, traces: Sequence[np.ndarray], column: int, color: str) -> None:
+    """Draw the oil [ml] that left a side over time: mean and range of the trials of a load."""
+    if not traces:
+        return
+    t_s = min(traces, key=lambda trace: trace[-1, 0])[:, 0]
+    lost = 1e6 * np.array([np.interp(t_s, trace[:, 0], trace[:, column]) for trace in traces])
+    axes.plot(t_s, lost.mean(axis=0), color=color)
+    axes.fill_between(t_s, lost.min(axis=0), lost.max(axis=0), color=color, alpha=0.15, linewidth=0)
 
 
 def has_breakaways(results: Results) -> bool:

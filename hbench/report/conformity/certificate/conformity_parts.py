@@ -14,8 +14,11 @@ from hbench.report.conformity.certificate.layout import (
     without_empty,
 )
 from hbench.report.render.numbers import NONE, short, significant, with_interval
+from hbench.report.render.symbols import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
+
+_MOST_REMARKS = 5  # on runs; the report has all
 
 
 def conformity_part(certificate: Certificate) -> Part:
@@ -82,7 +85,9 @@ def _not_calibrated(certificate: Certificate) -> str:
         for key, _, calibration in certificate.calibrations()
         if not calibration.certificate
     ]
-    return certificate.word("not_calibrated", instruments=", ".join(without)) if without else ""
+    if not without:
+        return ""
+    return certificate.word("not_calibrated", instruments=listed(without, certificate.word("and")))
 
 
 def _file(acceptance: Acceptance) -> str:
@@ -171,7 +176,15 @@ def not_tested_part(certificate: Certificate) -> Part:
         deviations.append(word("short", points=points, of=complete.points))
     if rejected:
         deviations.append(word("rejected", runs=rejected))
-    paragraphs += deviations or [word("no_deviations")]
+    paragraphs.append(" ".join(deviations or [word("no_deviations")]))
+    if remarks := [
+        f"{run.run.plan.run}: {printable('; '.join(run.notes))}"
+        for run in results.runs
+        if run.accepted and run.notes
+    ]:
+        more = [f"… ({len(remarks)})"] if len(remarks) > _MOST_REMARKS else []
+        shown = "; ".join((*remarks[:_MOST_REMARKS], *more))
+        paragraphs[-1] += f" {word('run_remarks', remarks=shown)}"
     if certificate.acceptance is None and (reservation := _reservation(certificate)):
         paragraphs.append(reservation)
     if certificate.warnings:
@@ -187,6 +200,9 @@ def _tested(certificate: Certificate, checks: Sequence[ConformityCheck]) -> Iter
     untested = [quantity_words(certificate, c) for c in missing if c.measurement is None]
     undecided = [quantity_words(certificate, c) for c in missing if c.measurement is not None]
     why = [word("untested", quantities="; ".join(untested))] if untested else []
-    yield " ".join((word("tested", tested=count - len(untested), count=count), *why))
+    decisions = len(checks) - len(missing)
+    yield " ".join(
+        (word("tested", tested=count - len(untested), count=count, decisions=decisions), *why)
+    )
     if undecided:
         yield word("undecided", quantities="; ".join(dict.fromkeys(undecided)))

@@ -32,7 +32,10 @@ _SCHEMA = f"{DCC} https://ptb.de/dcc/v{VERSION}/dcc.xsd"
 _NEWTON, _PASCAL, _ONE, _KELVIN = r"\newton", r"\pascal", r"\one", r"\kelvin"
 _METRE_PER_SECOND = r"\metre\second\tothe{-1}"
 _LEAK = r"\metre\tothe{3}\second\tothe{-1}\pascal\tothe{-1}"
-_UNITS = {"friction": _NEWTON, "breakaway": _NEWTON, "efficiency": _ONE, "leakage": _LEAK}
+_UNITS = {
+    **{"friction": _NEWTON, "breakaway": _NEWTON, "leakage": _LEAK},
+    **{"efficiency": _ONE, "speed_ripple": _ONE, "drift": _ONE},
+}
 _AREA = r"\metre\tothe{2}"
 _CONFORMITY: dict[Conformity, str] = {
     "PASS": "pass",

@@ -2,6 +2,7 @@
 
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.conformity.text import LEAKAGE_ASSUMES, U_OF_LEAKAGE
+from hbench.report.quality_words import LOAD_CELL_ZERO
 
 ENGLISH = {
     "title": "Test certificate",
@@ -30,6 +31,8 @@ ENGLISH = {
     "friction_alone": "Results: friction at constant speed",
     "breakaway": "Results: breakaway",
     "leakage": "Results: leakage",
+    "speed_ripple": "Results: speed ripple",
+    "drift": "Results: drift of friction",
     "uncertainty": "Uncertainty of measurement",
     "conformity": "Statement of conformity",
     "not_tested": "Not tested and deviations",
@@ -85,8 +88,8 @@ ENGLISH = {
     "due": "Due",
     "overdue": "{date} (overdue)",
     "traceable": "The calibrations above make the results traceable to the SI.",
-    "not_traceable": "Traceability to the SI is not stated. No calibration certificate is "
-    "recorded for these instruments: {instruments}.",
+    "not_traceable": "Traceability to the SI is not stated: no calibration certificate is "
+    "recorded for {instruments}.",
     "no_instruments": "The errors of the instruments are not recorded.",
     "expired": "Traceability to the SI is not given: the calibration was overdue on the day "
     "of the test for {instruments}.",
@@ -102,16 +105,16 @@ ENGLISH = {
     "pushes the piston after the longest rest under load. The piston creeps meanwhile: where "
     "friction falls with speed, breakaway can be below the friction at a lower steady speed.",
     "method_leakage": "Leakage follows from the decay of the chamber pressures with all valves "
-    "closed, with the effective bulk modulus of the bench file{bulk_modulus}. {leak_law}",
+    "closed, with the effective bulk modulus of the bench file{bulk_modulus}, air in the oil and "
+    "hoses included. {leak_law}",
     "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure{holds}.",
     "leak_holds": "; across the piston, the holds had {pressures} bar",
     "leak_power": "It was found to be proportional to the pressure to the power {exponent}; the "
     "values stated are those at {pressure} bar.",
     "method_speed_ripple": "The speed ripple is the standard deviation of the mean speeds over "
-    "0.1 s, divided by the mean speed. Its U is that of the trials alone.",
+    "0.1 s, divided by the mean speed.",
     "method_drift": "The drift is the relative change of friction from the first run to the "
-    "last, by least squares over the start times of the runs. Its U is that of the trials "
-    "alone.",
+    "last, by least squares over the start times of the runs.",
     "software": "Evaluated with hbench {version}; firmware of the bench: {firmware}.",
     "external": "Results from external providers: {external}.",
     "no_external": "No results from external providers are recorded.",
@@ -128,6 +131,7 @@ ENGLISH = {
     "pressure_u": "Equivalent pressure ± U (bar)",
     "efficiency_u": "Efficiency ± U (%)",
     "breakaway_u": "Breakaway ± U (N)",
+    "percent_u": "Value ± U (%)",
     "dwell": "Rest (s)",
     "k": "k",
     "n": "Runs",
@@ -150,7 +154,10 @@ ENGLISH = {
     "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
-    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}.",
+    "of_trials": "U of speed ripple and of drift is that of the trials alone (95 %).",
+    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}. Where the step decides, "
+    "U is a limit of error and has no factor k.",
+    "load_cell_zero": f"{LOAD_CELL_ZERO[:1].upper()}{LOAD_CELL_ZERO[1:]}.",
     # Conformity
     "of_limits": "Limits: {limits}.",
     "of_product": "Product: {product}.",
@@ -190,7 +197,7 @@ ENGLISH = {
     "between": "{low} to {high} {unit}",
     "no_limits": "No statement of conformity was asked for.",
     # Not tested
-    "tested": "Limits tested: {tested} of {count}.",
+    "tested": "Limits tested: {tested} of {count} (decisions: {decisions}, one for each series).",
     "untested": "Not measured for the others: {quantities}.",
     "not_measured": "Not measured: {quantities}.",
     "undecided": "Measured, but not decided, because U is too large for the decision rule or "
@@ -213,6 +220,8 @@ ENGLISH = {
     "check_equal_directions": "difference of the directions",
     "check_instruments": "uncertainty of the instruments",
     "no_deviations": "No deviations from the schedule.",
+    "run_remarks": "Remarks on accepted runs: {remarks}.",
+    "and": "and",
     "record_notes": "Notes of the record: {notes}",
     # Data
     "campaign": "Campaign",

@@ -25,6 +25,8 @@ GERMAN = {
     "friction_alone": "Ergebnisse: Reibung bei konstanter Geschwindigkeit",
     "breakaway": "Ergebnisse: Losbrechkraft",
     "leakage": "Ergebnisse: Leckage",
+    "speed_ripple": "Ergebnisse: Ungleichförmigkeit",
+    "drift": "Ergebnisse: Drift der Reibung",
     "uncertainty": "Messunsicherheit",
     "conformity": "Konformitätsaussage",
     "not_tested": "Nicht Geprüftes und Abweichungen",
@@ -96,17 +98,16 @@ GERMAN = {
     "Kolben kriecht dabei: Wo die Reibung mit der Geschwindigkeit fällt, kann die Losbrechkraft "
     "unter der Reibung bei einer kleineren konstanten Geschwindigkeit liegen.",
     "method_leakage": "Die Leckage folgt aus dem Abfall der Kammerdrücke bei geschlossenen "
-    "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}. {leak_law}",
+    "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}, "
+    "einschließlich Luft im Öl und Schläuchen. {leak_law}",
     "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck{holds}.",
     "leak_holds": "; am Kolben lagen während des Haltens {pressures} bar an",
     "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
     "die Werte bei {pressure} bar.",
     "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der mittleren "
-    "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit. Ihr U ist das "
-    "der Wiederholungen allein.",
+    "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit.",
     "method_drift": "Die Drift ist die relative Änderung der Reibung vom ersten bis zum "
-    "letzten Lauf, nach kleinsten Quadraten über den Anfangszeiten der Läufe. Ihr U ist das "
-    "der Wiederholungen allein.",
+    "letzten Lauf, nach kleinsten Quadraten über den Anfangszeiten der Läufe.",
     "software": "Ausgewertet mit hbench {version}; Firmware des Prüfstands: {firmware}.",
     "external": "Ergebnisse externer Anbieter: {external}.",
     "no_external": "Ergebnisse externer Anbieter sind nicht verzeichnet.",
@@ -123,6 +124,7 @@ GERMAN = {
     "pressure_u": "Äquivalenter Druck ± U (bar)",
     "efficiency_u": "Wirkungsgrad ± U (%)",
     "breakaway_u": "Losbrechkraft ± U (N)",
+    "percent_u": "Wert ± U (%)",
     "dwell": "Ruhe (s)",
     "k": "k",
     "n": "Läufe",
@@ -146,9 +148,14 @@ GERMAN = {
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
+    "of_trials": "U der Ungleichförmigkeit und der Drift ist das der Wiederholungen allein (95 %).",
+    "load_cell_zero": "Der Nullpunkt des Kraftaufnehmers wurde nicht geprüft: U enthält seine "
+    "Abweichung nur, soweit eine Toleranz vom Endwert sie enthält.",
     "leak_interval": "U der Leckage ist die halbe Breite des 95-%-Intervalls der Anpassung an "
-    "alle Halteversuche, mindestens aber die Leckage, die einen Druck während des Haltens um eine "
-    "Stufe der Wandlung ändert. Angenommen ist, dass der effektive Kompressionsmodul und die "
+    "alle Halteversuche, mindestens aber die Leckage, die einen Druck während des Haltens um die "
+    "kleinste Stufe seiner aufgezeichneten Werte{step} ändert; Wert und U wachsen mit dem Druck, "
+    "für den die Leckage angegeben ist. Wo diese Stufe maßgebend ist, ist U eine Fehlergrenze und "
+    "hat keinen Faktor k. Angenommen ist, dass der effektive Kompressionsmodul und die "
     "Totvolumina der Prüfstandsdatei genau sind (ein um 10 % zu niedriger Kompressionsmodul macht "
     "die Leckage um 11 % zu hoch), dass das Öl während des Haltens seine Temperatur behält "
     "(0,01 K ändern 100 ml Öl um 0,0007 ml), dass die Druckaufnehmer nicht driften und dass die "
@@ -190,7 +197,8 @@ GERMAN = {
     "at_least": "min. {low} {unit}",
     "between": "{low} bis {high} {unit}",
     "no_limits": "Eine Konformitätsaussage wurde nicht verlangt.",
-    "tested": "Geprüfte Grenzwerte: {tested} von {count}.",
+    "tested": "Geprüfte Grenzwerte: {tested} von {count} (Entscheidungen: {decisions}, eine für "
+    "jede Reihe).",
     "untested": "Für die übrigen nicht gemessen: {quantities}.",
     "not_measured": "Nicht gemessen: {quantities}.",
     "undecided": "Gemessen, aber nicht entschieden, weil U für die Entscheidungsregel zu groß "
@@ -215,6 +223,8 @@ GERMAN = {
     "check_equal_directions": "Unterschied der Richtungen",
     "check_instruments": "Unsicherheit der Messmittel",
     "no_deviations": "Keine Abweichungen vom Prüfplan.",
+    "run_remarks": "Bemerkungen zu verwendeten Läufen (englisch): {remarks}.",
+    "and": "und",
     "record_notes": "Hinweise der Aufzeichnung (englisch): {notes}",
     "campaign": "Kampagne",
     "logs": "Messdateien",

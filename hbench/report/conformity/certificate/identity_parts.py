@@ -12,6 +12,7 @@ from hbench.report.conformity.certificate.layout import (
     stated_facts,
 )
 from hbench.report.render.numbers import number, short
+from hbench.report.render.symbols import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 
@@ -153,9 +154,9 @@ def instruments_part(certificate: Certificate) -> Part:
         )
         rows.append((word(key), *(text or word("not_stated") for text in texts)))
     unknown = [word(f"the_{key}") for key, _, known in instruments if not known.certificate]
-    traceable = [word("not_traceable", instruments=", ".join(unknown))] if unknown else []
+    traceable = [word("not_traceable", instruments=listed(unknown, word("and")))] if unknown else []
     if expired:
-        traceable.append(word("expired", instruments=", ".join(expired)))
+        traceable.append(word("expired", instruments=listed(expired, word("and"))))
     table = GridTable(tuple(map(word, keys)), tuple(rows))
     return Part(
         "instruments", title, tables=(table,), paragraphs=tuple(traceable) or (word("traceable"),)

@@ -11,6 +11,7 @@ from hbench.report.conformity.certificate.layout import (
     on_a_line,
     without_empty,
 )
+from hbench.report.conformity.text import step_words
 from hbench.report.render.numbers import NONE, number, short, span, with_interval
 from hbench.units import from_si
 from hbench.untrusted_text import printable
@@ -33,12 +34,14 @@ def method_part(certificate: Certificate) -> Part:
             if key in measured
         ),
         *(word(f"method_{key}") for key in ("speed_ripple", "drift") if key in decided),
+    ]
+    of_record = [
         word("software", version=printable(version), firmware=firmware),
         word("external", external=file.external) if file.external else word("no_external"),
         word("no_sampling"),
+        *([word("imported")] if provenance.source == "imported" else []),
     ]
-    if provenance.source == "imported":
-        paragraphs.append(word("imported"))
+    paragraphs.append(" ".join(of_record))
     return Part("method", word("method"), paragraphs=tuple(paragraphs))
 
 
@@ -91,7 +94,9 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
             remarks.append(word("fewer"))
         table = _steady(certificate)
         title = word("friction" if certificate.of("efficiency") else "friction_alone")
-        yield Part("friction", title, tables=(table,), paragraphs=tuple(remarks))
+        yield Part(
+            "friction", title, tables=(table,), paragraphs=(" ".join(remarks),) * bool(remarks)
+        )
     if certificate.of("breakaway"):
         yield Part("breakaway", word("breakaway"), tables=(_breakaways(certificate),))
     if certificate.of("leakage"):
@@ -101,12 +106,34 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
                 certificate.named(value.measurement.label),
                 _runs(value),
                 _interval(certificate, value, 100 * from_si(1.0, "ml/min") / from_si(1.0, "bar")),
+                _factor(certificate, value) if value.k else "",
             )
             for value in certificate.of("leakage")
         )
-        head = tuple(map(word, ("leak", "series", "n", "leakage_u")))
-        table = without_empty(GridTable(head, rows, frozenset({2, 3})))
+        head = tuple(map(word, ("leak", "series", "n", "leakage_u", "k")))
+        table = without_empty(GridTable(head, rows, frozenset({2, 3, 4})))
         yield Part("leakage", word("leakage"), tables=(table,))
+    for quantity in ("speed_ripple", "drift"):
+        if values := certificate.of(quantity):
+            yield Part(quantity, word(quantity), tables=(_of_trials(certificate, values),))
+
+
+def _of_trials(certificate: Certificate, values: Iterable[Certified]) -> GridTable:
+    """Return decided values whose U is that of the trials alone, in per cent."""
+    rows = tuple(
+        (
+            *_series(certificate, (m.label, m.direction, m.f_load_n, m.p_lr_ref_pa)),
+            "" if m.v_m_s is None else localized(certificate, number(1e3 * m.v_m_s)),
+            _runs(value),
+            _interval(certificate, value, 100.0),
+            _factor(certificate, value),
+        )
+        for value in values
+        for m in (value.measurement,)
+    )
+    words = ("series", "direction", "load", "back_pressure", "speed", "n", "percent_u", "k")
+    head = tuple(map(certificate.word, words))
+    return without_empty(GridTable(head, rows, frozenset(range(2, len(head)))))
 
 
 def _steady(certificate: Certificate) -> GridTable:
@@ -202,7 +229,14 @@ def _factor(certificate: Certificate, value: Certified | None) -> str:
 def uncertainty_part(certificate: Certificate) -> Part:
     """Return what U is and what it does not contain."""
     word = certificate.word
-    paragraphs = [word("trials_only" if certificate.instruments is None else "gum")]
+    motions = certificate.results.motions
+    general = [word("trials_only" if certificate.instruments is None else "gum")]
+    if certificate.of("speed_ripple") or certificate.of("drift"):
+        general.append(word("of_trials"))
+    if motions.load_cell_zero_unchecked:
+        general.append(word("load_cell_zero"))
+    paragraphs = [" ".join(general)]
     if certificate.of("leakage"):
-        paragraphs.append(word("leak_interval"))
+        step = max((each.step_pa or 0.0 for each in motions.leakages), default=0.0)
+        paragraphs.append(word("leak_interval", step=localized(certificate, step_words(step))))
     return Part("uncertainty", word("uncertainty"), paragraphs=tuple(paragraphs))

@@ -68,7 +68,8 @@ def refitted_table(diagnosis: Diagnosis) -> WordTable:
     """Return the factors on the model's poorly known values."""
     rows = tuple((path, parameter_text(p)) for path, p in diagnosis.refitted.items())
     head = ("value of the model", "refitted by the factor (95 % interval)")
-    return WordTable("Refitted with the effects", head, rows)
+    title = "Refitted with the effects" if diagnosis.confirmed else "Refitted values"
+    return WordTable(title, head, rows)
 
 
 def _ranked(candidates: tuple[Candidate, ...]) -> Rows:

@@ -84,7 +84,14 @@ def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTa
     )
     windows = "loads" if of_strokes(diagnosis) else "windows"
     of_deviation = ("deviation", "matters above", "p (Holm)")
-    head = ("quantity", *of_deviation, "repeatability", "gap", "tolerances allow", windows)
+    head = (
+        "quantity",
+        *of_deviation,
+        "repeatability",
+        "gap",
+        "tolerances allow without refit",
+        windows,
+    )
     kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
     known = tuple(tuple(row[i] for i in kept) for row in rows)
     return WordTable(title, tuple(head[i] for i in kept), known)

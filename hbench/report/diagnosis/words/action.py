@@ -18,6 +18,7 @@ from hbench.report.diagnosis.names import (
     CHAMBERS,
     COMMON_PARTS,
     PRESSURE_SYMBOLS,
+    all_in_sentence,
     in_sentence,
     in_words,
     parts_of,
@@ -25,6 +26,7 @@ from hbench.report.diagnosis.names import (
 from hbench.report.diagnosis.words.change import readings_words
 from hbench.report.diagnosis.words.coefficient import (
     alike_words,
+    common_cause,
     gap_words,
     parts_present,
 )
@@ -179,7 +181,10 @@ def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     if effects and not matters:
         return _TOO_SMALL
     if parts := _first_parts(_inspections(diagnosis, matters)):
-        return f"{'Inspect first' if parts[1:] else 'Next, inspect'} {', then '.join(parts)}."
+        first = ", then ".join(parts)
+        if common := next(filter(None, map(common_cause, matters)), ""):
+            return f"First check for {common}; then inspect {first}."
+        return f"{'Inspect first' if parts[1:] else 'Next, inspect'} {first}."
     return " ".join(practice[each.name].repair for each in matters if each.name in practice)
 
 
@@ -239,11 +244,12 @@ def next_step(diagnosis: Diagnosis) -> str:
     if diagnosis.effects:
         return first_step(diagnosis)
     if diagnosis.verdict == "unknown" and diagnosis.where:
-        return starting_point(diagnosis)
+        part, _ = _starting_point(diagnosis)
+        return f"First inspect {part}." if part else ""
     return ""
 
 
-def starting_point(diagnosis: Diagnosis) -> str:
+def _starting_point(diagnosis: Diagnosis) -> tuple[str, str]:
     """Return the part to inspect first where no effect explains the gaps, and why that one.
 
     What several valves have in common comes first. Empty where the parts of the first balance are
@@ -251,8 +257,13 @@ def starting_point(diagnosis: Diagnosis) -> str:
     """
     if pattern := _pattern(diagnosis):
         return pattern_words(diagnosis, pattern)
-    part, reason = _start(diagnosis, (diagnosis.rest or diagnosis.where)[0])
-    return f"First inspect {part}{reason}." if part else ""
+    return _start(diagnosis, (diagnosis.rest or diagnosis.where)[0])
+
+
+def starting_reason(diagnosis: Diagnosis) -> str:
+    """Return why ``next_step`` has one part inspected first; empty where nothing points to it."""
+    part, reason = _starting_point(diagnosis)
+    return reason if part else ""
 
 
 def _pattern(diagnosis: Diagnosis) -> EdgePattern | None:
@@ -260,30 +271,29 @@ def _pattern(diagnosis: Diagnosis) -> EdgePattern | None:
 
 
 def _start(diagnosis: Diagnosis, gap: Gap) -> tuple[str, str]:
-    """Return the part of the bench to inspect first for a gap, and what points to it."""
+    """Return the part of the bench to inspect first for a gap, and a sentence on why that one."""
     deviating = {each.name for each in diagnosis.rest}
     for names, common in COMMON_PARTS.items():
         if gap.name in names and deviating.issuperset(names):
-            some = listed([in_sentence(name) for name in names])
-            return common, f", on which {some if deviating.difference(names) else 'all'} depend"
+            return common, f"{capital(all_in_sentence(names))} depend on it."
     part = next(iter(parts_of(diagnosis, gap.name)), "")
     places, quantity = worst_places(diagnosis, gap.name), in_sentence(gap.name)
     if beyond_balances(diagnosis) or not places:
         return part, ""
     largest = places[0]
     size = rms_words(diagnosis, gap.name, largest.gap)
-    most = f"{quantity} deviates most {largest.words} (about {size})"
+    most = f"{capital(quantity)} deviates most {largest.words} (about {size})"
     if gap.name in BORES and largest.axis == AXES["position_m"].title:
-        return BORES[gap.name], f": {most}, and a valve does not depend on the position"
+        return BORES[gap.name], f"{most}, and a valve does not depend on the position."
     if edges := suspect_edge(diagnosis, gap.name):
         worst, other = edges
         sizes = edge_gaps(diagnosis, gap.name)
         high, low = (rms_words(diagnosis, gap.name, sizes[edge]) for edge in edges)
         return f"{part}, at its edge to {worst}", (
-            f": {quantity} deviates by about {high} where that edge meters it, and by {low} where "
-            f"the edge to {other} does"
+            f"{capital(quantity)} deviates by about {high} while the edge of {part} to {worst} "
+            f"meters it, and by {low} while the edge to {other} does."
         )
-    return part, f": {most}"
+    return part, f"{most}."
 
 
 def further_inspections(diagnosis: Diagnosis) -> Iterator[str]:

@@ -214,17 +214,24 @@ def parts_words(effect: AddedEffect) -> str:
     )
 
 
-def alike_words(effect: AddedEffect) -> str:
-    """State that both cylinders leak alike, which a common cause explains better; or nothing."""
+def common_cause(effect: AddedEffect) -> str:
+    """Return what to check first where both cylinders leak alike; empty where they do not."""
     both = [effect.parameters[name] for name in ("test", "load") if name in parts_present(effect)]
     if effect.name != "internal_leakage" or len(both) < 2:
         return ""
     (low, high), (other_low, other_high) = ((p.ci95 or (p.value, p.value)) for p in both)
     if max(low, other_low) > min(high, other_high):
         return ""
+    return "a common cause, such as leakage of the valves"
+
+
+def alike_words(effect: AddedEffect) -> str:
+    """State that both cylinders leak alike, which a common cause explains better; or nothing."""
+    if not (cause := common_cause(effect)):
+        return ""
     return (
-        "Both cylinders leak alike: check first for a common cause, such as leakage of the "
-        "valves, which these runs may not distinguish from two like seals."
+        f"Both cylinders leak alike: check first for {cause}, which these runs may not distinguish "
+        "from two like seals."
     )
 
 

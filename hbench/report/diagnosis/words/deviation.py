@@ -70,8 +70,8 @@ def sensors_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
             f"Sensor errors within the tolerances may cause as much in {names}: check these first."
         )
     return (
-        "Sensor errors within the tolerances are fitted, and do not explain this deviation; a "
-        "sensor beyond its tolerance may."
+        "Sensor errors within the tolerances do not explain this, since the refit includes "
+        "them; a sensor beyond its tolerance may."
     )
 
 
@@ -138,7 +138,7 @@ def expected_gaps(diagnosis: Diagnosis) -> str:
         return ""
     parts = [
         f"{in_sentence(gap.name)} has a gap of {gap_number(held_out.after)}, where a correct model "
-        f"whose values are as uncertain would have {gap_number(held_out.floor)}"
+        f"with equally uncertain values would have {gap_number(held_out.floor)}"
         for gap, held_out in gaps
     ]
     return (
@@ -222,14 +222,35 @@ def increased(diagnosis: Diagnosis) -> str:
     return f"Without the effects {less}: the values that are fitted together with them increase it."
 
 
-def poorly_simulated(diagnosis: Diagnosis) -> str:
-    """Return which signals the simulation of the final model reproduces worst; empty for none."""
+def worst_signal(diagnosis: Diagnosis) -> str:
+    """Return the signal that the simulation of a model without effects reproduces worst.
+
+    Empty where all are reproduced, or where ``beyond_balances`` has it.
+    """
+    if beyond_balances(diagnosis) or not (poor := _poor_signals(diagnosis)):
+        return ""
+    name, gap = next(iter(poor.items()))
+    return (
+        f"In the closed-loop simulation, {in_sentence(name)} deviates by {gap_number(gap)} times "
+        "its repeatability, which does not affect the verdict (see Simulation)."
+    )
+
+
+def _poor_signals(diagnosis: Diagnosis) -> dict[str, float]:
+    """Return the gaps of the signals that the final model's simulation does not reproduce."""
     *_, step = (step for step in steps_of(diagnosis, of_balances=False))
     gaps = {name: getattr(gap, step) for name, gap in diagnosis.gap_heldout.signals.items()}
     poor = sorted((n for n in gaps if gaps[n] > UNEXPLAINED_GAP), key=lambda n: -gaps[n])
+    return {name: gaps[name] for name in poor}
+
+
+def poorly_simulated(diagnosis: Diagnosis) -> str:
+    """Return which signals the simulation of the final model reproduces worst; empty for none."""
+    poor = _poor_signals(diagnosis)
     if not poor:
         return ""
-    parts = [f"{in_sentence(name)} by {gap_number(gaps[name])}" for name in poor[:MOST_SIGNALS]]
+    worst = list(poor.items())[:MOST_SIGNALS]
+    parts = [f"{in_sentence(name)} by {gap_number(gap)}" for name, gap in worst]
     more = f" (the worst {MOST_SIGNALS} of {len(poor)} signals above {UNEXPLAINED_GAP:g})"
     reading = (
         "The verdict rests on the flows and forces, which need no simulation; do not expect the "

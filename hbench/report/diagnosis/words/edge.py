@@ -3,12 +3,11 @@
 from typing import NamedTuple
 
 from hbench.records import Diagnosis
-from hbench.report.diagnosis.names import parts_of
+from hbench.report.diagnosis.names import in_sentence, parts_of
 from hbench.report.diagnosis.words.place import (
     CLEARLY_LARGER,
     edge_gaps,
     rms_words,
-    worst_place,
 )
 from hbench.report.render.symbols import listed
 
@@ -20,7 +19,6 @@ class EdgePattern(NamedTuple):
 
     edge: str  # supply or tank
     valves: dict[str, str]  # by balance, the largest deviation at that edge first
-    speed: str  # adverb of place: the speeds at which all of them deviate most; empty for none
 
 
 def suspect_edge(diagnosis: Diagnosis, name: str) -> tuple[str, str] | None:
@@ -44,21 +42,20 @@ def edge_pattern(diagnosis: Diagnosis) -> EdgePattern | None:
         names.sort(key=lambda name: -edge_gaps(diagnosis, name)[edge] * sizes[name])
         valves = {name: parts_of(diagnosis, name)[0] for name in names}
         if len(set(valves.values())) > 1:
-            places = (worst_place(diagnosis, name, "speed_m_s") for name in names)
-            speeds = {place.words if place else "" for place in places}
-            return EdgePattern(edge, valves, speeds.pop() if len(speeds) == 1 else "")
+            return EdgePattern(edge, valves)
     return None
 
 
-def pattern_words(diagnosis: Diagnosis, pattern: EdgePattern) -> str:
-    """Return what to inspect, and what the valves have in common."""
+def pattern_words(diagnosis: Diagnosis, pattern: EdgePattern) -> tuple[str, str]:
+    """Return what to inspect, and the sentence on what the valves have in common."""
     edge = pattern.edge
     sizes = [
-        rms_words(diagnosis, name, edge_gaps(diagnosis, name)[edge]) for name in pattern.valves
+        f"{in_sentence(name)} by {rms_words(diagnosis, name, edge_gaps(diagnosis, name)[edge])}"
+        for name in pattern.valves
     ]
-    speed = f", {pattern.speed}" if pattern.speed else ""
+    valves = listed(list(pattern.valves.values()))
     return (
-        f"First inspect {listed(list(pattern.valves.values()))} at their metering edges to {edge}, "
-        f"and {_LINES[edge]} that they share: their flows deviate most there, by {listed(sizes)}"
-        f"{speed}, so that a common cause is likely."
+        f"{valves} at their metering edges to {edge}, and {_LINES[edge]} that they share",
+        f"The flows of {valves} deviate most while these edges meter them, {listed(sizes)} over "
+        "all speeds, so that a common cause is likely.",
     )

@@ -10,30 +10,31 @@ from hbench.report.diagnosis.words.place import rms_words, worst_places
 from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 
-_MOST = 3  # quantities with their sizes
+_MOST = 2  # quantities with their sizes; the table has all
 
 
 def unexplained_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> Iterator[str]:
-    """Yield how far quantities deviate, where most, and which others agree."""
-    every = len(diagnosis.where)
-    which = f"{len(gaps)} of the {every} quantities" if len(gaps) < every else "every quantity"
-    of = f" in {which} compared" if every > 1 else ""
-    sizes = [f"{in_sentence(gap.name)} by {_size(diagnosis, gap)}" for gap in gaps[:_MOST]]
-    more = all_in_sentence([gap.name for gap in gaps[_MOST:]]) if gaps[_MOST:] else ""
-    also = f"; also {more}" if more else ""
-    yield (
-        f"No known effect explains why the measurement deviates from the model{of}: "
-        f"{listed(sizes)}{also}."
-    )
+    """Yield how far the first quantities deviate, and where the first one deviates most."""
+    sizes = [_size(diagnosis, gap) for gap in gaps[:_MOST]]
+    first, *second = (in_sentence(gap.name) for gap in gaps[:_MOST])
+    parts = [f"{first} deviates from the model by {sizes[0]}"]
+    parts += [f"{name} by {size}" for name, size in zip(second, sizes[1:], strict=True)]
+    yield f"{capital(listed(parts))}; no known effect explains this."
     for gap in gaps[:1]:
         for place in worst_places(diagnosis, gap.name)[:1]:
             size = rms_words(diagnosis, gap.name, place.gap)
             which = f" of {in_sentence(gap.name)}" if len(gaps) > 1 else ""
             yield f"The deviation{which} is largest {place.words} ({size})."
+
+
+def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
+    """Return which quantities agree where some deviate; empty where none does."""
     names = {gap.name for gap in gaps} | {gap.name for gap in exceeding(diagnosis.where)}
-    if agreeing := [gap.name for gap in diagnosis.where if gap.name not in names]:
-        verb = "agrees" if len(agreeing) == 1 else "agree"
-        yield f"{capital(all_in_sentence(agreeing))} {verb} within the limits that matter."
+    agreeing = [gap.name for gap in diagnosis.where if gap.name not in names]
+    if not agreeing:
+        return ""
+    verb = "agrees" if len(agreeing) == 1 else "agree"
+    return f"{capital(all_in_sentence(agreeing))} {verb} within the limits that matter."
 
 
 def _size(diagnosis: Diagnosis, gap: Gap) -> str:
