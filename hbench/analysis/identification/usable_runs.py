@@ -13,7 +13,7 @@ USES: Mapping[IdentificationUse, str] = {
     "motion": "",  # sample by sample, for laws with internal states
     "verification": "",  # for the verification only
     "too_fast": "its velocity steps are too fast for the log",
-    "unused": "",
+    "unused": "runs of this kind determine no friction law",
 }
 
 

@@ -17,6 +17,7 @@ from hbench.records import (
 )
 from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
+from hbench.records.numbers import NORMAL_95
 from hbench.report.identification.ranking import (
     AT_REST,
     AT_SPEED,
@@ -26,7 +27,14 @@ from hbench.report.identification.ranking import (
     rms_n,
 )
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import NONE, force, number, significant, with_ends
+from hbench.report.render.numbers import (
+    NONE,
+    force,
+    half_width,
+    number,
+    significant,
+    with_ends,
+)
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
@@ -74,8 +82,10 @@ def identification_json(identification: Identification) -> str:
 def identification_text(identification: Identification) -> str:
     """Return every table in aligned columns, then the reasons for missing results."""
     blocks = ["\n".join(table_lines(table)) for table in identification_tables(identification)]
-    sentences = [*reasons(identification), *_left_out(identification), *identification.notes]
-    return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2")
+    intervals = interval_words(identification)
+    sentences = [*reasons(identification), *_left_out(identification), intervals]
+    sentences += identification.notes
+    return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2").replace("±", "+-")
 
 
 def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
@@ -122,9 +132,41 @@ def reasons(identification: Identification) -> tuple[str, ...]:
 
 
 def _left_out(identification: Identification) -> tuple[str, ...]:
-    """Return how many runs were left out, and the reason of each."""
-    lines = [f"  run {line}" for line in identification.left_out]
-    return (f"runs left out: {len(lines)}", *lines) if lines else ()
+    """Return how many runs are not used, and the reasons."""
+    lines = [f"  {line}" for line in left_out_words(identification)]
+    return (f"runs not used: {len(identification.left_out)}", *lines) if lines else ()
+
+
+def left_out_words(identification: Identification) -> list[str]:
+    """Return the reasons why runs are not used, each with its runs."""
+    runs: dict[str, list[str]] = {}
+    for line in identification.left_out:
+        run, _, why = line.partition(" ")
+        runs.setdefault(why, []).append(run)
+    return [
+        f"{'run' if len(each) == 1 else 'runs'} {', '.join(each)} {why}"
+        for why, each in runs.items()
+    ]
+
+
+def interval_words(identification: Identification) -> str:
+    """State that the intervals of the parameters do not contain the errors of the instruments."""
+    sigmas = [
+        point.sigma_instruments_n
+        for along in identification.steady
+        for point in along.curve.points
+        if point.sigma_instruments_n is not None
+    ]
+    size = (
+        f"; by the stated errors, it can shift the measured friction by ±"
+        f"{half_width(NORMAL_95 * max(sigmas))} N (95 %)"
+        if sigmas
+        else ""
+    )
+    return (
+        "Intervals contain the scatter of the runs alone, not the errors of the instruments. An "
+        f"error of a sensor is common to all runs and shifts the parameters of all laws{size}."
+    )
 
 
 def _law(law: IdentifiedLaw) -> dict[str, Any]:

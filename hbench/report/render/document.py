@@ -21,7 +21,8 @@ from hbench.report.render.symbols import pieces
 from hbench.report.render.word_tables import Cell, Table
 
 _NUMBER = re.compile(
-    r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|cancels|"
+    r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?( \((\d[\d.]*|none)\))?"
+    r"|[-–]|none|not significant|cancels|"
 )
 _DIGIT = re.compile(r"\d")
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
