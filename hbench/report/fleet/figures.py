@@ -59,9 +59,9 @@ def draw_distribution(quantity: Quantity, spreads: Iterable[Spread], fleet: Flee
         look = _look(spread)
         edges = quantity.scale * np.array(spread.edges)
         middles = (edges[:-1] + edges[1:]) / 2
-        axes.stairs(spread.counts, edges, fill=True, color=look["color"], alpha=0.2)
-        axes.stairs(spread.counts, edges, color=look["color"], linewidth=1.6)
         title = _title(spread)
+        axes.stairs(spread.counts, edges, fill=True, color=look["color"], alpha=0.2, label=title)
+        axes.stairs(spread.counts, edges, color=look["color"], linewidth=1.6)
         axes.plot(middles, spread.counts, linestyle="none", label=f"_{title}")
         median = quantity.scale * spread.median
         axes.axvline(median, color=look["color"], linestyle="--", linewidth=1.2)

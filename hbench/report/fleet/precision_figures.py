@@ -41,7 +41,10 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
             "limits; squares: last point of another pattern."
         )
         if chart.step is not None and chart.step.real:
-            caption += " Black: means before and after the step."
+            caption += (
+                " Black: means before and after the step; the limits are those of the "
+                f"{chart.n_limits} campaigns before it."
+            )
         if chart.n > len(chart.values):
             caption += f" The last {len(chart.values)} of {chart.n} campaigns are shown."
         words = f"{chart.quantity.words}{_side(chart.direction)}"
