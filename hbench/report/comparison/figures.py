@@ -26,8 +26,8 @@ from hbench.units import from_si
 
 _BESIDE = 0.04  # inches by which A and B are drawn left and right of their speed
 _CAPTION = (
-    "Above: friction of A and B, means of the trials, side by side. Below: B minus A, on the same axis in all "
-    "figures. {marks}"
+    "Above: friction of A and B, means of the trials, side by side. Below: B minus A, on the "
+    "same axis in all figures. {marks}"
 )
 _FILLED = (
     "Filled: significant at this speed alone, with p corrected for the number of points{drift}. "
