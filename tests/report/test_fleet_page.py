@@ -428,7 +428,7 @@ def test_a_campaign_is_compared_with_those_on_its_side_of_a_step(tmp_path):
     assert all((m > 400) == (int(path[7:]) >= 18) for path, m in expected.items())
     table = chart_table(found)
     (row,) = [row for row in table.rows if row[0] == "Friction, extending (N)"]
-    assert row[table.head.index("Mean and limits of the first")] == "18"
+    assert row[table.head.index("Mean and limits from")] == "the first 18"
 
 
 def test_a_terminals_columns_are_aligned_where_signs_are_spelled_out(found):

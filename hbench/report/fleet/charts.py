@@ -97,16 +97,21 @@ def chart_table(fleet: Fleet) -> WordTable:
             (
                 name_of(chart),
                 str(chart.n),
-                *([str(chart.n_limits)] if stepped else []),
+                *([_limits_from(chart)] if stepped else []),
                 significant(scale * chart.centre, 4),
                 f"{low} to {high}",
                 named(chart.outside, chart.beyond),
                 str(chart.moved),
             )
         )
-    of = ("Mean and limits of the first",) if stepped else ()
+    of = ("Mean and limits from",) if stepped else ()
     head = ("Quantity", "Campaigns", *of, "Mean", "Limits", "Beyond them", "Moving ranges beyond")
     return WordTable("Control charts", head, tuple(rows))
+
+
+def _limits_from(chart: ControlChart) -> str:
+    """Return the campaigns that mean and limits are of."""
+    return "all" if chart.n_limits == chart.n else f"the first {chart.n_limits}"
 
 
 def signal_table(fleet: Fleet) -> WordTable:

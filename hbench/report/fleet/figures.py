@@ -71,7 +71,7 @@ def draw_distribution(quantity: Quantity, spreads: Iterable[Spread], fleet: Flee
     axes.yaxis.get_major_locator().set_params(integer=True)
     _head(axes, quantity, fleet)
     style.read_as(figure, _COUNTED)
-    style.legend_above(figure, axes)
+    style.legend_above(figure, axes, columns=2)
     return figure
 
 
