@@ -158,7 +158,7 @@ def interval_words(identification: Identification) -> str:
         if point.sigma_instruments_n is not None
     ]
     size = (
-        f"; by the stated errors, it can shift the measured friction by ±"
+        f"; by their tolerances, it can shift the measured friction by ±"
         f"{half_width(NORMAL_95 * max(sigmas))} N (95 %)"
         if sigmas
         else ""
