@@ -102,12 +102,12 @@ def _quantity_tiles(results: Results) -> Iterable[Tile]:
     for numbers, scale, unit, caption, anchor in quantities:
         where = _of_series(numbers, series) if len(series) > 1 else ""
         if caption == "breakaway":
-            where = "; ".join(filter(None, (where, weak_extrapolation(results))))
+            where = "; ".join(filter(None, (where, _weak_extrapolation(results))))
         yield from _tile(numbers, scale, unit, caption, anchor, where)
     yield from _band_tiles(results)
 
 
-def weak_extrapolation(results: Results) -> str:
+def _weak_extrapolation(results: Results) -> str:
     """State how many fits determine the law that breakaway is extrapolated by; empty if all do."""
     numbers = [each.breakaway_n for each in results.headline.series]
     if not any(each is not None and each.basis == "extrapolated" for each in numbers):
@@ -116,6 +116,33 @@ def weak_extrapolation(results: Results) -> str:
     if tustin is None or tustin.determined == tustin.fits:
         return ""
     return f"{tustin.determined} of {tustin.fits} Tustin fits determine all their parameters"
+
+
+def extrapolated_words(results: Results) -> str:
+    """State what an extrapolated breakaway rests on where not all fits are determined; else empty.
+
+    Friction may be larger than such a breakaway, which is explained where both agree within U.
+    """
+    weak = _weak_extrapolation(results)
+    if not weak:
+        return ""
+    pairs = [
+        (each.breakaway_n, each.friction_n.value - each.breakaway_n.value)
+        for each in results.headline.series
+        if each.breakaway_n is not None and each.friction_n is not None
+    ]
+    above = [(number, more) for number, more in pairs if more > 0]
+    within = all(number.u95 is not None and more < number.u95 for number, more in above)
+    equal = (
+        " Where friction at the working speed is larger, the difference is within U: the data do "
+        "not show a breakaway above it."
+        if above and within
+        else ""
+    )
+    return (
+        f"Extrapolated to rest. {weak}: measure breakaway with runs of kind breakaway before "
+        f"relying on it.{equal}"
+    )
 
 
 def _data_tiles(results: Results) -> Iterable[Tile]:

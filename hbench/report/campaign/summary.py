@@ -20,7 +20,7 @@ from hbench.report.campaign.quality import (
 from hbench.report.campaign.settings import aborted_words, is_aborted
 from hbench.report.drift import drift_fact
 from hbench.report.drift_section import drift_sections
-from hbench.report.headline import FLAGS, headline_tiles, weak_extrapolation
+from hbench.report.headline import FLAGS, extrapolated_words, headline_tiles
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import (
@@ -77,7 +77,7 @@ def summary_section(results: Results, decided: bool = False) -> Section:
         ("Data", _data(results) if decided else ""),
         ("Uncertainty", _uncertainty(series, parts, known)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
-        ("Breakaway", _extrapolated(results)),
+        ("Breakaway", extrapolated_words(results)),
         ("Load", load if _differs_from_load(series, load_cell_n) else ""),
         ("Drift", drift_fact(results.drift)),
         ("Oil", temperature_words(results)),
@@ -171,33 +171,6 @@ def _uncertainty(series: Collection[HeadlineSeries], budget: str, known: bool) -
         "errors of the instruments, whose tolerances are not known."
     )
     return f"{what}{_ONE_TRIAL if single else ''}"
-
-
-def _extrapolated(results: Results) -> str:
-    """State what an extrapolated breakaway rests on where not all fits are determined; else empty.
-
-    Friction may be larger than such a breakaway, which is explained where both agree within U.
-    """
-    weak = weak_extrapolation(results)
-    if not weak:
-        return ""
-    pairs = [
-        (each.breakaway_n, each.friction_n.value - each.breakaway_n.value)
-        for each in results.headline.series
-        if each.breakaway_n is not None and each.friction_n is not None
-    ]
-    above = [(number, more) for number, more in pairs if more > 0]
-    within = all(number.u95 is not None and more < number.u95 for number, more in above)
-    equal = (
-        " Where friction at the working speed is larger, the difference is within U: the data do "
-        "not show a breakaway above it."
-        if above and within
-        else ""
-    )
-    return (
-        f"Extrapolated to rest. {weak}: measure breakaway with runs of kind breakaway before "
-        f"relying on it.{equal}"
-    )
 
 
 def _largest(results: Results, table: str) -> str:

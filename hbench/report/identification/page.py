@@ -10,6 +10,7 @@ from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.campaign.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
 from hbench.report.identification.ranking import best_law, ranked_laws
+from hbench.report.identification.remarks import interval_words, left_out_words
 from hbench.report.identification.text import (
     ERRORS,
     HELD_OUT,
@@ -18,8 +19,6 @@ from hbench.report.identification.text import (
     SUMMARY,
     error_range,
     identification_tables,
-    interval_words,
-    left_out_words,
     reasons,
     scatter_words,
 )

@@ -17,7 +17,6 @@ from hbench.records import (
 )
 from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
-from hbench.records.numbers import NORMAL_95
 from hbench.report.identification.ranking import (
     AT_REST,
     AT_SPEED,
@@ -26,11 +25,11 @@ from hbench.report.identification.ranking import (
     ranked_laws,
     rms_n,
 )
+from hbench.report.identification.remarks import interval_words, left_out_words
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import (
     NONE,
     force,
-    half_width,
     number,
     significant,
     with_ends,
@@ -135,38 +134,6 @@ def _left_out(identification: Identification) -> tuple[str, ...]:
     """Return how many runs are not used, and the reasons."""
     lines = [f"  {line}" for line in left_out_words(identification)]
     return (f"runs not used: {len(identification.left_out)}", *lines) if lines else ()
-
-
-def left_out_words(identification: Identification) -> list[str]:
-    """Return the reasons why runs are not used, each with its runs."""
-    runs: dict[str, list[str]] = {}
-    for line in identification.left_out:
-        run, _, why = line.partition(" ")
-        runs.setdefault(why, []).append(run)
-    return [
-        f"{'run' if len(each) == 1 else 'runs'} {', '.join(each)} {why}"
-        for why, each in runs.items()
-    ]
-
-
-def interval_words(identification: Identification) -> str:
-    """State that the intervals of the parameters do not contain the errors of the instruments."""
-    sigmas = [
-        point.sigma_instruments_n
-        for along in identification.steady
-        for point in along.curve.points
-        if point.sigma_instruments_n is not None
-    ]
-    size = (
-        f"; by their tolerances, it can shift the measured friction by ±"
-        f"{half_width(NORMAL_95 * max(sigmas))} N (95 %)"
-        if sigmas
-        else ""
-    )
-    return (
-        "Intervals contain the scatter of the runs alone, not the errors of the instruments. An "
-        f"error of a sensor is common to all runs and shifts the parameters of all laws{size}."
-    )
 
 
 def _law(law: IdentifiedLaw) -> dict[str, Any]:
