@@ -25,6 +25,7 @@ _NO_BARS = "\nA point without bars has no standard error: do not rely on its val
 _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % of them."
 _NAMED = 30  # campaigns: up to so many have their names below the axis
 _LONGEST = 16  # letters of such a name
+_FEWEST = 3  # campaigns that a figure compares, in a fleet that has more
 
 
 def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
@@ -32,7 +33,7 @@ def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
     sketches = []
     for quantity in dict.fromkeys(spread.quantity for spread in fleet.spreads):
         spreads = [spread for spread in fleet.spreads if spread.quantity == quantity]
-        if all(spread.n < min(2, fleet.compared) for spread in spreads):
+        if all(spread.n < min(_FEWEST, fleet.compared) for spread in spreads):
             continue  # nothing to compare
         name = quantity.name.replace("_", "-")
         enough = [spread for spread in spreads if spread.n >= FEWEST_CAMPAIGNS]
