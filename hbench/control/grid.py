@@ -23,7 +23,7 @@ from hbench.control.sampled import Pi, SampledPlant
 from hbench.errors import ConfigError
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import TICK_S
-from hbench.records import Check, Design
+from hbench.records import Check, Design, MarginRange
 
 PHASE_MARGIN_DEG, GAIN_MARGIN_DB = 45.0, 6.0
 # Shares of the travel, of the force that the rod side can bring, of limits.speed_max.
@@ -145,16 +145,16 @@ def point_checks(design: Design) -> tuple[Check, ...]:
     return (*checks, Check("largest modulus of a digital pole", modulus, 1.0, "1", modulus < 1.0))
 
 
-def margin_ranges(
-    points: Sequence[GridPoint], loops: Sequence[Pi]
-) -> dict[str, tuple[float, float]]:
+def margin_ranges(points: Sequence[GridPoint], loops: Sequence[Pi]) -> dict[str, MarginRange]:
     """Return the smallest and the largest margin of each loop over all points, by its check."""
-    values: dict[str, list[float]] = {}
+    values: dict[str, list[tuple[float, str]]] = {}
     for point in points:
         for check in margin_checks([point], loops):
             if check.unit in ("deg", "dB"):
-                values.setdefault(check.what, []).append(check.value)
-    return {what: (min(each), max(each)) for what, each in values.items()}
+                values.setdefault(check.what, []).append((check.value, check.where))
+    return {
+        what: MarginRange(min(each)[0], max(each)[0], min(each)[1]) for what, each in values.items()
+    }
 
 
 def margin_checks(points: Sequence[GridPoint], loops: Sequence[Pi]) -> tuple[Check, ...]:

@@ -43,6 +43,7 @@ _MODULES = {
         "Design",
         "DesignBasis",
         "LoopMerits",
+        "MarginRange",
         "Proposal",
         "Reproduced",
         "RootLocus",

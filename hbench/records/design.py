@@ -1,6 +1,7 @@
 """Results of ``design`` for the controllers of a bench. All quantities are SI."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -122,6 +123,14 @@ class DesignBasis:
     feedforward_enabled: bool
 
 
+class MarginRange(NamedTuple):
+    """Smallest and largest margin of a loop over operating points, in deg or dB."""
+
+    low: float
+    high: float
+    where: str  # the operating point of the smallest
+
+
 @dataclass(frozen=True)
 class Design:
     """The controllers of a bench at an operating point."""
@@ -139,6 +148,6 @@ class Design:
     proposal: Proposal | None = None
     checks: tuple[Check, ...] = ()  # of the present gains on the board, at the operating point
     basis: DesignBasis | None = None  # None: not from a bench file
-    # Of the present gains over all operating points, by the check: smallest and largest [deg, dB].
-    margin_ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    # Of the present gains over all operating points, by the check.
+    margin_ranges: dict[str, MarginRange] = field(default_factory=dict)
     points: int = 0  # of these ranges

@@ -298,6 +298,7 @@ class ControlChart:
     quantity: Quantity
     direction: Side
     n: int  # campaigns
+    n_limits: int  # campaigns that mean and sigma are of: those before a significant step, or all
     centre: float
     sigma: float  # mean moving range / 1.128
     of_cylinders: bool  # values are deviations from the mean of their cylinder, plus the centre

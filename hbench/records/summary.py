@@ -198,8 +198,8 @@ class QualityCheck:
     good: float  # the limit of "good"
     poor: float | None  # beyond it "poor"; None: there is no such limit
     # Runs or points that the check counts, and among how many: runs completed or accepted, runs
-    # whose load is not near the nominal one, points
-    # without an accepted trial, points whose sign contradicts the motion beyond its interval.
+    # whose load is not near the nominal one, points without an accepted trial, points whose sign
+    # contradicts the motion beyond its interval. The instruments' median is of that many points.
     count: int | None = None
     of: int | None = None
     drift: Drift | None = None  # that was graded

@@ -1,11 +1,14 @@
 """Drift of friction over a campaign, in words and as a table."""
 
+import math
+
 from hbench.records import Drift
 from hbench.records.summary import SIGNIFICANCE
 from hbench.report.render.numbers import NONE, number, significant, with_interval
 from hbench.report.render.word_tables import Cell, Table
 
 DRIFT_MEANS = "the drift would appear as an effect of speed"
+_HOUR_S = 3600.0
 _LEAST_P = 1e-4  # smaller ones are written as being below it
 
 
@@ -34,7 +37,7 @@ def drift_words(drift: Drift) -> str:
     text = f"{text}, not separated from speed by the order of the runs"
     if drift.significant:
         return text
-    return f"{text}: up to {number(drift.possible_percent, 0)} % is possible"
+    return f"{text}: up to {possible_words(drift)} is possible"
 
 
 def drift_finding(drift: Drift) -> str:
@@ -53,8 +56,13 @@ def drift_finding(drift: Drift) -> str:
 
 
 def _not_excluded(drift: Drift) -> str:
-    most = number(drift.possible_percent, 0)
-    return f"A drift of up to {most} % over the campaign cannot be excluded"
+    return f"A drift of up to {possible_words(drift)} over the campaign cannot be excluded"
+
+
+def possible_words(drift: Drift) -> str:
+    """Write the largest drift that the trials do not exclude: change and interval as written."""
+    change, half = with_interval(drift.change_percent, drift.change_percent_ci95).split(" ± ")
+    return f"{math.ceil(float(change.strip('−')) + float(half))} %"
 
 
 def drift_reserve(drift: Drift | None) -> str:
@@ -66,8 +74,8 @@ def drift_reserve(drift: Drift | None) -> str:
     if drift is None or not drift.of_unknown_size:
         return ""
     if drift.hidden:
-        most = number(drift.possible_percent, 0)
-        return f"A drift of up to {most} % cannot be excluded, and U does not contain it."
+        most = possible_words(drift)
+        return f"A drift of up to {most} cannot be excluded, and U does not contain it."
     return "U does not contain this drift." if drift.significant else ""
 
 
@@ -114,17 +122,25 @@ def drift_table(drift: Drift) -> Table:
     """Return the estimate with its interval, the test and the plan's separation, as one row."""
     percent = drift.scale == "relative"
     scale, unit = (100.0, "%") if percent else (1.0, "N")
-    per_hour = "–"
-    if drift.per_hour is not None and drift.per_hour_ci95 is not None:
-        per_hour = f"{with_interval(scale * drift.per_hour, scale * drift.per_hour_ci95)} {unit}/h"
+    per_hour: tuple[str, ...] = ()
+    if drift.per_hour is not None and (drift.span_s or 0.0) >= _HOUR_S:  # else extrapolated
+        rate = with_interval(scale * drift.per_hour, scale * (drift.per_hour_ci95 or 0.0))
+        per_hour = (f"{rate} {unit}/h",)
     head = (
-        *("Change over the campaign", "Per hour", "Span", "p", "Points", "Trials"),
+        *(
+            "Change over the campaign",
+            *["Per hour"] * len(per_hour),
+            "Span",
+            "p",
+            "Points",
+            "Trials",
+        ),
         *("VIF of time by speed", "Share between speeds (%)", "Separated from speed"),
     )
     change = f"{with_interval(scale * drift.change, scale * drift.change_ci95)} {unit}"
     row = (
         change if drift.has_size else "not known",
-        per_hour,
+        *per_hour,
         f"{drift.trials} trials" if drift.span_s is None else _minutes(drift.span_s),
         _p(drift.p).removeprefix("p = ").removeprefix("p "),
         str(drift.points),

@@ -7,6 +7,7 @@ from hbench.records import Direction, HeadlineNumber, HeadlineSeries, Results
 from hbench.report.campaign.quality import quality_count
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.campaign.settings import aborted_words
+from hbench.report.drift import possible_words
 from hbench.report.render.document import Tile
 from hbench.report.render.numbers import (
     alike,
@@ -55,6 +56,8 @@ def headline_words(results: Results) -> str:
         return ""
     name, words, numbers = parts[0]
     where = f", over {_of_series(numbers, series)}" if len(series) > 1 else ""
+    both = len({each.direction for each in series}) > 1  # named with their ranges
+    where = where.replace("all loads and directions", "all loads") if both else where
     return f"{name[:1].upper()}{name[1:]} is {words}{where}{possible_drift_words(results)}."
 
 
@@ -68,7 +71,7 @@ def possible_drift_words(results: Results) -> str:
     drift = results.drift
     if not _has_headline(results) or drift is None or drift.separated or not drift.hidden:
         return ""
-    return f"; U does not contain a possible drift of up to {number(drift.possible_percent, 0)} %"
+    return f"; U does not contain a possible drift of up to {possible_words(drift)}"
 
 
 def headline_tiles(results: Results) -> Iterable[Tile]:
@@ -98,8 +101,48 @@ def _quantity_tiles(results: Results) -> Iterable[Tile]:
     )
     for numbers, scale, unit, caption, anchor in quantities:
         where = _of_series(numbers, series) if len(series) > 1 else ""
+        if caption == "breakaway":
+            where = "; ".join(filter(None, (where, _weak_extrapolation(results))))
         yield from _tile(numbers, scale, unit, caption, anchor, where)
     yield from _band_tiles(results)
+
+
+def _weak_extrapolation(results: Results) -> str:
+    """State how many fits determine the law that breakaway is extrapolated by; empty if all do."""
+    numbers = [each.breakaway_n for each in results.headline.series]
+    if not any(each is not None and each.basis == "extrapolated" for each in numbers):
+        return ""
+    tustin = next((each for each in results.fit_verdicts if each.law == "tustin"), None)
+    if tustin is None or tustin.determined == tustin.fits:
+        return ""
+    return f"{tustin.determined} of {tustin.fits} Tustin fits determine all their parameters"
+
+
+def extrapolated_words(results: Results) -> str:
+    """State what an extrapolated breakaway rests on where not all fits are determined; else empty.
+
+    Friction may be larger than such a breakaway, which is explained where both agree within U.
+    """
+    weak = _weak_extrapolation(results)
+    if not weak:
+        return ""
+    pairs = [
+        (each.breakaway_n, each.friction_n.value - each.breakaway_n.value)
+        for each in results.headline.series
+        if each.breakaway_n is not None and each.friction_n is not None
+    ]
+    above = [(number, more) for number, more in pairs if more > 0]
+    within = all(number.u95 is not None and more < number.u95 for number, more in above)
+    equal = (
+        " Where friction at the working speed is larger, the difference is within U: the data do "
+        "not show a breakaway above it."
+        if above and within
+        else ""
+    )
+    return (
+        f"Extrapolated to rest. {weak}: measure breakaway with runs of kind breakaway before "
+        f"relying on it.{equal}"
+    )
 
 
 def _data_tiles(results: Results) -> Iterable[Tile]:

@@ -52,7 +52,8 @@ STEPS = {
     "in f_load_n. Then import again",
     "nominal_load": "compare the loads in the names of the files with those of the load cell: its "
     "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
-    "drift": "warm the bench up first, and measure in random order",
+    "drift": "warm the bench up until friction no longer changes from run to run, and measure in "
+    "random order",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
     "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.comparison.control_chart import control_chart
+from hbench.analysis.comparison.control_chart import Charted, control_charts
 from hbench.records import QUANTITIES
 
 FRICTION = next(q for q in QUANTITIES if q.name == "friction_n")
@@ -19,7 +19,10 @@ def charted(x, cylinders=None, at=None):
     n = len(x)
     cylinders = np.zeros(n, dtype=int) if cylinders is None else cylinders
     at = np.arange(n, dtype=float) if at is None else at
-    return control_chart(FRICTION, None, at, x, cylinders, lambda rows: [f"c{i}" for i in rows])
+    charts = control_charts(
+        [Charted(FRICTION, None, at, x, cylinders, lambda rows: [f"c{i}" for i in rows])]
+    )
+    return charts[0] if charts else None
 
 
 def test_montgomerys_viscosity():
@@ -55,3 +58,15 @@ def test_the_level_of_a_cylinder_is_no_signal_where_several_were_measured_often(
 
 def test_a_few_campaigns_have_no_chart():
     assert charted(VISCOSITY[:9]) is None
+
+
+def test_the_limits_are_those_before_a_step_of_the_mean():
+    """Ten values about 100 and four about 110, scatter 1: the later ones are beyond the limits."""
+    x = np.array([100.0, 101, 99, 100, 101, 100, 99, 101, 100, 99, 110, 111, 109, 110])
+    found = charted(x)
+    assert found.step.real and found.step.name == "c10"
+    assert (found.n, found.n_limits) == (14, 10)
+    assert found.centre == pytest.approx(100.0)
+    assert found.limits == pytest.approx((100 - 3 * 11 / 9 / 1.128, 100 + 3 * 11 / 9 / 1.128))
+    assert found.outside == ("c10", "c11", "c12") and found.beyond == 4 and found.moved == 1
+    assert charted(VISCOSITY).n_limits == len(VISCOSITY)

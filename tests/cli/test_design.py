@@ -50,7 +50,7 @@ def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path, u
     assert numbers["schema"] == "hbench.design/1" and numbers["proposal"] is None
     gains = [low for what, (low, _) in numbers["margin_ranges"].items() if "gain" in what]
     everywhere = (
-        r"Over all 54 operating points, the smallest margins are \d+ deg .* and ([\d.]+) dB"
+        r"[Oo]ver all 54 operating points, the smallest margins are \d+ deg .* and ([\d.]+) dB"
     )
     (worst,) = re.findall(everywhere, done.stdout)
     assert float(worst) == pytest.approx(min(gains), abs=0.05) and min(gains) < float(gain)
@@ -59,6 +59,9 @@ def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path, u
         "rod pressure",
         "piston pressure",
     ]
+    assert re.search(
+        r"dB \(piston pressure loop, at x \d+ mm, [+-]\d+ mm/s, -?\d+ N\)", done.stdout
+    )
     page = (out / "design.html").read_text()
     assert page.count("<figure") == 12 and "http" not in page.split("<body>")[1]
     figures = {path.name for path in (out / "figures").iterdir()}

@@ -210,7 +210,7 @@ def test_page_and_figures_say_that_the_data_is_simulated(written):
     page = (written / "identification.html").read_text()
     assert BANNERS["simulated"] in page and len(page) > 100_000
     assert 'class="verdict"' in page
-    for number, name in ((1, "Friction (N)"), (2, "Velocity (mm/s)")):
+    for number, name in ((1, "Error of friction (N)"), (2, "Error of velocity (mm/s)")):
         assert re.search(rf"\b{number} of 2: {re.escape(name)} [^.]*\. Tustin: ", page)
     drawn = {path.stem for path in (written / "figures").glob("*.svg")}
     curves = {name for name in drawn if name.startswith("steady-")}

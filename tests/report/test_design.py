@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hbench.config.schedule import Screening
-from hbench.records import Check, DesignBasis
+from hbench.records import Check, DesignBasis, MarginRange
 from hbench.report.design.checks import check_rows
 from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
@@ -242,3 +242,37 @@ def test_all_closed_loop_poles_lie_within_the_axes(design):
         plane = draw(replace(loop, merits=(merits, *loop.merits[1:]))).axes[0]
         (left, right), (low, high) = plane.get_xlim(), plane.get_ylim()
         assert left < -270.0 < right and low < -1069.0 and 1069.0 < high
+
+
+def test_margins_beyond_the_limits_elsewhere_are_stated_before_the_gain_for_one_point(design):
+    """6 dB are asked for: 1.3 dB elsewhere is graver than 5.7 dB here."""
+    checks = (
+        Check("velocity: phase margin", 50.0, 45.0, "deg", True),
+        Check("velocity: gain margin", 5.7, 6.0, "dB", False),
+    )
+    ranges = {
+        "velocity: gain margin": MarginRange(3.5, 12.7, "x 190 mm, +20 mm/s, 500 N"),
+        "piston pressure: gain margin": MarginRange(1.3, 21.6, "x 375 mm, -40 mm/s, -800 N"),
+    }
+    found = replace(design, proposal=None, checks=checks, margin_ranges=ranges, points=54)
+    text = design_text(found)
+    elsewhere = (
+        "Other operating points are beyond the limits: over all 54 operating points, the smallest "
+        "margins are 1.3 dB (piston pressure loop, at x 375 mm, -40 mm/s, -800 N)."
+    )
+    here = "For this operating point alone, lower the gain K_c of the velocity loop from 800 to 772"
+    assert 0 < text.index(elsewhere) < text.index("--propose") < text.index(here)
+    assert json.loads(design_json(found))["margin_ranges"]["velocity: gain margin"] == [3.5, 12.7]
+    good = {"velocity: gain margin": MarginRange(6.5, 12.7, "x 190 mm, +20 mm/s, 500 N")}
+    assert "beyond the limits" not in design_text(replace(found, margin_ranges=good))
+
+
+def test_the_terminals_checks_have_the_failed_first_and_no_empty_column(design):
+    checks = (
+        Check("velocity: phase margin", 50.0, 45.0, "deg", True),
+        Check("velocity: gain margin", 5.7, 6.0, "dB", False),
+    )
+    lines = design_text(replace(design, proposal=None, checks=checks)).splitlines()
+    at = next(i for i, line in enumerate(lines) if re.match("check  +value", line))
+    assert "worst at" not in lines[at]
+    assert lines[at + 1].startswith("velocity: gain margin") and lines[at + 1].endswith("NO")

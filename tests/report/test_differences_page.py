@@ -209,7 +209,10 @@ def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
     assert "order: random" not in text(replace(drift, separated=True))
     dateless = replace(found, drifts=(None, replace(drift, basis="order")))
     page = differences_page(dateless, ())
-    assert "0 of 6 differences at single speeds are significant; 5 more may come from" in page
+    assert (
+        "0 of 6 differences at single speeds are significant; 5 exceed their uncertainty, but may "
+        "come from a drift."
+    ) in page
     assert ">significant<" not in page and "May come from a drift</dt>" in page
     undated = "The times of the runs are not known, so its size is uncertain."
     assert undated in text(replace(drift, basis="order")) and undated not in text(drift)
@@ -251,7 +254,8 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     over = text(13.0, MeanOfCurves(40.0, 8.0, 400.0, 2, DriftEffect(0.0, 1e-9)))
     sure = (
         "Friction of <after> is 40.0 +- 8.0 N (10 %) higher than that of before, in the mean over "
-        "all 2 curves. A linear drift, unlike a warm-up, cancels in this mean, but may account for "
+        "all 2 curves, provided that any drift within the campaigns was linear. A linear drift, "
+        "unlike a warm-up, cancels in this mean, but may account for "
         "up to 33 N of the difference of a single curve."
     )
     assert over.startswith(sure)  # and no difference of a curve is called significant
@@ -269,7 +273,10 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     one = replace(found.curves[0], drift_n=DriftEffect(-20.0, 13.0))
     hidden = replace(found, drifts=(drift, drift), curves=(one,))
     page = differences_page(hidden, draw_differences(hidden))
-    assert "0 of 6 differences at single speeds are significant; 5 more may come from" in page
+    assert (
+        "0 of 6 differences at single speeds are significant; 5 exceed their uncertainty, but may "
+        "come from a drift."
+    ) in page
     assert ">significant<" not in page and "Filled" not in page
     assert "No difference at a single speed is significant beyond a possible drift, after" in page
     page = differences_page(found, draw_differences(found))
@@ -315,3 +322,13 @@ def test_serial_numbers_and_seeds_of_noise_are_no_settings_that_differ(found):
     changed = replace(found, a=a, b=b)
     assert settings_that_differ(changed) == ()
     assert "before, cylinder 7, " in differences_page(changed, ())
+
+
+def test_a_and_b_are_drawn_beside_each_other_with_their_measured_speeds_in_the_data(found):
+    figure = draw_pair(found.curves[0], found)
+    above = figure.axes[0]
+    a, b = (bars.lines[0] for bars in above.containers)
+    assert a.get_xdata() == pytest.approx(b.get_xdata())
+    left, right = (line.get_transform().transform((100.0, 400.0))[0] for line in (a, b))
+    assert right - left == pytest.approx(0.08 * figure.dpi)
+    assert above.get_ylim()[1] > max(b.get_ydata())

@@ -12,7 +12,7 @@ from markupsafe import escape
 
 from hbench.analysis.comparison.fleet_summary import summarize
 from hbench.records.conformity.acceptance import Requirement
-from hbench.report.fleet.charts import step_table
+from hbench.report.fleet.charts import chart_table, step_table
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.names import distinct_names
 from hbench.report.fleet.page import fleet_document, fleet_page
@@ -305,7 +305,7 @@ def test_a_figure_names_the_direction_that_has_too_few_campaigns_for_a_trend(fou
     assert "Not tested" not in caption("extend", "retract")
 
 
-def test_values_have_three_digits_however_wide_their_intervals_are(tmp_path, undrawn):
+def test_values_have_four_digits_however_wide_their_intervals_are(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 4))
     rows = [
         replace(row, numbers={
@@ -316,7 +316,7 @@ def test_values_have_three_digits_however_wide_their_intervals_are(tmp_path, und
     ]  # fmt: skip
     page = ordinary_spaces(fleet_page(replace(few, rows=tuple(rows)), ()))
     value = rows[0].numbers["friction_extend_n"].value
-    assert f"{value:.0f}</td>" in page
+    assert f"{value:.1f}</td>" in page
     assert "(N, each ± 110)" in page  # once in the head, not in each row
 
 
@@ -370,10 +370,11 @@ def test_the_verdict_names_campaigns_beyond_a_limit_and_what_to_do_about_a_step(
     charts = (replace(shifted.charts[0], outside=names), *shifted.charts[1:])
     verdict = fleet_verdict(replace(shifted, charts=charts))
     assert (
-        f"4 of {shifted.compared} campaigns are beyond a control limit (C-4, C-7, C-9 and 1 more), "
-        "which the change may explain: the limits assume a constant mean."
+        f"4 of {shifted.compared} campaigns are beyond a limit of the individual values "
+        "(C-4, C-7, C-9 and 1 more); where the mean has changed, the limits are those of the "
+        "campaigns before the change."
     ) in verdict
-    steady = tuple(replace(chart, step=None) for chart in charts)
+    steady = tuple(replace(chart, step=None, n_limits=chart.n) for chart in charts)
     assert "(C-4, C-7, C-9 and 1 more)." in fleet_verdict(replace(shifted, charts=steady))
 
 
@@ -391,7 +392,7 @@ def test_a_change_is_directly_below_the_summary_and_not_repeated_in_it(shifted, 
     summary, charts, *_ = fleet_document(shifted, ()).sections
     assert charts.title == "Control charts" and charts.tables[0].title == "Change points"
     said = " ".join(summary.items)
-    assert "has changed" not in said and "beyond the control limits" not in said
+    assert "has changed" not in said and "beyond the limits" not in said
     steady = tuple(replace(chart, step=None) for chart in shifted.charts)
     titles = [s.title for s in fleet_document(replace(shifted, charts=steady), ()).sections]
     assert titles.index("Control charts") > titles.index("Distributions")
@@ -406,3 +407,32 @@ def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shift
         return campaign_table(replace(shifted, rows=rows)).head
 
     assert "Cylinder" in head(["S-1", "c2"]) and "Cylinder" not in head(["S-1"])
+
+
+def test_a_campaign_is_compared_with_those_on_its_side_of_a_step(tmp_path):
+    """A low value before a step of +40 N deviates, one step lower than the later ones does not."""
+    rng = np.random.default_rng(4)
+    rows = [made_row(i, rng, f"/line/c{i}", i, 60.0 * (i >= 18)) for i in range(26)]
+    write_table(tmp_path / TABLE, map(cells_of, rows))
+    found = summary_of(tmp_path)
+    chart = next(c for c in found.charts if c.quantity.name == "friction_n")
+    assert chart.step.real and chart.n_limits == 18
+    values = [row.numbers["friction_n", "extend"].value for row in rows]
+    expected = {
+        suspect.path: deviation.median
+        for suspect in found.worst
+        for deviation in suspect.deviations
+        if (deviation.quantity.name, deviation.direction) == ("friction_n", "extend")
+    }
+    assert {*expected.values()} == {np.median(values[:18]), np.median(values[18:])}
+    assert all((m > 400) == (int(path[7:]) >= 18) for path, m in expected.items())
+    table = chart_table(found)
+    (row,) = [row for row in table.rows if row[0] == "Friction, extending (N)"]
+    assert row[table.head.index("Mean and limits from")] == "the first 18"
+
+
+def test_a_terminals_columns_are_aligned_where_signs_are_spelled_out(found):
+    lines = fleet_text(found).splitlines()
+    at = lines.index("Largest deviations")
+    column = lines[at + 1].index("Outlier beyond (s.d.)")
+    assert all(line[column - 1] == " " and line[column] != " " for line in lines[at + 2 : at + 5])

@@ -75,6 +75,17 @@ def test_a_fitted_parameter_without_a_standard_error_is_no_number_of_the_row(one
     assert lost == {("b_viscous_n_s_m", first.direction)}
 
 
+def test_a_parameter_that_the_report_says_is_not_determined_is_no_number_of_the_row(one_load):
+    first, *others = one_load.curves
+    fit = first.fits[0]
+    wide = replace(fit.parameters["v_stribeck_m_s"], wide=True)
+    assert wide.determination == "not determined" and wide.se is not None
+    fit = replace(fit, parameters=fit.parameters | {"v_stribeck_m_s": wide})
+    changed = replace(one_load, curves=(replace(first, fits=(fit, *first.fits[1:])), *others))
+    lost = fleet_row("/a", one_load).numbers.keys() - fleet_row("/a", changed).numbers.keys()
+    assert lost == {("v_stribeck_m_s", first.direction)}
+
+
 def test_a_row_counts_what_the_plan_has_and_the_campaign_has_not(small):
     complete = replace(small.quality.completeness, planned=60, not_completed=("0059", "0060"))
     broken = replace(small, quality=replace(small.quality, completeness=complete))

@@ -102,10 +102,25 @@ def test_a_long_table_begins_on_the_sheet_that_has_room_in_a_pdf():
     assert {"Section b", "b0", "b5"} <= set(texts_of(one)) and "b24" in texts_of(two)
 
 
-def test_a_table_of_a_quarter_sheet_is_whole_in_a_pdf():
-    one, two = sheets(Document("t", "", (of_rows("a", 42), of_rows("b", 18))))
-    assert {"a0", "a41"} <= set(texts_of(one))
-    assert {"Table 2. Section b", *(f"b{i}" for i in range(18))} <= set(texts_of(two))
+def test_a_table_of_a_quarter_sheet_leaves_no_such_part_of_a_sheet_empty_in_a_pdf():
+    one, two = sheets(Document("t", "", (of_rows("a", 40), of_rows("b", 18))))
+    assert {"Table 2. Section b", "b0", "b1"} <= set(texts_of(one))
+    assert {"Table 2. Section b (continued)", "b16", "b17"} <= set(texts_of(two))
+
+
+def test_a_heading_with_its_text_is_not_apart_from_its_table_in_a_pdf():
+    second = Section("Second", ("Words.",), tables=of_rows("b", 6).tables)
+    for count in range(38, 52):
+        pages = list(map(texts_of, sheets(Document("t", "", (of_rows("a", count), second)))))
+        (heading,) = [i for i, page in enumerate(pages) if "Second" in page]
+        assert {"Words.", "Table 2. Second", "b0", "b1"} <= set(pages[heading])
+
+
+def test_the_last_fact_is_not_alone_on_a_sheet_of_a_pdf():
+    for count in range(50, 90):
+        facts = tuple((f"f{i}", "words") for i in range(count))
+        last = texts_of(sheets(Document("t", "", (Section("Facts", facts=facts),)))[-1])
+        assert f"f{count - 2}" in last
 
 
 def test_the_contents_of_a_pdf_give_the_page_of_each_section():
@@ -203,7 +218,7 @@ def test_each_figure_of_a_pdf_has_its_own_caption_in_its_column_and_unprinted_pa
     )
     assert one[1] == two[1] > three[1] and one[0] < 0.3 < 0.5 < two[0] == three[0]
     assert "Kept" in places and "Gone" not in places
-    assert any("are those of the page, which has some more" in words for words in places)
+    assert any("has some more tables, and so other numbers" in words for words in places)
     bare = tuple(Drawing(n, "s", n, "", svg, png) for n in ("One", "Two"))
     (sheet,) = sheets(Document("t", "", (Section("S", drawings=bare),)))
     assert "Figure 2. Two." in {text.get_text() for text in sheet.texts}

@@ -21,7 +21,12 @@ from hbench.records.identification import PARTS, SteadyParts
 from hbench.report.campaign.fit_tables import verdict_words
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
-from hbench.report.identification.text import ERRORS, SUMMARY, identification_tables
+from hbench.report.identification.text import (
+    ERRORS,
+    SUMMARY,
+    identification_tables,
+    identification_text,
+)
 from tests.support.report.spaces import ordinary_spaces
 
 NO_RAMPS = "no ramps"
@@ -93,7 +98,7 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
     runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]
     words = verdict(replace(found, followed=tuple(runs)))
-    range_words = "It is verified for speeds up to 123 mm/s and loads of −5000 to 500 N."
+    range_words = "It is verified for speeds up to 123 mm/s and loads of +500 and −5000 N."
     assert range_words in words
     determined = replace(identified(law("lugre", 10.0)), followed=tuple(runs))
     assert range_words in verdict(determined), "the range does not depend on what is undetermined"
@@ -186,3 +191,44 @@ def test_the_remarks_on_a_law_of_each_direction_are_read_for_themselves():
         ">Marton and Lantos, extending</dt><dd>A<sub>1</sub> has no interval. Few points.<" in page
     )
     assert ">Marton and Lantos, retracting</dt><dd>The fit is at a bound.<" in page
+
+
+def test_the_verdict_names_the_loads_that_verified_a_law_and_those_that_did_not(small):
+    """Two steady curves, one of them at a load of no verification run: not in the friction."""
+    curve = small.curves[0]
+    high = replace(curve.points[0], friction_n=999.0)
+    curves = (replace(curve, f_load_n=500.0), replace(curve, f_load_n=-5000.0, points=(high,)))
+    along = tuple(LawsAlongCurve(each, np.array([0.01, 0.2]), {}) for each in curves)
+    trace = Trace(np.array([0.0, 0.01]), np.array([0.0, 0.4]), np.zeros(2))
+    runs = tuple(Followed(str(load), load, None, trace, {}) for load in (500.0, 5000.0))
+    words = verdict(replace(identified(law("lugre", 10.0)), steady=along, followed=runs))
+    assert "loads of +500 and +5000 N, not for loads of −5000 N." in words
+    assert "999" not in words
+
+
+def test_runs_of_kinds_that_determine_no_law_are_counted_with_their_reason():
+    held = tuple(f"{run} (hold): runs of this kind determine no friction law" for run in (8, 9))
+    found = replace(identified(law("lugre", 10.0)), left_out=held)
+    page = ordinary_spaces(identification_page(found, ()))
+    assert "laws from 1 runs, verified on 1 others; 2 not used" in page
+    assert "Runs 8, 9 (hold): runs of this kind determine no friction law." in page
+    assert "runs not used: 2\n  runs 8, 9 (hold)" in identification_text(found)
+
+
+def test_the_intervals_are_said_to_leave_out_the_errors_of_the_instruments(small):
+    """95 % of a standard deviation of 50 N are 98 N, on the page and on a terminal."""
+    point = replace(small.curves[0].points[0], sigma_instruments_n=50.0)
+    curve = replace(small.curves[0], points=(point,))
+    along = LawsAlongCurve(curve, np.array([0.01, 0.2]), {})
+    parameters = {"f_coulomb_n": FitParameter(86.0, 6.0, (73.0, 99.0), None, "N")}
+    found = replace(identified(law("lugre", 10.0, parameters)), steady=(along,))
+    page = ordinary_spaces(identification_page(found, ()))
+    assert "it can shift the measured friction by ±98 N (95 %)." in page
+    assert "by +-98 N (95 %)" in identification_text(found)
+
+
+def test_errors_with_a_second_value_in_brackets_are_a_column_of_numbers():
+    smooth, rough = (ModelErrors(n, 1e-4, 1e4, 1e4, 100) for n in (2.0, 40.0))
+    static = replace(law("tustin", 23.0), steady=SteadyParts(smooth, rough, 2, (0.03,)))
+    page = identification_page(identified(law("lugre", 3.0), static), ())
+    assert re.search(r'<td class="n[^"]*"[^>]*>23\.0 \(2\.0\)<', page)

@@ -210,7 +210,7 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
     sides = r"(\d+)–(\d+) N extending and (\d+)–(\d+) N retracting \("
     first = re.match(rf"Friction at \S+ mm/s is {sides}", verdict)
     assert list(map(int, first.groups())) == ends
-    assert ", over all loads and directions. " in verdict
+    assert ", over all loads. " in verdict
     poor = replace(small, quality=replace(small.quality, grade="poor"))
     document = report_document(poor, ())
     assert "mm/s is" not in document.verdict
@@ -712,3 +712,43 @@ def test_each_reason_for_rejection_has_a_cause_to_look_for(small):
     found = {row[0].text: tuple(cell.text for cell in row[1:]) for row in causes}
     assert found["Changed"] == ("1", "1", CAUSES["changed"])
     assert found["Too short"] == ("1", "0", CAUSES["too_short"])
+
+
+def test_a_breakaway_by_fits_that_are_not_determined_is_stated_with_them(small):
+    """All but one fit are not determined, and friction exceeds breakaway by less than U."""
+    tustin = next(each for each in small.fit_verdicts if each.law == "tustin")
+    assert tustin.determined < tustin.fits
+    series = tuple(
+        replace(
+            each,
+            friction_n=replace(each.friction_n, value=671.0),
+            breakaway_n=replace(each.friction_n, value=660.0, u95=120.0, basis="extrapolated"),
+        )
+        for each in small.headline.series
+    )
+    weak = replace(small, headline=replace(small.headline, series=series))
+    weak = replace(weak, quality=replace(weak.quality, grade="with care"))
+    page = ordinary_spaces(page_of(report_document(weak, ())))
+    share = f"{tustin.determined} of {tustin.fits} Tustin fits determine all their parameters"
+    assert f"breakaway, extrapolated, all loads and directions; {share}; U up to 120 N" in page
+    assert f"Extrapolated to rest. {share}: measure breakaway with runs of kind" in page
+    assert "Where friction at the working speed is larger, the difference is within U" in page
+
+
+def test_the_force_and_the_pressure_of_one_trial_both_say_so(small):
+    first, *others = small.headline.series
+    single = replace(first.friction_n, u95=None, basis="one_trial")
+    pressure = replace(single, value=3.29e5)
+    series = (replace(first, friction_n=single, friction_pa=pressure), *others)
+    found = replace(small, headline=replace(small.headline, series=series))
+    page = page_of(report_document(found, ()))
+    assert re.search(r"<span>3\.29</span> <span class=\"flag\">one trial</span>", page)
+
+
+def test_the_instruments_share_at_one_point_is_no_median(small):
+    check = QualityCheck("instruments", "with care", 21.0, "%", 10.0, None, of=1)
+    found = replace(small, quality=replace(small.quality, checks=(check,)))
+    assert "uncertain by ±21 % (95 %)" in ordinary_spaces(page_of(report_document(found, ())))
+    several = replace(found, quality=replace(found.quality, checks=(replace(check, of=2),)))
+    page = ordinary_spaces(page_of(report_document(several, ())))
+    assert "±21 % (95 %, median over all speeds and loads)" in page

@@ -5,7 +5,8 @@
 (ISO 7870-2; Montgomery, Introduction to Statistical Quality Control, section 6.4; d_2 = 1.128 and
 D_4 = 3.267 for two values). The rules are those of ``run_rules``; ``ewma`` and ``change_point`` use
 the same centre and sigma, which are estimated from the charted values: their false alarms are more
-frequent than with known ones.
+frequent than with known ones. Where the mean has a significant step, they are estimated from the
+values before it: limits of all values would assume a constant mean.
 
 Where several cylinders were measured three times or more, the chart shows the measurement, not the
 cylinders: the deviation from the mean of the cylinder's n campaigns, times sqrt(n / (n - 1)), which
@@ -13,12 +14,12 @@ has the variance of a single campaign, plus the mean of all (a chart of deviatio
 Montgomery, section 10.2).
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.comparison.change_point import change_point
+from hbench.analysis.comparison.change_point import StepChange, change_point
 from hbench.analysis.comparison.ewma import WEIGHT, WIDTH, ewma
 from hbench.analysis.comparison.run_rules import run_rules
 from hbench.analysis.statistics.holm import holm
@@ -38,40 +39,78 @@ _NAMED = 3  # campaigns outside of the limits
 EWMA_RULE = f"EWMA, λ = {WEIGHT:g}, L = {WIDTH:g}"
 
 
-def control_chart(
-    quantity: Quantity,
-    direction: Side,
-    at: np.ndarray,
-    x: np.ndarray,
-    cylinders: np.ndarray,
-    names: Callable[[np.ndarray], list[str]],
-) -> ControlChart | None:
-    """Return the chart of x (n,) over the days ``at`` (n,); None with too few campaigns.
+class Charted(NamedTuple):
+    """A number of the campaigns over their dates.
 
     ``cylinders`` (n,) are numbers, -1 if not known. ``names`` returns the names of campaigns by
     their positions in x.
     """
-    if len(x) < FEWEST_CAMPAIGNS:
-        return None
-    values, rows = _within_cylinders(x, cylinders)
-    of_cylinders = len(values) >= FEWEST_CAMPAIGNS and len(np.unique(cylinders)) > 1
+
+    quantity: Quantity
+    direction: Side
+    at: np.ndarray  # (n,) days
+    x: np.ndarray  # (n,)
+    cylinders: np.ndarray  # (n,) int
+    names: Callable[[np.ndarray], list[str]]
+
+
+class _Ordered(NamedTuple):
+    """Values in the order of their dates, with the most likely step of their mean."""
+
+    values: np.ndarray  # (k,)
+    rows: np.ndarray  # (k,) positions in the number's x
+    of_cylinders: bool
+    step: StepChange | None
+
+
+def control_charts(numbers: Iterable[Charted]) -> tuple[ControlChart, ...]:
+    """Return a chart of each number that has enough campaigns.
+
+    Mean and sigma are those of the campaigns before a significant step of the mean, or of all.
+    The p values of the steps are corrected for the number of charts after Holm.
+    """
+    ordered = [(each, _ordered(each)) for each in numbers if len(each.x) >= FEWEST_CAMPAIGNS]
+    steps = [values.step for _, values in ordered if values.step is not None]
+    p_holm = iter(holm([step.p for step in steps]).tolist() if steps else ())
+    return tuple(
+        _chart(each, values, None if values.step is None else next(p_holm))
+        for each, values in ordered
+    )
+
+
+def _ordered(number: Charted) -> _Ordered:
+    values, rows = _within_cylinders(number.x, number.cylinders)
+    several = len(np.unique(number.cylinders)) > 1
+    of_cylinders = len(values) >= FEWEST_CAMPAIGNS and several
     if not of_cylinders:
-        values, rows = x, np.arange(len(x))
-    order = np.argsort(at[rows], kind="stable")
+        values, rows = number.x, np.arange(len(number.x))
+    order = np.argsort(number.at[rows], kind="stable")
     values, rows = values[order], rows[order]
-    ranges = np.abs(np.diff(values))
-    centre, sigma = centre_and_sigma(values)
+    return _Ordered(values, rows, of_cylinders, change_point(values))
+
+
+def _chart(number: Charted, ordered: _Ordered, p_holm: float | None) -> ControlChart:
+    values, rows, of_cylinders, found = ordered
+    at, names = number.at, number.names
+    step = None
+    if found is not None and p_holm is not None:
+        first = rows[found.first : found.first + 1]
+        means = found.before, found.after, found.ci95
+        step = ChartStep(names(first)[0], float(at[first[0]]), *means, found.p, p_holm)
+    real = found is not None and step is not None and step.real
+    of = values[: found.first] if found is not None and real else values
+    centre, sigma = centre_and_sigma(of)
     outside = np.flatnonzero(np.abs(values - centre) > 3 * sigma)
     averages = ewma(values, centre, sigma)
     signals: dict[str, np.ndarray] = {}
     if sigma > 0:
         signals = run_rules((values - centre) / sigma) | {EWMA_RULE: averages.signals}
-    step = change_point(values)
     last = slice(-_DRAWN, None)
     return ControlChart(
-        quantity=quantity,
-        direction=direction,
+        quantity=number.quantity,
+        direction=number.direction,
         n=len(values),
+        n_limits=len(of),
         centre=centre,
         sigma=sigma,
         of_cylinders=of_cylinders,
@@ -80,7 +119,7 @@ def control_chart(
         names=tuple(names(rows[last])),
         outside=tuple(names(rows[outside[:_NAMED]])),
         beyond=len(outside),
-        moved=int((ranges > _D4 * ranges.mean()).sum()),
+        moved=int((np.abs(np.diff(values)) > _D4 * _D2 * sigma).sum()),
         ewma=tuple(averages.values[last].tolist()),
         ewma_low=tuple(averages.low[last].tolist()),
         ewma_high=tuple(averages.high[last].tolist()),
@@ -89,35 +128,13 @@ def control_chart(
             for rule, found in signals.items()
             if found.any()
         ),
-        step=None
-        if step is None
-        else ChartStep(
-            names(rows[step.first : step.first + 1])[0],
-            float(at[rows[step.first]]),
-            step.before,
-            step.after,
-            step.ci95,
-            step.p,
-            step.p,
-        ),
+        step=step,
     )
 
 
 def centre_and_sigma(values: np.ndarray) -> tuple[float, float]:
     """Return the mean of values (n,) in their order, and sigma from their moving ranges."""
     return float(np.mean(values)), float(np.abs(np.diff(values)).mean()) / _D2
-
-
-def with_corrected_steps(charts: Sequence[ControlChart]) -> tuple[ControlChart, ...]:
-    """Return the charts with the p values of their steps after Holm."""
-    steps = [chart.step for chart in charts if chart.step is not None]
-    corrected = iter(holm([step.p for step in steps]).tolist() if steps else ())
-    return tuple(
-        chart
-        if chart.step is None
-        else replace(chart, step=replace(chart.step, p_holm=next(corrected)))
-        for chart in charts
-    )
 
 
 def _within_cylinders(x: np.ndarray, cylinders: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

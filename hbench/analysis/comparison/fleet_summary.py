@@ -96,6 +96,13 @@ def summarize(
     first, last = (float(known.min()), float(known.max())) if by_date else (0.0, 0.0)
     at = (moments - first) / _DAY_S if by_date else np.cumsum(compared).astype(float)
 
+    days = (moments - np.min(known, initial=np.inf, where=np.isfinite(known))) / _DAY_S
+    system = measurement_system(table, good, compared, days, tolerance)
+    steps = {
+        (chart.quantity, chart.direction): chart.step
+        for chart in system.charts
+        if chart.step is not None and chart.step.real and not chart.of_cylinders
+    }
     lines = [trend_line(sample.at, sample.x) for sample in _samples(table, compared, at)]
     sizes = [len(sample.x) for sample in _samples(table, compared, at)]
     p_values = iter(holm([line.p for line in lines if line is not None]))
@@ -104,7 +111,8 @@ def summarize(
     spreads: list[Spread] = []
     for sample, line in zip(_samples(table, compared, at), lines, strict=True):
         trend = None if line is None else _trend(sample, line, float(next(p_values)))
-        centre = _centre(sample, line, trend)
+        step = steps.get((sample.quantity, sample.direction))
+        centre = _centre(sample, line, trend, None if step is None else days >= step.at)
         deviations = robust_deviations(sample.x, sample.se, centre)
         spreads.append(_spread(sample, deviations, trend))
         if len(sample.x) < FEWEST_CAMPAIGNS:
@@ -117,7 +125,6 @@ def summarize(
             deviation = Deviation(sample.quantity, sample.direction, x, m, z, float(p[i]), limit)
             worst[int(sample.rows[i])].append(deviation)
     failures = np.flatnonzero(~good)[:_LISTED]
-    days = (moments - np.min(known, initial=np.inf, where=np.isfinite(known))) / _DAY_S
     speeds = table.numbers("v_m_s")[compared]
     speed = float(np.nanmedian(speeds)) if np.isfinite(speeds).any() else None
 
@@ -128,7 +135,6 @@ def summarize(
     paths = table.values("path", np.flatnonzero(compared)) if requirements else ()
     decided = [checks(path) for path in paths]
     decisions = Counter(map(decision, table.values("path", np.flatnonzero(good))))
-    system = measurement_system(table, good, compared, days, tolerance)
     return Fleet(
         campaigns=table.rows,
         failed=int((~good).sum()),
@@ -241,7 +247,16 @@ def _trend(sample: _Sample, line: TrendLine, p_holm: float) -> Trend:
     return Trend(line.slope * span, line.low * span, line.high * span, start, p_holm)
 
 
-def _centre(sample: _Sample, line: TrendLine | None, trend: Trend | None) -> np.ndarray:
+def _centre(
+    sample: _Sample, line: TrendLine | None, trend: Trend | None, after: np.ndarray | None
+) -> np.ndarray:
+    """Return the value that each campaign (n,) is compared with.
+
+    It is the median of the campaigns before or ``after`` (rows,) a step of the mean, the trend's
+    line, or the median of all.
+    """
+    if after is not None and not (later := after[sample.rows]).all():
+        return np.where(later, np.median(sample.x[later]), np.median(sample.x[~later]))
     if line is not None and trend is not None and trend.real:
         return line.intercept + line.slope * sample.at
     return np.full(len(sample.x), np.median(sample.x))

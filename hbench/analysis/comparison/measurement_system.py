@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from hbench.analysis.comparison.control_chart import control_chart, with_corrected_steps
+from hbench.analysis.comparison.control_chart import Charted, control_charts
 from hbench.analysis.comparison.precision import Tolerance, plan_of, precision_of
 from hbench.analysis.comparison.wear import WEARING, corrected, cumulated, wear_trends
 from hbench.records import CYLINDER, QUANTITIES, ControlChart, Precision, Quantity, Side, WearTrend
@@ -54,7 +54,7 @@ def measurement_system(
 
     studies: list[Precision] = []
     notes = dict.fromkeys(plan.notes)
-    charts: list[ControlChart] = []
+    numbers: list[Charted] = []
     trends: list[WearTrend] = []
     for quantity, direction in _numbers():
         column = quantity.column(direction)
@@ -69,16 +69,14 @@ def measurement_system(
             studies += [] if study is None else [study]
             notes |= dict.fromkeys(remarks)
         at = charted[np.isfinite(x[charted])]
-        chart = control_chart(
-            quantity, direction, days[at], x[at], cylinders[at], partial(_folders, table, at)
-        )
-        charts += [] if chart is None else [chart]
+        folders = partial(_folders, table, at)
+        numbers.append(Charted(quantity, direction, days[at], x[at], cylinders[at], folders))
         if quantity.name in WEARING:
             worn = charted[cylinders[charted] >= 0]
             amounts = {amount: total[worn] for amount, total in sums.items()}
             trends += wear_trends(quantity, direction, x[worn], amounts, cylinders[worn], names)
     return MeasurementSystem(
-        tuple(studies), tuple(notes), with_corrected_steps(charts), corrected(trends)
+        tuple(studies), tuple(notes), control_charts(numbers), corrected(trends)
     )
 
 

@@ -12,8 +12,8 @@ USES: Mapping[IdentificationUse, str] = {
     "steady_curve": "",  # through their curves
     "motion": "",  # sample by sample, for laws with internal states
     "verification": "",  # for the verification only
-    "too_fast": "its velocity steps are too fast for the log",
-    "unused": "",
+    "too_fast": "the velocity steps are too fast for the log",
+    "unused": "runs of this kind determine no friction law",
 }
 
 

@@ -98,7 +98,9 @@ def _follows_reference(run: Run, rules: Screening) -> Iterator[str]:
 def _valve_limits(run: Run, rules: Screening) -> Iterator[str]:
     count = 0 if run.valve_saturated is None else int(run.valve_saturated.sum())
     if count:
-        reason = f"valve_saturated: in {count} of the {len(run.t_s)} records of the run; limit 0"
+        reason = (
+            f"valve_saturated: in {count} of the {len(run.t_s)} records of the run, none allowed"
+        )
         yield with_valves(reason, run, slice(0, None))
 
 
@@ -143,7 +145,7 @@ def _settled_levels(run: Run, rules: Screening) -> Iterator[str]:
                 f"{1e3 * level:.2f} mm/s; limit {1e3 * limit:.2f} mm/s"
             )
         if run.valve_saturated is not None and run.valve_saturated[settled].any():
-            reason = f"valve_saturated: in the settled half of level {number}; limit 0 records"
+            reason = f"valve_saturated: in the settled half of level {number}, no record allowed"
             yield with_valves(reason, run, settled)
 
 

@@ -146,7 +146,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
         lost = int(np.sum(np.rint(steps / np.median(steps)) - 1)) if run.missing_records else 0
         if lost > 0:
             planned = len(steps) + 1 + lost
-            yield f"gapped: {lost} of {planned} records of the window are missing; limit 0"
+            yield f"gapped: {lost} of {planned} records of the window are missing, none may be"
         elif exceeds(steps.max(), rules.max_gap):
             yield (
                 f"gapped: {steps.max():.2f} s between two samples of the window; "
@@ -261,7 +261,7 @@ def _too_short(run: Run, section: slice, window: slice, rules: Screening) -> str
 
 def _saturated(code: str, flags: np.ndarray | None, window: slice) -> Iterator[str]:
     if flags is not None and (count := int(np.sum(flags[window]))):
-        yield f"{code}: in {count} of the {len(flags[window])} records of the window; limit 0"
+        yield f"{code}: in {count} of the {len(flags[window])} records of the window, none allowed"
 
 
 def window_means(run: Run, window: slice) -> SteadyMeans:

@@ -138,10 +138,12 @@ def _measured(number: HeadlineNumber | None) -> FleetNumber | None:
 
 
 def _fitted(curve: Curve | None, name: str) -> FleetNumber | None:
-    """Return a fitted parameter; None without a standard error, such as at a bound."""
+    """Return a fitted parameter; None where the curve does not determine it, as at a bound."""
     for fit in curve.fits if curve else ():
         parameter = fit.parameters.get(name)
-        if fit.converged and parameter is not None and parameter.ci95 and parameter.se is not None:
+        if parameter is None or not fit.converged or parameter.determination == "not determined":
+            continue
+        if parameter.ci95 and parameter.se is not None:
             low, high = parameter.ci95
             return FleetNumber(parameter.value, low, high, parameter.se)
     return None

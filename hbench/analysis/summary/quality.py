@@ -232,7 +232,8 @@ def _instruments(points: Sequence[CurvePoint]) -> QualityCheck:
     value = median(halves) if halves else None
     known_good = value is not None and value <= _INSTRUMENTS_GOOD
     grade: Grade = "good" if known_good else "with care"
-    return QualityCheck("instruments", grade, value, "%", _INSTRUMENTS_GOOD, None)
+    points_of = len(halves) or None
+    return QualityCheck("instruments", grade, value, "%", _INSTRUMENTS_GOOD, None, of=points_of)
 
 
 def _grade(value: float, good: float, poor: float) -> Grade:

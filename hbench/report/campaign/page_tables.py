@@ -87,7 +87,7 @@ def efficiency_table(results: Results) -> Table:
         "Velocity (mm/s)",
         "Efficiency (%)",
         "σ of instruments (%)",
-        "σ as printed, 6.16 (%)",
+        "σ by eq. 6.16 of the source (%)",
         "s.e. of trials (%)",
         "U of both (%)",
     )
@@ -246,7 +246,7 @@ def cause_table(results: Results) -> Table:
         (code.replace("_", " ").capitalize(), str(count), str(first[code]), CAUSES.get(code, ""))
         for code, count in reason_counts(results).most_common()
     ]
-    head = ("Reason", "Runs", "Of these, main reason", "Look for")
+    head = ("Reason", "Runs", "As main reason", "Look for")
     return table(head, rows, words=("Look for",))
 
 

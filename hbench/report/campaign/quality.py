@@ -321,8 +321,8 @@ def _value(check: QualityCheck) -> str:
     if check.value is None:
         return "tolerances are not known"
     return (
-        f"their tolerances make friction uncertain by ±{significant(check.value, 2)} % (95 %, "
-        "median over all speeds and loads)"
+        f"their tolerances make friction uncertain by ±{significant(check.value, 2)} % (95 %"
+        f"{'' if check.of == 1 else ', median over all speeds and loads'})"
     )
 
 

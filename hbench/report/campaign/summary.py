@@ -20,7 +20,7 @@ from hbench.report.campaign.quality import (
 from hbench.report.campaign.settings import aborted_words, is_aborted
 from hbench.report.drift import drift_fact
 from hbench.report.drift_section import drift_sections
-from hbench.report.headline import FLAGS, headline_tiles
+from hbench.report.headline import FLAGS, extrapolated_words, headline_tiles
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import (
@@ -77,6 +77,7 @@ def summary_section(results: Results, decided: bool = False) -> Section:
         ("Data", _data(results) if decided else ""),
         ("Uncertainty", _uncertainty(series, parts, known)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
+        ("Breakaway", extrapolated_words(results)),
         ("Load", load if _differs_from_load(series, load_cell_n) else ""),
         ("Drift", drift_fact(results.drift)),
         ("Oil", temperature_words(results)),
@@ -234,10 +235,10 @@ def _table(series: Sequence[HeadlineSeries], load_cell_n: Sequence[float | None]
             number(None if each.v_m_s is None else 1e3 * each.v_m_s),
             number(applied, 0),
             _cell(each.friction_n),
-            _unflagged(each.friction_pa, per_bar),
+            _as_pressure(each.friction_pa, per_bar),
             _trials(each.friction_n),
             _cell(each.breakaway_n).text if common else _breakaway(each),
-            _unflagged(each.breakaway_pa, per_bar),
+            _as_pressure(each.breakaway_pa, per_bar),
             _cell(each.efficiency, 100.0),
         )
         for each, applied in zip(series, load_cell_n, strict=True)
@@ -260,9 +261,10 @@ def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
     return Cell(with_interval(scale * estimate.value, half), FLAGS[estimate.basis])
 
 
-def _unflagged(estimate: HeadlineNumber | None, scale: float) -> str:
-    """Return a force as a pressure; the force beside it has the flag of both."""
-    return _cell(estimate, scale).text
+def _as_pressure(estimate: HeadlineNumber | None, scale: float) -> Cell:
+    """Return a force as a pressure; the force beside it has its flag too, but for one trial."""
+    cell = _cell(estimate, scale)
+    return cell if estimate is not None and estimate.basis == "one_trial" else Cell(cell.text)
 
 
 def _breakaway(series: HeadlineSeries) -> Cell:

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from hbench.records import (
     BandDifference,
@@ -23,9 +24,10 @@ from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
 from hbench.units import from_si
 
+_BESIDE = 0.04  # inches by which A and B are drawn left and right of their speed
 _CAPTION = (
-    "Above: friction of A and B, means of the trials. Below: B minus A, on the same axis in all "
-    "figures. {marks}"
+    "Above: friction of A and B, means of the trials, side by side. Below: B minus A, on the "
+    "same axis in all figures. {marks}"
 )
 _FILLED = (
     "Filled: significant at this speed alone, with p corrected for the number of points{drift}. "
@@ -140,10 +142,14 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
     """Draw |F| [N] of both over |v| [mm/s], and the difference below."""
     figure = style.new_figure(height_in=5.0)
     above, below = figure.subplots(2, sharex=True, height_ratios=(5, 3))
+    inches = figure.dpi_scale_trans
     for index, (name, curve) in enumerate((("A", difference.a), ("B", difference.b))):
         label = f"{name}: {style.safe(differences.names[index])}"
         look = style.series_style(index)
+        place = above.transData + ScaledTranslation(_BESIDE * (2 * index - 1), 0, inches)
         bars = above.errorbar(*_columns(curve), label=label, **look, **style.POINTS)
+        for artist in bars.get_children():
+            artist.set_transform(place)
         behind(bars, of_trials(curve.points))
     v = 1e3 * np.abs([point.v_m_s for point in difference.points])
     hidden = _is_hidden(difference, differences)

@@ -8,7 +8,8 @@ _READ_U = (
     ("U", "Expanded uncertainty for a coverage probability of 95 %: of the trials, the instruments "
      "and any significant drift within a campaign. It does not contain what changes when the "
      "cylinder is mounted again."),
-    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A."),
+    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They have "
+     "the digits of B − A, which are more than their own U justifies."),
 )  # fmt: skip
 _READ_TRIALS = (("± trials", "Half-width of the 95 % interval of the trials alone."),)
 _MEAN = (

@@ -86,6 +86,7 @@ def differences_text(differences: CampaignDifferences) -> str:
         if table.rows:
             lines += [*table_lines(table), ""]
     strokes = [SET_UP] if differences.bands else []
+    strokes += [f"A, B: {words}" for name, words in read_facts(differences) if name == "A, B"]
     lines += [f"note: {note}" for note in (*strokes, *differences.notes)]
     text = without_powers("\n".join(lines).rstrip())
     for sign, plain in _PLAIN.items():
@@ -235,7 +236,8 @@ def _counted(what: str, differences: Sequence[Difference], hidden: int = 0) -> s
     """Count the significant differences, without the ``hidden`` ones: they may come from drift."""
     real = sum(difference.real for difference in differences) - hidden
     verb = "is" if real == 1 else "are"
-    drift = f"; {hidden} more may come from a drift" if hidden else ""
+    beyond = "exceeds its uncertainty" if hidden == 1 else "exceed their uncertainty"
+    drift = f"; {hidden} {beyond}, but may come from a drift" if hidden else ""
     return (
         f"{real} of {len(differences)} differences {what} {verb} significant{drift}. "
         "comparison.json contains each."

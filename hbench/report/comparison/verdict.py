@@ -70,10 +70,11 @@ def _over_curves(differences: CampaignDifferences) -> str:
     share = f" ({significant(100 * abs(mean.value_n) / mean.a_n, 2)} %)" if mean.a_n > 0 else ""
     words = (
         f"Friction of {b} is {size} N{share} {way} than that of {a}, in the mean over all "
-        f"{mean.curves} curves."
+        f"{mean.curves} curves"
     )
     if unseparated(differences):
-        return words
+        return f"{words}, provided that any drift within the campaigns was linear."
+    words += "."
     if not real:
         return f"{words} The difference of no single curve is significant."
     sizes = alike([abs(each.value) for each in real])

@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from hbench.records import ControlLoop, Design, Proposal, Reproduced
+from hbench.records import Check, ControlLoop, Design, Proposal, Reproduced
 from hbench.report.design.checks import CHECK_HEAD, check_rows
 from hbench.report.design.loops import (
     LOOP_HEAD,
@@ -39,7 +39,7 @@ def design_json(design: Design) -> str:
         "feedforward_v_s_m": {"rod": design.feedforward[0], "piston": design.feedforward[1]},
         "ramp_error_m_s": design.ramp_error_m_s,
         "coupled_modulus": design.coupled_modulus,
-        "margin_ranges": design.margin_ranges,
+        "margin_ranges": {what: each[:2] for what, each in design.margin_ranges.items()},
         "reproduced": [vars(number) for number in design.reproduced],
         "proposal": _proposal(design.proposal),
         "checks": [vars(check) for check in design.checks],
@@ -185,7 +185,7 @@ def facts(design: Design) -> tuple[tuple[str, str], ...]:
     together = "unstable" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
     ranges = "; ".join(
         f"{what} {margin(low, decimals)} to {margin(high, decimals)} {unit}"
-        for what, (low, high) in design.margin_ranges.items()
+        for what, (low, high, _) in design.margin_ranges.items()
         for unit, decimals in (("deg", 0) if "phase" in what else ("dB", 1),)
     ).replace(": ", " loop, ")
     everywhere = f"margins at all {design.points} operating points (positions, loads, speeds)"
@@ -268,10 +268,10 @@ def design_text(design: Design) -> str:
         lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
         lines += [*_table(LOOP_HEAD, loop_rows(proposal.loops, design.tick_s)), ""]
         checks = (*proposal.margins, *proposal.closed_loop)
-        lines += _table(CHECK_HEAD, check_rows(checks))
+        lines += _check_table(checks)
         lines += [f"verdict: {proposal_verdict(proposal, design)}"]
     elif design.checks:
-        lines += ["", *_table(CHECK_HEAD, check_rows(design.checks))]
+        lines += ["", *_check_table(design.checks)]
         lines += [f"verdict: {loops_verdict(design)}"]
     text = "\n".join(lines).replace("−", "-").replace("–", "-")
     return text.replace("≥", ">=").replace("≤", "<=").replace("∞", "inf")
@@ -285,6 +285,14 @@ def _smallest_margins(design: Design) -> str:
         f"smallest margins on the board: {margin(phase, 0)} deg ({of_phase}), "
         f"{margin(gain, 1)} dB ({of_gain})"
     )
+
+
+def _check_table(checks: Sequence[Check]) -> list[str]:
+    """Return the checks, those that fail first, without columns that have no entry."""
+    rows = [CHECK_HEAD, *check_rows(sorted(checks, key=lambda check: check.holds))]
+    columns = [column for column in zip(*rows, strict=True) if any(column[1:])]
+    head, *kept = zip(*columns, strict=True)
+    return _table(head, kept)
 
 
 def _table(head: tuple[str, ...], rows: TextRows) -> list[str]:

@@ -7,7 +7,7 @@ from hbench.records import Check, ControlLoop, Design, Proposal, Reproduced
 from hbench.report.design.checks import cause_of, causes_of, check_value, shown, unstable
 from hbench.report.design.loops import margin
 from hbench.report.render.numbers import short
-from hbench.report.render.symbols import capital, listed
+from hbench.report.render.symbols import listed
 
 _BENCHES = {"bench": " on the bench"}
 _BENCHES |= {name: f" on the {name} bench" for name in ("softer", "stiffer")}
@@ -107,8 +107,8 @@ def loops_verdict(design: Design) -> str:
         (
             f"FAIL: the present gains fail {count}{worst}.",
             *(["The three loops together are unstable."] if unstable(failed) else []),
-            f"{capital('; '.join(steps or ['lower the gains K_c']))}.",
             f"{_everywhere(design)}hbench design --propose finds gains for all operating points.",
+            f"For this operating point alone, {'; '.join(steps or ['lower the gains K_c'])}.",
             *filter(None, (reproduced_words(design.reproduced),)),
         )
     )
@@ -123,16 +123,21 @@ def reproduced_words(numbers: Sequence[Reproduced]) -> str:
 
 def _everywhere(design: Design) -> str:
     """Return the smallest margins over all operating points, with a space; empty if not known."""
-    parts = []
+    limits = {check.unit: check.limit for check in design.checks}
+    parts, worse = [], False
     for kind, unit, decimals in (("phase margin", "deg", 0), ("gain margin", "dB", 1)):
-        known = {w: low for w, (low, _) in design.margin_ranges.items() if w.endswith(kind)}
+        known = {w: each for w, each in design.margin_ranges.items() if w.endswith(kind)}
         if known:
-            worst = min(known, key=lambda what: known[what])
-            loop = worst.partition(":")[0]
-            parts.append(f"{margin(known[worst], decimals)} {unit} ({loop})")
+            name = min(known, key=lambda what: known[what].low)
+            low, _, where = known[name]
+            loop = name.partition(":")[0]
+            parts.append(f"{margin(low, decimals)} {unit} ({loop} loop, at {where})")
+            worse |= low < limits.get(unit, -math.inf)
     if not parts:
         return ""
-    return f"Over all {design.points} operating points, the smallest margins are {listed(parts)}. "
+    others = "Other operating points are beyond the limits: over" if worse else "Over"
+    count = f"{others} all {design.points} operating points"
+    return f"{count}, the smallest margins are {listed(parts)}. "
 
 
 def _margins(checks: Sequence[Check]) -> str:

@@ -53,11 +53,11 @@ def step_sentences(fleet: Fleet) -> Iterator[str]:
 
 
 def because_of_step(fleet: Fleet) -> str:
-    """Return that a step may be why campaigns are beyond control limits; empty without one."""
+    """Return that limits are those before a step that campaigns are beyond; empty without one."""
     outside = [chart for chart in fleet.charts if chart.outside]
-    if not any(chart.step is not None and chart.step.real for chart in outside):
+    if not any(chart.n_limits < chart.n for chart in outside):
         return ""
-    return ", which the change may explain: the limits assume a constant mean"
+    return "; where the mean has changed, the limits are those of the campaigns before the change"
 
 
 def limit_sentences(fleet: Fleet) -> Iterator[str]:
@@ -69,7 +69,8 @@ def limit_sentences(fleet: Fleet) -> Iterator[str]:
     if beyond:
         names = [f"{name} ({'; '.join(beyond[name])})" for name in in_order(beyond)]
         which = named(tuple(names)[:_NAMED], len(beyond))
-        yield f"Campaigns beyond the control limits: {which}{because_of_step(fleet)}."
+        limits = f"the limits of the individual values: {which}{because_of_step(fleet)}"
+        yield f"Campaigns beyond {limits}."
 
 
 def wear_sentences(fleet: Fleet) -> Iterator[str]:
@@ -83,7 +84,11 @@ def wear_sentences(fleet: Fleet) -> Iterator[str]:
 
 
 def chart_table(fleet: Fleet) -> WordTable:
-    """Return the control limits of each number, and the campaigns beyond them."""
+    """Return the control limits of each number, and the campaigns beyond them.
+
+    Mean and limits of a number with a step are those of the campaigns before it.
+    """
+    stepped = any(chart.n_limits < chart.n for chart in fleet.charts)
     rows = []
     for chart in fleet.charts:
         scale = chart.quantity.scale
@@ -92,14 +97,21 @@ def chart_table(fleet: Fleet) -> WordTable:
             (
                 name_of(chart),
                 str(chart.n),
+                *([_limits_from(chart)] if stepped else []),
                 significant(scale * chart.centre, 4),
                 f"{low} to {high}",
                 named(chart.outside, chart.beyond),
                 str(chart.moved),
             )
         )
-    head = ("Quantity", "Campaigns", "Mean", "Limits", "Beyond them", "Moving ranges beyond")
+    of = ("Mean and limits from",) if stepped else ()
+    head = ("Quantity", "Campaigns", *of, "Mean", "Limits", "Beyond them", "Moving ranges beyond")
     return WordTable("Control charts", head, tuple(rows))
+
+
+def _limits_from(chart: ControlChart) -> str:
+    """Return the campaigns that mean and limits are of."""
+    return "all" if chart.n_limits == chart.n else f"the first {chart.n_limits}"
 
 
 def signal_table(fleet: Fleet) -> WordTable:

@@ -25,6 +25,7 @@ _NO_BARS = "\nA point without bars has no standard error: do not rely on its val
 _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % of them."
 _NAMED = 30  # campaigns: up to so many have their names below the axis
 _LONGEST = 16  # letters of such a name
+_FEWEST = 3  # campaigns that a figure compares, in a fleet that has more
 
 
 def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
@@ -32,7 +33,7 @@ def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
     sketches = []
     for quantity in dict.fromkeys(spread.quantity for spread in fleet.spreads):
         spreads = [spread for spread in fleet.spreads if spread.quantity == quantity]
-        if all(spread.n < min(2, fleet.compared) for spread in spreads):
+        if all(spread.n < min(_FEWEST, fleet.compared) for spread in spreads):
             continue  # nothing to compare
         name = quantity.name.replace("_", "-")
         enough = [spread for spread in spreads if spread.n >= FEWEST_CAMPAIGNS]
@@ -59,9 +60,9 @@ def draw_distribution(quantity: Quantity, spreads: Iterable[Spread], fleet: Flee
         look = _look(spread)
         edges = quantity.scale * np.array(spread.edges)
         middles = (edges[:-1] + edges[1:]) / 2
-        axes.stairs(spread.counts, edges, fill=True, color=look["color"], alpha=0.2)
-        axes.stairs(spread.counts, edges, color=look["color"], linewidth=1.6)
         title = _title(spread)
+        axes.stairs(spread.counts, edges, fill=True, color=look["color"], alpha=0.2, label=title)
+        axes.stairs(spread.counts, edges, color=look["color"], linewidth=1.6)
         axes.plot(middles, spread.counts, linestyle="none", label=f"_{title}")
         median = quantity.scale * spread.median
         axes.axvline(median, color=look["color"], linestyle="--", linewidth=1.2)
@@ -71,7 +72,7 @@ def draw_distribution(quantity: Quantity, spreads: Iterable[Spread], fleet: Flee
     axes.yaxis.get_major_locator().set_params(integer=True)
     _head(axes, quantity, fleet)
     style.read_as(figure, _COUNTED)
-    style.legend_above(figure, axes)
+    style.legend_above(figure, axes, columns=2)
     return figure
 
 

@@ -9,9 +9,9 @@ _METHOD = (
         "Numbers",
         "Each number is that of the campaign's report. Where a direction has several loads, it is "
         "the mean over them, provided that all of them have the number; its interval is as wide "
-        "as the mean of theirs, as if their errors were the same. A fitted parameter without a "
-        "standard error, such as one at a bound, is left out, so that a number can have fewer "
-        "campaigns than the fleet. Half band, middle and energy of a cycle are those at the "
+        "as the mean of theirs, as if their errors were the same. A fitted parameter that "
+        "a campaign's data do not determine is left out, so that a number can have fewer campaigns "
+        "than the fleet. Half band, middle and energy of a cycle are those at the "
         "median of the campaign's pressures.",
     ),
     (
@@ -36,8 +36,9 @@ _METHOD = (
     ),
     (
         "Outliers",
-        "The deviation is (x − m) / √(σ_between² + σ_own²); where a number drifts, m is its "
-        "trend line. p is that of Student's distribution with 0.37 (n − 1) degrees of freedom, "
+        "The deviation is (x − m) / √(σ_between² + σ_own²); where the mean has a step, m is the "
+        "median of the campaigns before or after it, and where a number drifts, its trend line. "
+        "p is that of Student's distribution with 0.37 (n − 1) degrees of freedom, "
         "times the number of campaigns and numbers (Bonferroni): among good cylinders alone, one "
         "fleet in twenty has an outlier. An outlier has p below 0.05; at least 10 campaigns are "
         "needed.",
@@ -81,6 +82,7 @@ _METHOD = (
         "Control charts",
         "Individual values with moving ranges (ISO 7870-2): the limits are the mean ± 3 σ with "
         "σ = mean moving range / 1.128; the limit of the moving range is 3.267 times its mean. "
+        "Where the mean has a significant step, mean and σ are those of the campaigns before it. "
         "The rules are those of Western Electric (1956) and Nelson (1984), each by its number. "
         "The EWMA is z_i = λ x_i + (1 − λ) z_i−1 with λ = 0.1; its limits are the mean ± L σ "
         "√(λ/(2 − λ) (1 − (1 − λ)²ⁱ)) with L = 2.7 (Montgomery). Where several cylinders "

@@ -58,23 +58,24 @@ _FEW = (
 _NO_TREND = f"Trends are tested from {FEWEST_CAMPAIGNS} campaigns on."
 _PRECISION = "Repeatability and reproducibility"
 _CORRECTED = (
-    "Expected is the median of the fleet or, where a number drifts, its line. σ contains the "
-    "scatter between campaigns and that of their trials. A campaign is an outlier beyond the limit "
-    "of the table, at which p, corrected for the number of values, is 0.05. This limit is far in a "
-    "small fleet, since few campaigns determine σ poorly."
+    "Each campaign is listed with its largest deviation. Expected is the median of the fleet; "
+    "where the mean has a step, that of the campaigns before or after it; where a number drifts, "
+    "its line. σ contains the scatter between campaigns and that of their trials. A campaign is an "
+    "outlier beyond the limit of the table, at which p, corrected for the number of values, is "
+    "0.05. This limit is far in a small fleet, since few campaigns determine σ poorly."
 )
 _ALONE = (
     "The intervals are those of each number alone. p is corrected for the number of trends (Holm), "
     "and can be above 0.05 where the interval does not contain 0."
 )
-_STEPS = "Numbers whose mean has a step are not listed."
+_STEPS = "A number whose mean has a step has no trend: see the table of change points."
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
 _INTERVALS = (
     "Intervals are those of 95 %. They include the stated errors of the instruments, which the "
     "campaigns of a bench have in common: smaller differences between them can be significant. "
-    "Values therefore have at least three digits."
+    "Values therefore have at least four digits."
 )
 _AT_MEDIAN = "Half band, middle and energy are those at the median pressure of a campaign."
 
@@ -171,7 +172,8 @@ def _deviations(fleet: Fleet) -> Section:
     table = _worst(fleet)
     if not fleet.outliers:
         none = ("No campaign deviates significantly.",)
-        each = Section(f"The {_LEAST} largest", (_CORRECTED,), tables=(table,), folded=True)
+        title = f"The {len(table.rows)} campaigns that deviate most"
+        each = Section(title, (_CORRECTED,), tables=(table,), folded=True)
         return Section("Largest deviations", none, parts=(each,), anchor="worst")
     if fleet.outliers >= _LEAST:
         return Section("Outliers", tables=(table,), anchor="worst")

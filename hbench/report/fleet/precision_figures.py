@@ -41,7 +41,10 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
             "limits; squares: last point of another pattern."
         )
         if chart.step is not None and chart.step.real:
-            caption += " Black: means before and after the step."
+            caption += (
+                " Black: means before and after the step; the limits are those of the "
+                f"{chart.n_limits} campaigns before it."
+            )
         if chart.n > len(chart.values):
             caption += f" The last {len(chart.values)} of {chart.n} campaigns are shown."
         words = f"{chart.quantity.words}{_side(chart.direction)}"
@@ -122,11 +125,12 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
             at[others], values[others], linestyle="none", marker="s", markersize=10,
             markerfacecolor="none", color=style.QUIET, label="pattern",
         )  # fmt: skip
-    marked = np.flatnonzero(beyond | others)[-_MOST_MARKED:]
+    marked = np.flatnonzero(beyond if beyond.any() else others)[-_MOST_MARKED:]
     for place, i in enumerate(marked):  # names of neighbours are above and below by turns
         axes.annotate(
             style.safe(chart.names[i], _LONGEST), (at[i], values[i]),
             (0, -16 if place % 2 else 9), ha="center", textcoords="offset points", fontsize=8,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},  # over a limit's line
         )  # fmt: skip
     axes.margins(y=0.16)
     for panel in (axes, below):

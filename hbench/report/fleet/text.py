@@ -49,6 +49,9 @@ from hbench.report.render.numbers import (
 from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.fleet/1"
+_PLAIN = str.maketrans(
+    {"±": "+-", "²": "^2", "σ": "s.d.", "×": "x", "λ": "lambda", "−": "-", "–": "-", "…": "..."}
+)
 _FEW = 5
 _MOST_ROWS = 50  # campaigns that are listed on a terminal
 
@@ -79,15 +82,21 @@ def fleet_text(fleet: Fleet) -> str:
     )
     for table in tables:
         if table.rows:
-            lines += ["", *table_lines(table)]
+            lines += ["", *table_lines(_plain(table))]
     if fleet.decisions:
         lines += ["", f"decisions of hbench accept: {decision_words(fleet)}"]
     notes = [f"plan: {note}" for note in fleet.plan_notes]
     lines += ["", *notes, *capability_notes(fleet), *limit_sentences(fleet)]
     lines += [*finding_sentences(fleet), fleet_verdict(fleet)]
-    text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
-    text = text.replace("×", "x").replace("λ", "lambda")
-    return text.replace("−", "-").replace("–", "-").replace("…", "...")
+    return "\n".join(lines).translate(_PLAIN)
+
+
+def _plain(table: WordTable) -> WordTable:
+    """Return a table in letters that every terminal has, before its columns are aligned."""
+    head, *rows = (
+        tuple(cell.translate(_PLAIN) for cell in row) for row in (table.head, *table.rows)
+    )
+    return WordTable(table.title, head, tuple(rows))
 
 
 def fleet_json(fleet: Fleet) -> str:
@@ -165,8 +174,8 @@ def _with_ends(number: FleetNumber | None, scale: float) -> str:
         return significant(scale * number.value, 3)
     value, low, high = (scale * each for each in (number.value, number.low, number.high))
     shown, _, interval = with_ends(value, low, high).partition(" ")
-    if value and (high - low) / 2 >= 10 ** math.floor(math.log10(abs(value))):
-        shown = significant(value, 3)  # rows differ by less than what their intervals share
+    if value and (high - low) / 2 >= 10 ** (math.floor(math.log10(abs(value))) - 2):
+        shown = significant(value, 4)  # rows differ by less than what their intervals share
     return f"{shown} {interval}"
 
 

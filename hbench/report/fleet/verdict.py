@@ -29,7 +29,8 @@ from hbench.report.render.numbers import alike, half_width, significant, with_en
 from hbench.report.render.symbols import capital
 
 _LIMITS_ARE_NARROWER = (
-    "A campaign beyond a control limit need not be an outlier: control limits are narrower."
+    "A campaign beyond a limit of the individual values need not be an outlier: these limits are "
+    "narrower."
 )
 _NAMED = 3  # steps, outliers and drifts in a sentence
 
@@ -154,8 +155,10 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
     if beyond:
         verb = "is" if len(beyond) == 1 else "are"
         which = named(beyond[:_NAMED], len(beyond))
-        count = f"{len(beyond)} of {fleet.compared} campaigns"
-        yield f"{count} {verb} beyond a control limit ({which}){because_of_step(fleet)}."
+        some = any(chart.beyond > len(chart.outside) for chart in fleet.charts)
+        count = f"{'At least ' * some}{len(beyond)} of {fleet.compared} campaigns"
+        limit = f"a limit of the individual values ({which})"
+        yield f"{count} {verb} beyond {limit}{because_of_step(fleet)}."
     if fleet.outliers:
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."

@@ -21,8 +21,9 @@ _STEADY = (
 )
 _FOLLOWED = (
     "Friction and velocity over the verification profile, measured (grey) and in the model with "
-    "the law (coloured); below, the velocity's difference, model minus measurement. The ends of a "
-    "log, where a derivative is one-sided, are not drawn."
+    "the law (coloured); below, the velocity's difference, model minus measurement. At the start "
+    "friction depends on how the piston came to rest before the log began: model and measurement "
+    "can differ there. The ends of a log, where a derivative is one-sided, are not drawn."
 )
 STEADY = "steady"  # section of the figures of steady friction
 _LINES: tuple[dict[str, Any], ...] = (

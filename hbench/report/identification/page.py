@@ -10,6 +10,7 @@ from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.campaign.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
 from hbench.report.identification.ranking import best_law, ranked_laws
+from hbench.report.identification.remarks import interval_words, left_out_words
 from hbench.report.identification.text import (
     ERRORS,
     HELD_OUT,
@@ -56,9 +57,10 @@ _RANKED = "RMS error of friction, poorly determined parameters and plant file of
 _STEADY = (
     "Steady friction over speed, both as magnitudes; titles state the load and the pressure on the "
     "rod side of the load cylinder. Tustin is one curve for all loads and directions. Marton and "
-    "Lantos is two tangents of such a curve, as in the source. They lie below it, most at the "
-    "switch velocity v_SW where they meet: hbench report fits the lines to the points instead. The "
-    "other laws depend on the chamber pressures."
+    "Lantos is two tangents of such a curve, as in the source. They lie below it and below "
+    "the points, most at the switch velocity v_SW where they meet: do not use this plant file for "
+    "speeds near v_SW. hbench report fits the lines to the points instead. The other laws depend "
+    "on the chamber pressures."
 )
 _SIMULATED = (
     "The simulated cylinder follows a friction law too, that of its bench or plant file. The order "
@@ -109,7 +111,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         Section("Friction over speed", (_STEADY,) if steady else (), drawings=steady),
         Section(
             "Identified parameters",
-            (_SECTION,),
+            (_SECTION, interval_words(identification)),
             tables=parameters[:1],
             parts=_folded(f"Parameters of the other laws ({len(parameters) - 1})", parameters[1:]),
         ),
@@ -155,7 +157,7 @@ def _identity(identification: Identification) -> tuple[tuple[str, str], ...]:
     verified = len(identification.verification_runs)
     left_out = len(identification.left_out)
     runs = f"laws from {len(used)} runs, verified on {verified} others"
-    runs += f"; {left_out} left out" if left_out else ""
+    runs += f"; {left_out} not used" if left_out else ""
     return (
         ("Campaign", identification.provenance.name),
         *provenance_facts(identification.provenance),
@@ -221,7 +223,7 @@ def _ramp_words(identification: Identification) -> tuple[str, ...]:
 def _remarks(identification: Identification) -> Section:
     """Return the remarks on each law, and those on the runs and the model."""
     facts, items = [], []
-    left_out = " ".join(_sentences(f"run {line}") for line in identification.left_out)
+    left_out = " ".join(map(_sentences, left_out_words(identification)))
     for sentence in (*reasons(identification), *identification.notes):
         law, colon, rest = in_words(sentence.strip()).partition(": ")
         if colon and law in FRICTION_LAWS:
@@ -230,7 +232,7 @@ def _remarks(identification: Identification) -> Section:
             items.append(_sentences(f"{law_words(law)}{colon}{rest}"))
     title = "Remarks and source"
     if left_out:
-        facts.append(("Runs left out", in_words(left_out)))
+        facts.append(("Runs not used", in_words(left_out)))
     return Section(title, items=tuple(items), facts=(*facts, _SOURCE))
 
 

@@ -25,8 +25,15 @@ from hbench.report.identification.ranking import (
     ranked_laws,
     rms_n,
 )
+from hbench.report.identification.remarks import interval_words, left_out_words
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import NONE, force, number, significant, with_ends
+from hbench.report.render.numbers import (
+    NONE,
+    force,
+    number,
+    significant,
+    with_ends,
+)
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
@@ -74,8 +81,10 @@ def identification_json(identification: Identification) -> str:
 def identification_text(identification: Identification) -> str:
     """Return every table in aligned columns, then the reasons for missing results."""
     blocks = ["\n".join(table_lines(table)) for table in identification_tables(identification)]
-    sentences = [*reasons(identification), *_left_out(identification), *identification.notes]
-    return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2")
+    intervals = interval_words(identification)
+    sentences = [*reasons(identification), *_left_out(identification), intervals]
+    sentences += identification.notes
+    return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2").replace("±", "+-")
 
 
 def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
@@ -122,9 +131,9 @@ def reasons(identification: Identification) -> tuple[str, ...]:
 
 
 def _left_out(identification: Identification) -> tuple[str, ...]:
-    """Return how many runs were left out, and the reason of each."""
-    lines = [f"  run {line}" for line in identification.left_out]
-    return (f"runs left out: {len(lines)}", *lines) if lines else ()
+    """Return how many runs are not used, and the reasons."""
+    lines = [f"  {line}" for line in left_out_words(identification)]
+    return (f"runs not used: {len(identification.left_out)}", *lines) if lines else ()
 
 
 def _law(law: IdentifiedLaw) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 """Verdict on identified laws: the one to use, for what, and the others."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from hbench.records import Identification
@@ -10,7 +12,7 @@ from hbench.report.identification.text import (
     hardly_determined_words,
     undetermined_words,
 )
-from hbench.report.render.numbers import alike, number, significant, span
+from hbench.report.render.numbers import alike, number, significant
 from hbench.report.render.symbols import listed
 
 
@@ -50,12 +52,14 @@ def _worse(identification: Identification) -> str:
 
 
 def _range(identification: Identification) -> str:
-    """Return the measured steady friction up to the speed of verification; empty without curves."""
+    """Return the measured steady friction at the speeds and loads of verification; may be empty."""
     runs = identification.followed
     fastest = max((float(np.abs(run.measured.v_m_s).max()) for run in runs), default=np.inf)
+    loads = _verified_loads(identification)
     friction = [
         abs(point.friction_n)
         for along in identification.steady
+        if not loads or along.curve.f_load_n in loads
         for point in along.curve.points
         if abs(point.v_m_s) <= fastest
     ]
@@ -89,7 +93,9 @@ def _reserve(identification: Identification, best: str) -> str:
     fits = {law.law: law.fit for law in identification.laws if law.fit is not None}
     parts = []
     if verified := _verified_range(identification):
-        parts.append(f"It is verified for {verified}.")
+        others = _other_loads(identification)
+        never = f", not for loads of {_load_words(others)}" if others else ""
+        parts.append(f"It is verified for {verified}{never}.")
     if unknown := undetermined_words(fits[best]) if best in fits else []:
         parts.append(
             f"Do not rely on motions that depend on its {listed(unknown)}, which these runs do not "
@@ -103,8 +109,26 @@ def _reserve(identification: Identification, best: str) -> str:
 def _verified_range(identification: Identification) -> str:
     """Return the speeds and the loads of the verification runs; empty if they are not known."""
     speeds = [np.abs(run.measured.v_m_s).max() for run in identification.followed]
-    loads = [run.f_load_n for run in identification.followed if run.f_load_n is not None]
+    loads = _verified_loads(identification)
     if not speeds:
         return ""
     fastest = f"speeds up to {significant(1e3 * float(max(speeds)), 2)} mm/s"
-    return f"{fastest} and loads of {span(loads)} N" if loads else fastest
+    return f"{fastest} and loads of {_load_words(loads)}" if loads else fastest
+
+
+def _other_loads(identification: Identification) -> list[float]:
+    """Return the loads of the steady curves at which no law was verified."""
+    verified = _verified_loads(identification)
+    loads = [along.curve.f_load_n for along in identification.steady]
+    measured = {load for load in loads if load is not None}
+    return sorted(measured.difference(verified), key=abs) if verified else []
+
+
+def _verified_loads(identification: Identification) -> list[float]:
+    loads = {run.f_load_n for run in identification.followed if run.f_load_n is not None}
+    return sorted(loads, key=abs)
+
+
+def _load_words(loads: Sequence[float]) -> str:
+    """Write loads with their signs: ``+500 and +5000 N``."""
+    return f"{listed([f'{load:+.4g}'.replace('-', '−') for load in loads])} N"

@@ -21,7 +21,8 @@ from hbench.report.render.symbols import pieces
 from hbench.report.render.word_tables import Cell, Table
 
 _NUMBER = re.compile(
-    r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|cancels|"
+    r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?( \((\d[\d.]*|none)\))?"
+    r"|[-–]|none|not significant|cancels|"
 )
 _DIGIT = re.compile(r"\d")
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
@@ -34,7 +35,7 @@ BANNERS = {
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
     "real": "Measured on a bench that hbench ran.",
 }
-_SENTENCE = re.compile(r"(?<=[\w)]\.) (?=[A-Z])")
+_SENTENCE = re.compile(r"(?<=[\w)%]\.) (?=[A-Z])")
 _PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
 _LONG_FLAG = 18  # letters of a flag that is not broken
@@ -126,8 +127,8 @@ def numbered(document: Document, on_paper: bool = False) -> Document:
     A table without a title has that of its section. ``[[anchor]]`` in the verdict or in the text of
     a section becomes the number of the first table in the section with this anchor, or without one
     its title.
-    Parts that are not printed are left out ``on_paper`` but have their numbers, so that the numbers
-    of a page are those of its print.
+    Parts that are not printed are left out ``on_paper``: figures and tables are numbered through
+    without them, and a reference to one is its title.
     """
     counted = _Numbers(on_paper)
     sections = tuple(counted.numbered(section, "") for section in document.sections)
@@ -162,9 +163,12 @@ class _Numbers:
             self.tables += 1
             named = _dotted(f"Table {self.tables}", table.title or title)
             tables.append(replace(table, title=named))
-        numbered_parts = [(part, self.numbered(part, title)) for part in section.parts]
-        shown = (new for part, new in numbered_parts if part.printed or not self.on_paper)
-        parts = tuple(shown)
+        shown = [part for part in section.parts if part.printed or not self.on_paper]
+        parts = tuple(self.numbered(part, title) for part in shown)
+        for part in section.parts:
+            if part not in shown and part.title:
+                name = f"“{_COUNT.sub('', part.title)}” on the page"
+                self.name_of.setdefault(anchor(part), name)
         if section.title:
             name = f"Table {first}" if self.tables >= first else f"“{section.title}”"
             self.name_of.setdefault(anchor(section), name)

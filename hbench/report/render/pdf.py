@@ -50,7 +50,7 @@ _LABEL = 0.22  # share of a fact's name
 _ALARM, _BANNER = "#9b1111", "#8a3a00"
 _INSET = 10.0  # of a text inside a frame
 _HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
-_NUMBERS = "Numbers of tables and figures are those of the page, which has some more tables."
+_NUMBERS = "The page of the same document has some more tables, and so other numbers."
 _HEADER = 34.0  # base of the running header and, from below, of the footer
 
 
@@ -178,12 +178,12 @@ def _set(pen: Pen, section: Section, size: float) -> int:
 def _opening(pen: Pen, section: Section) -> float:
     """Return the height of what a heading needs on its sheet: its text, or the first that follows.
 
-    Figures and tables after a text may go to the next sheet.
+    Figures after a text may go to the next sheet.
     """
     height = sum(
         len(wrapped(text, pen.width, _BODY)) * _BODY * LINE + 3 for text in section.paragraphs
     )
-    if (section.drawings or section.tables) and _has_text(section):
+    if section.drawings and _has_text(section):
         return height
     for row in list(_side_by_side(section.drawings))[:1]:
         return height + max(_heights(row)) + _below(_captions(row, section.drawings)) + 8
@@ -236,11 +236,14 @@ def _facts(pen: Pen, facts: tuple[tuple[str, str], ...] | list[tuple[str, str]])
     """Set names on the left and their texts beside them."""
     longest = max((width_of(name, "bold") * CELLS for name, _ in facts), default=0.0) + 10
     share = min(_LABEL, longest / pen.width)
+    rows = []
     for name, text in facts:
         names = wrapped(name, pen.width * share - 6, CELLS, "bold")
         texts = wrapped(text, pen.width * (1 - share), CELLS)
-        height = max(len(names), len(texts)) * CELLS * LINE
-        pen.room(height)
+        rows.append((names, texts, max(len(names), len(texts)) * CELLS * LINE))
+    for number, (names, texts, height) in enumerate(rows):
+        last = rows[-1][-1] + 1 if number == len(rows) - 2 else 0.0  # no last row alone
+        pen.room(height + last)
         top = pen.y
         for line in names:
             pen.write(line, CELLS, weight="bold")
