@@ -28,8 +28,8 @@ from hbench.records.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady", "reversing")
 _REVERSING = MOTIONS.index("reversing")
-_LEVEL = "level"
-GROUPS = (*MOTIONS, _LEVEL, "change", "step", "change at a reversal")  # of each balance
+GROUPS = (*MOTIONS, "level", "change", "step", "change at a reversal")  # of each balance
+LEVEL = GROUPS.index("level")
 _STEP = 0.6  # relative change of the velocity
 _IMMATERIAL_CHANGE = 0.2  # of what is not material: root mean square over a group, not its largest
 _UNSTEADY = 0.1  # relative change of the velocity over a window's width
@@ -48,12 +48,12 @@ class _Rows(NamedTuple):
 
 def is_change(kind: str) -> bool:
     """Return whether a group among ``GROUPS`` is one of changes."""
-    return kind not in (*MOTIONS, _LEVEL)
+    return not (kind in MOTIONS or is_level(kind))
 
 
 def is_level(kind: str) -> bool:
     """Return whether a group among ``GROUPS`` is one of levels."""
-    return kind == _LEVEL
+    return kind == GROUPS[LEVEL]
 
 
 def window_motions(residuals: GapMap) -> np.ndarray:
@@ -141,19 +141,22 @@ def _values(residuals: GapMap, columns: Sequence[np.ndarray], used: Sequence[np.
 
 
 def _levels_taken_out(residuals: GapMap, values: _Rows) -> _Rows:
-    """Take the levels out of the rows of windows, and return them as rows of their own."""
+    """Take the levels out of the rows of windows, and return them as rows of their own.
+
+    A level that changes less than the noise of the run, such as that of friction at rest, stays.
+    """
     every = residuals.levels
     matrices = tuple(np.zeros((len(every), matrix.shape[1])) for matrix in values.matrices)
     usable = np.zeros((len(every), len(matrices)), bool)
     for k, level in enumerate(every):
         windows, balance = level.windows, level.balance
         square = level.change @ level.change
-        if square > 0:
+        if square > level.ridge:
             matrices[balance][k] = _take_out(values.matrices[balance][windows], level)
             values.dof[windows, balance] *= 1 - level.change**2 / square
             usable[k, balance] = True
     point = residuals.point[[level.windows.start for level in every]]
-    kind = np.full(len(every), GROUPS.index(_LEVEL))
+    kind = np.full(len(every), LEVEL)
     return _Rows(matrices, usable, usable.astype(float), point, kind)
 
 
@@ -238,14 +241,14 @@ def _without_noise(
     shape = len(residuals.names), len(GROUPS)
     white = np.tile(np.nan_to_num(residuals.white)[:, None], len(GROUPS))
     for level in residuals.levels:
-        white[level.balance, GROUPS.index(_LEVEL)] = level.ridge
+        white[level.balance, LEVEL] = level.ridge
     with np.errstate(divide="ignore", invalid="ignore"):
         chance = white * np.sqrt(2 / counts.sum(axis=0).reshape(shape))
     first = np.unique(residuals.run, return_index=True)[1]
     point_of_run = residuals.point[first]
     least = np.tile(_between(values, residuals.run, point_of_run)[:, None], len(GROUPS))
     run_of_level = residuals.run[[level.windows.start for level in residuals.levels]]
-    least[:, GROUPS.index(_LEVEL)] = _between(levels, run_of_level, point_of_run)
+    least[:, LEVEL] = _between(levels, run_of_level, point_of_run)
     least = np.where([is_change(kind) for kind in GROUPS], white, least)
     least += np.nan_to_num(chance, posinf=0.0)
     return squares - counts * white.ravel(), counts * least.ravel()

@@ -133,18 +133,14 @@ def diagnosed(bench, data, schedule, hidden):
 def test_an_ambiguous_set_is_decided_by_the_experiment_that_is_proposed(
     bench, bench_data, monkeypatch
 ):
-    """Of two experiments; more runs like the first ones would not help.
-
-    The set is ambiguous with a margin of a third of the score: the search is that cautious here.
-    """
-    monkeypatch.setattr("hbench.reconcile.search.acceptance._AMBIGUOUS_SHARE", 1 / 3)
+    """Of two experiments; more runs like the first ones would not help."""
     others = dict.fromkeys(set(EFFECTS) - CANDIDATES, "not in this test")
     place = "hbench.reconcile.diagnose.observable_effects"
     monkeypatch.setattr(place, lambda runs, plant: (tuple(CANDIDATES), others))
     library = yaml.safe_dump({"experiments": [MORE, SLOW]}).encode()
     place = "hbench.reconcile.separation.next_experiment.example"
     monkeypatch.setattr(place, lambda name: library)
-    effects = {"added_mass": {"test": "70 kg"}}
+    effects = {"added_mass": {"test": "80 kg"}}
     hidden = merge(UNTUNED, {"effects": effects})
     first = diagnosed(bench, bench_data, POOR, hidden)
     assert first.verdict == "ambiguous"

@@ -30,7 +30,7 @@ from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.separation.planned_runs import simulated_runs
 from hbench.reconcile.separation.separability import Lead, Separation
-from hbench.reconcile.window_sums import GROUPS
+from hbench.reconcile.window_sums import GROUPS, LEVEL
 from hbench.records import Run
 from hbench.records.diagnosis import MATERIAL
 from hbench.report.render.symbols import listed
@@ -239,21 +239,37 @@ def joined(campaign: LinearisedModel, planned: LinearisedModel) -> Products:
     has no channels for are left out.
     """
     data, more = campaign.data, planned.data
-    unit = np.repeat(planned.gap_map.scatter[0] / campaign.gap_map.scatter[0], len(GROUPS))
+    square = _squared_units(planned, campaign)
     windows, noise = data.windows.sum(axis=0), data.noise.sum(axis=0)
     balances = windows.reshape(-1, len(GROUPS)).sum(axis=1) > 0
-    measured = np.repeat(balances, len(GROUPS)) & np.isfinite(unit)
-    square = np.where(measured, np.nan_to_num(unit), 0.0) ** 2
+    measured = np.repeat(balances, len(GROUPS)) & np.isfinite(square).all(axis=0)
+    square = np.where(measured, square, 0.0)
     per_window = noise / np.maximum(windows, 1)
     new_noise = np.where(windows > 0, more.windows * per_window, more.noise * square)
     return Products(
         names=data.names,
         columns=column_products(
-            np.concatenate([data.columns.dense, more.columns.dense * square[:, None, None]])
+            np.concatenate([data.columns.dense, more.columns.dense * square[..., None, None]])
         ),
-        mixed=np.concatenate([data.mixed, more.mixed * square[:, None]]),
+        mixed=np.concatenate([data.mixed, more.mixed * square[..., None]]),
         squares=np.concatenate([data.squares, more.squares * square]),
         noise=np.concatenate([data.noise, np.where(measured, new_noise, 0.0)]),
         windows=np.concatenate([data.windows, np.where(measured, more.windows, 0)]),
         groups=data.groups,
     )
+
+
+def _squared_units(planned: LinearisedModel, campaign: LinearisedModel) -> np.ndarray:
+    """Return the squares (p, g) of planned rows' units in those of the campaign.
+
+    Units are the scatters, but a level's is sqrt(s^2 + |c|^2) with its change c by one standard
+    deviation in the balance's unit (``window_sums.py``).
+    """
+    scatters = (planned.gap_map.scatter[0] / campaign.gap_map.scatter[0]) ** 2
+    square = np.tile(np.repeat(scatters, len(GROUPS)), (len(planned.data.squares), 1))
+    for level in planned.gap_map.levels:
+        unit, change = scatters[level.balance], level.change @ level.change / level.ridge
+        group = level.balance * len(GROUPS) + LEVEL
+        point = planned.gap_map.point[level.windows.start]
+        square[point, group] = unit * (1 + change) / (1 + unit * change)
+    return square
