@@ -137,10 +137,11 @@ def test_an_ambiguous_set_is_decided_by_the_experiment_that_is_proposed(
     others = dict.fromkeys(set(EFFECTS) - CANDIDATES, "not in this test")
     place = "hbench.reconcile.diagnose.observable_effects"
     monkeypatch.setattr(place, lambda runs, plant: (tuple(CANDIDATES), others))
-    library = yaml.safe_dump({"experiments": [MORE, SLOW]}).encode()
+    slow = SLOW | {"cycles": 3, "loads": ["500 N", "2500 N", "4500 N"]}
+    library = yaml.safe_dump({"experiments": [MORE, slow]}).encode()
     place = "hbench.reconcile.separation.next_experiment.example"
     monkeypatch.setattr(place, lambda name: library)
-    effects = {"added_mass": {"test": "80 kg"}}
+    effects = {"added_mass": {"test": "85 kg"}}
     hidden = merge(UNTUNED, {"effects": effects})
     first = diagnosed(bench, bench_data, POOR, hidden)
     assert first.verdict == "ambiguous"
