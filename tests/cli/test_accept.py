@@ -102,6 +102,12 @@ def test_the_report_begins_with_the_decision_and_lists_the_checks(accept, tmp_pa
     assert "| FAIL |" in table and "NOT TESTED" in table
 
 
+def test_a_friction_in_bar_says_over_which_area(accept):
+    words = "friction in bar: the force over the driven area"
+    assert words in accept({"quantity": "friction", "max": "100 bar"}).stdout
+    assert words not in accept(MET).stdout
+
+
 def test_the_table_states_how_a_speed_was_chosen_and_what_u_contains(accept):
     """A limit without a speed is decided at the worst one; U of a ripple has no instruments."""
     ripple = {"quantity": "speed_ripple", "max": "50 %"}

@@ -58,7 +58,8 @@ def chambers(run):
     x, supply, at = y[:, X], y[:, P_S], first_state("valve_lag")
     lagged = y[:, at : at + 3]
     dead = np.sign(lagged) * np.maximum(np.abs(lagged) - 0.05, 0)
-    u_t, u_l1, u_l2 = (dead + 0.05 * np.abs(dead)).T
+    uneven = np.array([0.05, 0.05 + 0.05, 0.05 - 0.05])  # the load valves about their mean
+    u_t, u_l1, u_l2 = (dead + uneven * np.abs(dead)).T
     tank = 2 * BAR + y[:, first_state("tank_back_pressure")]
     thin = np.exp(0.03 * y[:, first_state("oil_warming")])
     p = {name: y[:, place] for name, place in zip(

@@ -384,22 +384,21 @@ def test_a_figure_of_a_held_out_run_says_what_the_run_was_and_why_it_is_shown(na
     for drawing, run in zip(shown, dict.fromkeys(o.run for o in named.overlays), strict=True):
         speed = f"{1e3 * plans[run].v_ref_m_s:.0f} mm/s".replace("-", "−")
         assert drawing.title.startswith(f"Run {run}: ") and speed in drawing.title
-        assert "these gaps shrink most" in drawing.caption
+        assert "reduces its gap most" in drawing.caption
 
 
 def test_a_held_out_run_without_a_reduced_gap_is_shown_for_the_largest_gap(named, unknown, undrawn):
     def caption(diagnosis):
         drawings = draw_diagnosis(replace(diagnosis, where=(), ranking=(), refitted={}))
         (first, *_) = (drawing for drawing in drawings if drawing.section == "overlay")
-        assert "shrink" not in first.caption
+        assert "gap most" not in first.caption
         return first.caption
 
     largest = tuple(replace(each, shrank=False) for each in named.overlays[:1])
-    assert "Of all runs outside the fit and all signals, these gaps are largest." in caption(
-        unknown
-    )
+    shown = "shown in the run outside the fit in which its gap is largest."
+    assert f"Each signal is {shown}" in caption(unknown)
     worse = caption(replace(named, overlays=largest))
-    assert "What is added to the model reduces the gap of no signal; these gaps are" in worse
+    assert f"What is added to the model reduces the gap of no signal; each is {shown}" in worse
 
 
 def test_figures_are_the_same_twice(named):

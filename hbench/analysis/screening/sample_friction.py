@@ -25,6 +25,7 @@ from hbench.records import Run
 
 _WINDOW_S, _FEWEST, _ORDER = 0.06, 7, 4  # samples at least; of the polynomial
 _REST_S, _STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
+_MEDIAN_TO_SIGMA = 1.4826 / 0.66  # of what seven samples leave of white noise
 _MEMORY_M = 0.02  # about ten presliding lengths, after which the initial state has no effect
 
 
@@ -73,7 +74,7 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
     a = savgol_filter(run.x_m, window, _ORDER, deriv=2, delta=dt)
     long = max(window, _odd(_REST_S / dt))
     if len(run.t_s) >= long:
-        at_rest = _at_rest(run, long)
+        at_rest = _at_rest(run, savgol_filter(run.x_m, window, _ORDER), long)
         v = np.where(at_rest, savgol_filter(run.x_m, long, 1, deriv=1, delta=dt), v)
         a = np.where(at_rest, 0.0, a)
     return LoggedMotion(
@@ -94,12 +95,17 @@ def _odd(samples: float) -> int:
     return 2 * round(samples / 2) + 1 if np.isfinite(samples) else 1
 
 
-def _at_rest(run: Run, samples: int) -> np.ndarray:
-    """Return whether the position stays within its noise about each sample (n,)."""
+def _at_rest(run: Run, smooth: np.ndarray, samples: int) -> np.ndarray:
+    """Return whether the position stays within its noise about each sample (n,).
+
+    A fast oscillation also bends between samples, as noise does; its ``smooth`` position (n,)
+    follows it, so the smaller of two estimates of the noise counts.
+    """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow import
 
     span = maximum_filter1d(run.x_m, samples) - minimum_filter1d(run.x_m, samples)
-    return span <= _STILL * noise_over_motion(run.t_s, run.x_m)
+    left = _MEDIAN_TO_SIGMA * float(np.median(np.abs(run.x_m - smooth)))
+    return span <= _STILL * min(noise_over_motion(run.t_s, run.x_m), left)
 
 
 def _pressure(run: Run, name: str) -> np.ndarray:

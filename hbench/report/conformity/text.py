@@ -44,6 +44,7 @@ CONFORMS = (
     "of U"
 )
 _TRIALS_ALONE: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
+_OF_FORCE: tuple[LimitQuantity, ...] = ("friction", "breakaway")
 U_OF_LEAKAGE = (
     "the half-width of the 95 % interval of the fit to all holds, but at least the leak that "
     "changes a pressure by the smallest step of its logged values{step} during a hold; value and U "
@@ -130,6 +131,12 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
             f"U of {listed([QUANTITIES[q] for q in without])}: without the errors of the "
             "instruments, whose tolerances are not known"
         )
+    pressures = [q for q in _OF_FORCE if any(_in_bar(check, q) for check in checks)]
+    if pressures:
+        yield (
+            f"{listed([QUANTITIES[q] for q in pressures])} in bar: the force over the driven area, "
+            "the piston's while extending and the rod side's while retracting"
+        )
     alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
     if alone:
         yield f"U of {listed([QUANTITIES[q] for q in alone])}: of the trials alone"
@@ -165,6 +172,10 @@ def complete_u(checks: Sequence[ConformityCheck]) -> str:
 
 def _measured(check: ConformityCheck, quantity: LimitQuantity) -> bool:
     return check.requirement.quantity == quantity and check.measurement is not None
+
+
+def _in_bar(check: ConformityCheck, quantity: LimitQuantity) -> bool:
+    return _measured(check, quantity) and check.requirement.unit == "bar"
 
 
 def _lacks_instruments(check: ConformityCheck, quantity: LimitQuantity) -> bool:

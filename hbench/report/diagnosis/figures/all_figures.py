@@ -94,11 +94,14 @@ _OPEN_LOOP = (
     "motion. Right: simulated less measured; points: means over 0.16 s."
 )
 _SHRUNK = (
-    " Of all runs outside the fit and all signals, these gaps shrink most by what is added to the "
-    "model."
+    " Each signal is shown in the run outside the fit in which what is added to the model reduces "
+    "its gap most."
 )
-_LARGEST = " Of all runs outside the fit and all signals, these gaps are largest."
-_NONE_SHRANK = " What is added to the model reduces the gap of no signal; these gaps are largest."
+_LARGEST = " Each signal is shown in the run outside the fit in which its gap is largest."
+_NONE_SHRANK = (
+    " What is added to the model reduces the gap of no signal; each is shown in the run outside "
+    "the fit in which its gap is largest."
+)
 _RANKING = (
     "Score of each candidate by cross-validation (each fifth of the operating points predicted "
     "from the others), and the share of the gap beyond the repeatability that it explains in the "
