@@ -152,7 +152,7 @@ _DEVIATION_OF_STROKES = (
 _RANGE = (
     "Range",
     "Largest magnitude of the quantity in these runs: of a flow, the largest speed times the "
-    "area of its chamber; of a force, that of the load cell.",
+    "driven area; of a force, that of the load cell.",
 )
 _ALLOWED = (
     "Tolerances allow without refit",
