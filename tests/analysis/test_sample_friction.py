@@ -19,3 +19,12 @@ def test_the_noise_of_the_position_is_amplified_at_the_ends_of_a_log_and_not_wit
         within.append(error[centred][[0, -1]])
     assert len(error) - len(error[centred]) == 6  # three samples at each end
     assert np.std(ends) > 4 * np.std(within)
+
+
+def test_a_position_that_rarely_leaves_one_step_of_its_sensor_is_at_rest(make_run):
+    """A step of 10 um is then about 15 um/s over 0.3 s; over 60 ms it would be 0.9 mm/s."""
+    rng = np.random.default_rng(2)
+    run = make_run(v_m_s=0.1)
+    toggling = 10e-6 * (rng.random(len(run.x_m)) < 0.05)
+    v = np.abs(logged_motion(replace(run, x_m=0.2 + toggling), 0.0).v_m_s)
+    assert v.max() < 80e-6

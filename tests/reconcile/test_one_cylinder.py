@@ -103,5 +103,4 @@ def test_a_supply_pressure_that_is_a_constant_of_the_map_is_not_compared(leaking
     (tmp_path / "model.yaml").write_text((leaking / "model.yaml").read_text())
     found = reconciled(tmp_path)
     assert {effect.name for effect in found.effects} == {"internal_leakage"}
-    assert "supply" not in found.gap_heldout.balances
-    assert found.gap_heldout.total.after < 1.5 * found.gap_heldout.total.floor
+    assert "supply" not in found.gap_heldout.balances and found.gap_heldout.total.after < 10

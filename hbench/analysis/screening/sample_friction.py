@@ -20,7 +20,7 @@ from hbench.analysis.screening.friction_channels import (
     test_force,
 )
 from hbench.errors import DataError
-from hbench.motion.speeds import noise_over_motion
+from hbench.motion.speeds import noise_over_motion, resolution
 from hbench.records import Run
 
 _WINDOW_S, _FEWEST, _ORDER = 0.06, 7, 4  # samples at least; of the polynomial
@@ -99,12 +99,14 @@ def _at_rest(run: Run, smooth: np.ndarray, samples: int) -> np.ndarray:
     """Return whether the position stays within its noise about each sample (n,).
 
     A fast oscillation also bends between samples, as noise does; its ``smooth`` position (n,)
-    follows it, so the smaller of two estimates of the noise counts.
+    follows it, so the smaller of two estimates of the noise counts, each at least the sensor's
+    resolution.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow import
 
     span = maximum_filter1d(run.x_m, samples) - minimum_filter1d(run.x_m, samples)
     left = _MEDIAN_TO_SIGMA * float(np.median(np.abs(run.x_m - smooth)))
+    left = max(left, resolution(run.x_m) / np.sqrt(12))
     return span <= _STILL * min(noise_over_motion(run.t_s, run.x_m), left)
 
 

@@ -119,7 +119,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
 
 
 def _ascii(text: str) -> str:
-    """Write signs that a terminal may lack otherwise."""
+    """Replace signs that some terminals do not have."""
     return text.replace("−", "-").replace("–", "-").replace("±", "+-")
 
 

@@ -8,7 +8,7 @@ from hbench.records import WordTable
 def table_lines(table: WordTable) -> Iterable[str]:
     """Yield the title and the rows of a table in columns.
 
-    ``±`` becomes ``+-`` before the columns are aligned, since terminals may lack it.
+    ``±`` becomes ``+-`` before the columns are aligned, since some terminals do not have it.
     """
     rows = [[cell.replace("±", "+-") for cell in row] for row in (table.head, *table.rows)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
