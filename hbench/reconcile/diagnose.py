@@ -9,7 +9,6 @@ import numpy as np
 
 from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
-from hbench.errors import DataError
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
     added_effect,
@@ -28,8 +27,9 @@ from hbench.reconcile.hypothesis import Hypothesis, typical_size
 from hbench.reconcile.learned.law_search import LawSearch
 from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.measured.balances import OF_LOAD_CYLINDER, balance_model, incomplete_reason
-from hbench.reconcile.measured.session import CAVITATES_PA, averaged, sessions
+from hbench.reconcile.measured.balances import OF_LOAD_CYLINDER, balance_model
+from hbench.reconcile.measured.comparable_runs import comparable_runs, log_remarks
+from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
@@ -57,7 +57,6 @@ from hbench.records import (
     UnnamedLaw,
 )
 from hbench.records.diagnosis import MATERIAL
-from hbench.units import from_si
 
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
 NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
@@ -66,15 +65,6 @@ _ASSUMED = (
     "sensors below that are not named."
 )
 _NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
-_MUCH = 0.25  # of a run's windows
-_OSCILLATES = (
-    "The control oscillates faster than the log resolves ({runs}). The balances of flows and "
-    "forces leave those windows out. Log faster, or lower the gains of the loops."
-)
-_CAVITATES = (
-    "The pressure of a chamber falls below {limit:g} bar ({runs}), where oil releases air. The "
-    "balance of its flow leaves these moments out. Raise the pressure, or brake more gently."
-)
 _STOPPED = "No gaps of signals: the simulation with the {} model ended early ({})."
 
 Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Run, ...] | str]]
@@ -136,7 +126,7 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
 
     Insufficient data give a diagnosis that lists what is missing.
     """
-    usable, left_out = _usable_runs(task.runs)
+    usable, left_out = comparable_runs(task.runs)
     absent = () if "load_cylinder" in task.plant_data else OF_LOAD_CYLINDER
     missing = unmeasured_channels(usable, absent) | missing_experiments(usable)
     if shortfalls := data_shortfalls(usable):
@@ -241,8 +231,7 @@ def assembled(
         left_out=left_out,
         revised=sections,
         notes=(
-            *_oscillations(measured),
-            *_cavitations(measured),
+            *log_remarks(measured.logs),
             *notes,
             *proposal.notes,
             *([] if task.instruments else [_ASSUMED]),
@@ -258,32 +247,6 @@ def assembled(
         zero_tolerances=zero_tolerances(measured.tolerances),
         material=measured.material,
     )
-
-
-def _oscillations(measured: MeasuredCampaign) -> tuple[str, ...]:
-    """Return a remark on runs in which the control oscillates much of the time."""
-    runs = [
-        run.plan.run
-        for log in measured.logs
-        for i, run in enumerate(log.runs)
-        if log.counts[i] and log.oscillating[log.run_of_window == i].mean() > _MUCH
-    ]
-    return (_OSCILLATES.format(runs=_first_of(runs)),) if runs else ()
-
-
-def _cavitations(measured: MeasuredCampaign) -> tuple[str, ...]:
-    """Return a remark on runs in which a chamber cavitates."""
-    runs = [
-        log.runs[i].plan.run
-        for log in measured.logs
-        for i in np.unique(log.run_of_window[log.cavitating.any(axis=1)])
-    ]
-    limit = from_si(CAVITATES_PA, "bar")
-    return (_CAVITATES.format(limit=limit, runs=_first_of(runs)),) if runs else ()
-
-
-def _first_of(runs: Sequence[str]) -> str:
-    return f"run {runs[0]}" + (f"; {len(runs)} runs in all" if len(runs) > 1 else "")
 
 
 def _unnamed_laws(
@@ -355,22 +318,6 @@ def _verification(
     stages = SimulatedStages(runs, list(zip(simulated, models, strict=True)), held_out)
     shown = overlays(runs, simulated[1], simulated[2], models[1], held_out)
     return stages, shown, ()
-
-
-def _usable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
-    """Return the complete runs, evenly sampled, and the reasons for which others are left out."""
-    usable, left_out = [], []
-    for run in runs:
-        reason = run.aborted
-        try:
-            even = averaged(run)
-        except DataError as error:
-            reason = reason or error.message.removeprefix(f"run {run.plan.run}: ")
-        if reason := reason or incomplete_reason(even):
-            left_out.append(f"run {run.plan.run}: {reason}")
-        else:
-            usable.append(even)
-    return tuple(usable), tuple(left_out)
 
 
 def _added_effects(

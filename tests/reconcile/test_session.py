@@ -1,7 +1,6 @@
 """Runs of one session end to end: each has the values that it has alone."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from scipy.signal import savgol_filter
 from hbench.config.bench import parse_plant
 from hbench.errors import DataError
 from hbench.model.plant import initial_state
-from hbench.reconcile.diagnose import _cavitations, _oscillations
 from hbench.reconcile.measured.balances import (
     BALANCES,
     balance_model,
@@ -18,6 +16,7 @@ from hbench.reconcile.measured.balances import (
     operating_conditions,
     residuals,
 )
+from hbench.reconcile.measured.comparable_runs import log_remarks
 from hbench.reconcile.measured.session import averaged, sessions
 from hbench.records import Run
 from tests.support.reconcile.exact_logs import logged, smooth_strokes
@@ -222,9 +221,9 @@ def test_the_diagnosis_says_in_which_runs_the_control_oscillates(runs):
     first, third = (np.flatnonzero(session.run_of_window == i) for i in (0, 2))
     found = np.zeros(session.counts.sum(), bool)
     found[[*first[:2], *third[: len(third) // 2]]] = True
-    (remark,) = _oscillations(SimpleNamespace(logs=(with_oscillating(session, found),)))
+    (remark,) = log_remarks((with_oscillating(session, found),))
     assert f"(run {runs[2].plan.run})" in remark and runs[0].plan.run not in remark
-    assert _oscillations(SimpleNamespace(logs=(session,))) == ()
+    assert log_remarks((session,)) == ()
 
 
 def test_the_flow_of_a_cavitating_chamber_is_left_out_and_the_diagnosis_says_so(runs, model):
@@ -239,9 +238,9 @@ def test_the_flow_of_a_cavitating_chamber_is_left_out_and_the_diagnosis_says_so(
     assert np.isnan(values[low, lp]).all() and np.isfinite(values[np.ix_(low, others)]).all()
     assert np.isfinite(np.delete(values[:, lp], low)).all()
     np.testing.assert_array_equal(session.smoothed().cavitating, session.cavitating)
-    (remark,) = _cavitations(SimpleNamespace(logs=(session,)))
+    (remark,) = log_remarks((session,))
     assert f"below -0.3 bar (run {runs[2].plan.run})" in remark
-    assert _cavitations(SimpleNamespace(logs=sessions(runs))) == ()
+    assert log_remarks(sessions(runs)) == ()
 
 
 def test_smoothed_logs_oscillate_where_the_logs_do(runs):

@@ -13,12 +13,13 @@ from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
 from hbench.model.effects.catalogue import EFFECTS, read_effects
-from hbench.reconcile.diagnose import ReconcileTask, _usable_runs, diagnose
+from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.diagnosis_fields import added_effect
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.measured.comparable_runs import comparable_runs
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.products import Products
 from hbench.reconcile.revised_model import revised
@@ -252,7 +253,7 @@ def test_runs_that_are_not_whole_take_no_part_and_it_is_told_why(bench):
         replace(whole, t_s=np.append(0.01 * np.arange(50), 2.0), x_m=np.zeros(51)),
         imported,
     ]
-    usable, left_out = _usable_runs(runs)
+    usable, left_out = comparable_runs(runs)
     assert usable == (whole, imported)
     reasons = ("emergency stop", "the link broke", "7 records", "a gap of 1.51 s")
     assert len(left_out) == len(reasons)

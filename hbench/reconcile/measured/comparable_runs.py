@@ -1,0 +1,68 @@
+"""Runs that can be compared with a model, and remarks on those that can only in part."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hbench.errors import DataError
+from hbench.reconcile.measured.balances import incomplete_reason
+from hbench.reconcile.measured.session import CAVITATES_PA, Session, averaged
+from hbench.records import Run
+from hbench.units import from_si
+
+_MUCH = 0.25  # of a run's windows
+_OSCILLATES = (
+    "The control oscillates faster than the log resolves ({runs}). The balances of flows and "
+    "forces leave those windows out. Log faster, or lower the gains of the loops."
+)
+_CAVITATES = (
+    "The pressure of a chamber falls below {limit:g} bar ({runs}), where oil releases air. The "
+    "balance of its flow leaves these moments out. Raise the pressure, or brake more gently."
+)
+
+
+def comparable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
+    """Return the complete runs, evenly sampled, and the reasons for which others are left out."""
+    usable, left_out = [], []
+    for run in runs:
+        reason = run.aborted
+        try:
+            even = averaged(run)
+        except DataError as error:
+            reason = reason or error.message.removeprefix(f"run {run.plan.run}: ")
+        if reason := reason or incomplete_reason(even):
+            left_out.append(f"run {run.plan.run}: {reason}")
+        else:
+            usable.append(even)
+    return tuple(usable), tuple(left_out)
+
+
+def log_remarks(logs: Sequence[Session]) -> tuple[str, ...]:
+    """Return remarks on runs of which the balances leave moments out."""
+    return (*_oscillations(logs), *_cavitations(logs))
+
+
+def _oscillations(logs: Sequence[Session]) -> tuple[str, ...]:
+    """Return a remark on runs in which the control oscillates much of the time."""
+    runs = [
+        run.plan.run
+        for log in logs
+        for i, run in enumerate(log.runs)
+        if log.counts[i] and log.oscillating[log.run_of_window == i].mean() > _MUCH
+    ]
+    return (_OSCILLATES.format(runs=_first_of(runs)),) if runs else ()
+
+
+def _cavitations(logs: Sequence[Session]) -> tuple[str, ...]:
+    """Return a remark on runs in which a chamber cavitates."""
+    runs = [
+        log.runs[i].plan.run
+        for log in logs
+        for i in np.unique(log.run_of_window[log.cavitating.any(axis=1)])
+    ]
+    limit = from_si(CAVITATES_PA, "bar")
+    return (_CAVITATES.format(limit=limit, runs=_first_of(runs)),) if runs else ()
+
+
+def _first_of(runs: Sequence[str]) -> str:
+    return f"run {runs[0]}" + (f"; {len(runs)} runs in all" if len(runs) > 1 else "")
