@@ -1,5 +1,6 @@
 """Leakage from pressure decay, against another model's decay and the rig, which has no leak."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -203,7 +204,8 @@ def test_holds_that_agree_by_rounding_alike_know_no_leak_smaller_than_a_code(sti
     code = 362.0
     tight = dict.fromkeys(TRUE, 0.0)
     runs = []
-    for number, one in enumerate(holds(stiff, 9, leaks=tight, noise_pa=0.0)):
+    thrice = 3 * list(holds(stiff, 9, leaks=tight, noise_pa=0.0))  # few would have a large factor
+    for number, one in enumerate(thrice):
         # Just below a code's edge, and the noise of the last second falls on the next one alone.
         p_p = code * (np.rint(one.run.p_tp_pa / code) + (one.run.t_s > 3 + 0.01 * number))
         p_r = np.rint(one.run.p_tr_pa / code) * code
@@ -219,7 +221,8 @@ def test_holds_that_agree_by_rounding_alike_know_no_leak_smaller_than_a_code(sti
     by_hand = code * volume / BETA / (mean_p * (DURATION_S - 0.3))
     half = (one.ci95[1] - one.ci95[0]) / 2
     assert 0.5 * by_hand < half < 5 * by_hand
-    assert found.message.count("larger than that of the fit: piston_side_out") == 1
+    (remark,) = re.findall(r"larger than that of the fit: ([a-z_, ]+)", found.message)
+    assert "piston_side_out" in remark
     assert found.step_pa == pytest.approx(code)
     assert "smallest step of the logged pressures (0.0036 bar)" in found.message
     assert one.by_resolution

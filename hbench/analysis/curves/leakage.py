@@ -154,8 +154,8 @@ def _solved(
     unknown = parts_in(vectors[:, ~used]) > _PART
     inverse = (vectors[:, used] / s2[used]) @ vectors[:, used].T @ jacobian.T
     solution = inverse @ moved
-    covariance = covariance_over_runs(jacobian, moved - jacobian @ solution, number)
-    t = student_factor(len(runs) - 1) if len(runs) > 1 else np.nan
+    covariance, dof = covariance_over_runs(jacobian, moved - jacobian @ solution, number)
+    t = np.array([student_factor(each) if each > 0 else np.nan for each in dof.tolist()])
     se = np.sqrt(np.diag(covariance)) / scale
     rounding = _rounding(inverse, runs, bench) / scale
     return _Solution(
@@ -184,8 +184,8 @@ def _exponent(
     step = 1e-3
     shift = (_matrix(holds, n + step, p_0) - _matrix(holds, n - step, p_0)) / (2 * step)
     jacobian = np.column_stack([_matrix(holds, n, p_0), shift @ leaks(n)])
-    variance = covariance_over_runs(jacobian, residual(n), number)[3, 3]
-    half = student_factor(len(holds) - 1) * np.sqrt(variance)
+    covariance, dof = covariance_over_runs(jacobian, residual(n), number)
+    half = student_factor(float(dof[3])) * np.sqrt(covariance[3, 3])
     return n, float(half) if np.isfinite(half) else np.inf
 
 

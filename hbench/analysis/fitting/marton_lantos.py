@@ -91,9 +91,9 @@ def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
     """Return the two lines of one direction's curves from their Tustin fit, for magnitudes.
 
     Intervals follow from the Tustin parameters' covariance (``tustin_covariance``) by the delta
-    method. Tangents at rest and at v_max intersect between them, so v_SW has no interval if it
-    would extend beyond, or if v_s has no standard error. ``rmse_n`` is that of the lines at the
-    points.
+    method, with the least of their degrees of freedom. Tangents at rest and at v_max intersect
+    between them, so v_SW has no interval if it would extend beyond, or if v_s has no standard
+    error. ``rmse_n`` is that of the lines at the points.
     """
     data = fit_points(curves)
     v, direction = data.inputs[0], sign(curves[0])
@@ -104,8 +104,9 @@ def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
     spread, dof = tustin_covariance(curves, tustin)
     force, slope, _, speed = _scale(data.inputs, float(np.abs(data.friction_n).max()))
     size = np.array([force, slope, force, slope, speed])
+    least = np.full(len(values), np.min(dof[np.isfinite(dof)], initial=np.inf))
     parameters = fit_parameters(
-        PARAMETER_UNITS, values, slopes @ spread @ slopes.T, dof, [None] * 5, size
+        PARAMETER_UNITS, values, slopes @ spread @ slopes.T, least, [None] * 5, size
     )
     undetermined = parameter_messages(parameters)
     parameters, messages = without_impossible_intervals(parameters, {_SWITCH: (0.0, v_max)})

@@ -15,18 +15,23 @@ from hbench.analysis.fitting.tustin import (
     tustin_friction,
     tustin_jacobian,
 )
-from hbench.analysis.statistics.intervals import covariance, covariance_over_runs, has_effect
+from hbench.analysis.statistics.intervals import (
+    OverRuns,
+    covariance,
+    covariance_over_runs,
+    has_effect,
+)
 from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, FitParameter
 
 Range = tuple[float, float]
 
 
-def tustin_covariance(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, int]:
-    """Return the covariance (4, 4) of a Tustin fit to ``curves``, and its degrees of freedom.
+def tustin_covariance(curves: Sequence[Curve], fit: Fit) -> OverRuns:
+    """Return the covariance (4, 4) of a Tustin fit to ``curves``, and its degrees of freedom (4,).
 
-    Points have the weights of the fit. For G > 1 curves it is ``covariance_over_runs`` with G - 1,
-    for one curve ``covariance`` with n - p. Rows of parameters at a bound are zero.
+    Points have the weights of the fit. For several curves it is ``covariance_over_runs``, for one
+    curve ``covariance`` with n - p. Rows of parameters at a bound are zero, their degrees nan.
     """
     data = fit_points(curves, Fitting().weights)
     p = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
@@ -35,13 +40,15 @@ def tustin_covariance(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, in
     size = TUSTIN_LAW.scale(data.inputs, float(np.abs(data.friction_n).max()))
     jacobian, effect = jacobian[:, free], has_effect(jacobian, size)[free]
     residual = (tustin_friction(data.inputs[0], p) - data.friction_n) / data.sigma
-    spread = np.zeros((len(p), len(p)))
+    spread, dof = np.zeros((len(p), len(p))), np.full(len(p), np.nan)
     if len(curves) == 1:
         spread[np.ix_(free, free)] = covariance(jacobian, residual, effect)
-        return spread, len(residual) - int(free.sum())
+        dof[free] = len(residual) - int(free.sum())
+        return OverRuns(spread, dof)
     curve = np.repeat(np.arange(len(curves)), [len(c.points) for c in curves])
-    spread[np.ix_(free, free)] = covariance_over_runs(jacobian, residual, curve, effect)
-    return spread, len(curves) - 1
+    over_curves = covariance_over_runs(jacobian, residual, curve, effect)
+    spread[np.ix_(free, free)], dof[free] = over_curves
+    return OverRuns(spread, dof)
 
 
 def without_impossible_intervals(

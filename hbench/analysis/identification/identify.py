@@ -140,14 +140,13 @@ def _tustin(curves: Sequence[Curve]) -> Fit:
     force_n = float(np.abs(points.friction_n).max())
     size = TUSTIN_LAW.scale(points.inputs, force_n)
     covariance = spread[np.ix_(free, free)]
-    linearised = fit_parameters(PARAMETER_UNITS, values, covariance, dof, bounds, size)
+    linearised = fit_parameters(PARAMETER_UNITS, values, covariance, dof[free], bounds, size)
     allowed = tustin_bounds(points.inputs, force_n)
     parameters, impossible = without_impossible_intervals(linearised, allowed)
     messages = [] if fit.converged else ["the search for the best fit did not converge"]
     messages += [*parameter_messages(linearised), *impossible]
     messages.append(
-        f"points of a curve are not independent, so intervals are over the {len(curves)} curves "
-        f"({dof} {'degree' if dof == 1 else 'degrees'} of freedom)"
+        f"points of a curve are not independent, so intervals are over the {len(curves)} curves"
     )
     return replace(fit, parameters=parameters, message="; ".join(messages))
 

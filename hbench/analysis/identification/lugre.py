@@ -126,8 +126,7 @@ def fit_to_motions(
     parameters = fit_parameters(
         {name: u.unit for name, u in unknowns.items()},
         solution.x,
-        covariance_over_runs(slopes[:, free], left, run, has_effect(slopes, size)[free]),
-        len(motions) - 1,
+        *covariance_over_runs(slopes[:, free], left, run, has_effect(slopes, size)[free]),
         bounds,
         size,
     )

@@ -5,11 +5,16 @@
 
 The second is the jackknife that leaves out one of G runs at a time, to first order. Consecutive
 samples of a log at 100 Hz have the same level of friction of their stroke, so samples are not
-independent; runs are. Its intervals have G - 1 degrees of freedom.
+independent; runs are. A variance that few of the runs determine has few degrees of freedom:
+
+    dof = (G-1)/G (sum_g v_g)^2 / sum_g v_g^2
+
+with v_g the expected d_g^2 where all residuals scatter alike (Satterthwaite; Bell and McCaffrey
+2002). It is G - 1 where all runs say the same.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -38,29 +43,40 @@ def covariance(
     return _without(unknown, inverse * float(residual @ residual) / (n - p))
 
 
+class OverRuns(NamedTuple):
+    """Covariance (p, p) over runs, and the degrees of freedom (p,) of its variances."""
+
+    covariance: np.ndarray
+    dof: np.ndarray
+
+
 def covariance_over_runs(
     jacobian: np.ndarray,
     residual: np.ndarray,
     run: np.ndarray,
     effect: np.ndarray | None = None,
-) -> np.ndarray:
-    """Return the covariance (p, p) if only samples of different ``run`` (n,) are independent.
+) -> OverRuns:
+    """Return the covariance if only samples of different ``run`` (n,) are independent.
 
     Entries not determined without one of the runs are nan. ``effect`` as in ``covariance``.
     """
     p, numbers = jacobian.shape[1], np.unique(run)
     total, spread = jacobian.T @ jacobian, np.zeros((p, p))
-    unknown = np.zeros(p, dtype=bool)
+    unknown, shares = np.zeros(p, dtype=bool), np.zeros((len(numbers), p))
     if len(numbers) < 2:
-        return np.full((p, p), np.nan)
-    for number in numbers:
+        return OverRuns(np.full((p, p), np.nan), np.full(p, np.nan))
+    for share, number in zip(shares, numbers, strict=True):
         of_run = run == number
         j = jacobian[of_run]
         inverse, lost = _inverse(total - j.T @ j, effect)
         step = inverse @ (j.T @ residual[of_run])
         spread += np.outer(step, step)
+        share[:] = np.sum((j @ inverse) ** 2, axis=0)
         unknown |= lost
-    return _without(unknown, spread * (len(numbers) - 1) / len(numbers))
+    kept = (len(numbers) - 1) / len(numbers)
+    with np.errstate(invalid="ignore"):
+        dof = kept * shares.sum(axis=0) ** 2 / np.sum(shares**2, axis=0)
+    return OverRuns(_without(unknown, kept * spread), dof)
 
 
 def has_effect(jacobian: np.ndarray, size: np.ndarray) -> np.ndarray:
@@ -93,29 +109,31 @@ def fit_parameters(
     units: Mapping[str, str],
     values: np.ndarray,
     covariance: np.ndarray,
-    dof: int,
+    dof: np.ndarray,
     at_bound: Sequence[Bound],
     size: np.ndarray,
 ) -> dict[str, FitParameter]:
     """Return the parameters named by ``units`` (name -> unit) with Student's 95 % intervals.
 
-    ``covariance`` is that of the parameters off their bounds, in their order; the others have no
-    interval. ``size`` (p,) are typical sizes, by which an interval is ``too_wide`` or not.
+    ``covariance`` is that of the parameters off their bounds, in their order, and ``dof`` are the
+    degrees of freedom of their variances; the others have no interval. ``size`` (p,) are typical
+    sizes, by which an interval is ``too_wide`` or not.
     """
-    t = student_factor(dof) if dof > 0 else np.nan
-    errors = np.full(len(values), np.nan)
-    errors[[bound is None for bound in at_bound]] = np.sqrt(np.diag(covariance))
+    errors, t = np.full((2, len(values)), np.nan)
+    free = [bound is None for bound in at_bound]
+    errors[free] = np.sqrt(np.diag(covariance))
+    t[free] = [student_factor(each) if each > 0 else np.nan for each in dof.tolist()]
     wide = too_wide(t * errors, values, size).tolist()
     parameters = {}
     for i, ((name, unit), value, bound) in enumerate(
         zip(units.items(), values.tolist(), at_bound, strict=True)
     ):
-        error = float(errors[i])
-        known = bool(np.isfinite(t * error))
+        error, half = float(errors[i]), float(t[i] * errors[i])
+        known = bool(np.isfinite(half))
         parameters[name] = FitParameter(
             value=value,
             se=error if known else None,
-            ci95=(value - t * error, value + t * error) if known else None,
+            ci95=(value - half, value + half) if known else None,
             at_bound=bound,
             unit=unit,
             wide=wide[i],
