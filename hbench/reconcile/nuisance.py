@@ -52,7 +52,8 @@ REPLACED: Mapping[str, str] = {"valve_lag": "valve.bandwidth"}
 # Of valves of one type: 10 %, 2 % of 10 V, 3 % at 3 V, an orifice's 1/2 to 0.6.
 _VALVE = {"curvature": 0.01, "exponent": 0.1}
 _EACH_VALVE = {"gain": 0.1, "null": 0.2}
-_UNEVEN = 0.03  # data sheets allow 10 % between the flows of both directions, twice this share
+# Of the edges of a valve: data sheets allow 10 % between the flows of both directions, twice this.
+_UNEVEN = 0.03
 _TRANSDUCERS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 ASSUMED_TOLERANCE = 0.01  # of sensors whose tolerance is not stated: a usual industrial class
 # Effects that every bench has: refitted, never named.
@@ -96,6 +97,7 @@ def tolerances(
         for valve in ("test", "load_1", "load_2")
         for kind, limit in _EACH_VALVE.items()
     } | {("valve_trim", kind): limit for kind, limit in _VALVE.items()}
+    limits |= {("valve_trim", key): _UNEVEN for key in ("ports", "inlets")}
     limits |= {("valve_asymmetry", key): _UNEVEN for key in ("test", "load", "load_apart")}
     pressure, force = _stated(instruments, largest_pa, largest_n)
     for name in _TRANSDUCERS:

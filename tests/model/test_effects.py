@@ -12,7 +12,7 @@ from hbench.model.build import plant_parameters
 from hbench.model.effects.applied import compose
 from hbench.model.effects.catalogue import EFFECTS, Effect, changed_by, with_effects
 from hbench.model.effects.couplings import ChamberFlows, OilProperties
-from hbench.model.effects.flows import port_exponent, with_air
+from hbench.model.effects.flows import uneven_ports, with_air
 from hbench.model.noise import new_noise
 from hbench.model.plant import (
     P_LP,
@@ -173,8 +173,8 @@ def test_a_ports_exponent_changes_the_power_of_the_drop_and_nothing_at_50_bar(pa
     state[[P_TP, P_TR, P_LP, P_LR, P_S]] = np.array([100, 32, 52, 149, 150]) * BAR
     sharp = np.array([1.0, -2.0, 3.0, 0.5]) * np.sqrt(np.array([50, 30, 98, 1]) * BAR)
     before = ChamberFlows(*sharp, 7.0, 8.0, 1.0)
-    c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, n)
-    after = port_exponent(before, c, state, FIRST, np.zeros(len(state)), par)
+    c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, n, 0.0, 0.0)
+    after = uneven_ports(before, c, state, FIRST, np.zeros(len(state)), par)
     drops = np.array([50, 30, 98, 1]) / 50  # Lp from the supply: 150 - 52 bar
     power = np.array([1.0, -2.0, 3.0, 0.5]) * np.sqrt(50 * BAR) * drops ** (0.5 + n)
     assert np.array(after[:4]) == pytest.approx(power)
@@ -183,7 +183,25 @@ def test_a_ports_exponent_changes_the_power_of_the_drop_and_nothing_at_50_bar(pa
     assert after.drawn - before.drawn == pytest.approx(supplied)
     kept = sum(after[:4]) - sum(before[:4])  # continuity: what is drawn and not kept returns
     assert after.returned - before.returned == pytest.approx(supplied - kept)
-    assert port_exponent(before, (0.0,) * 8, state, FIRST, np.zeros(len(state)), par) == before
+    assert uneven_ports(before, (0.0,) * 10, state, FIRST, np.zeros(len(state)), par) == before
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_the_test_valves_four_edges_have_gains_of_their_own(par, start, way):
+    """Piston side 4 % above the rod side, inlets 2 % below outlets; load valves are as they were.
+
+    Extending, oil enters the piston side and leaves the rod side; retracting, the other way.
+    """
+    before = ChamberFlows(way * 2e-4, way * -1.2e-4, -3e-4, 1e-4, 3e-4, 4.2e-4, 1.0)
+    c = (*(0.0,) * 8, 0.02, -0.01)
+    after = uneven_ports(before, c, np.array(start), FIRST, np.zeros(len(start)), par)
+    factors = (1.01, 0.99) if way > 0 else (1.03, 0.97)
+    assert after.tp == pytest.approx(factors[0] * before.tp)
+    assert after.tr == pytest.approx(factors[1] * before.tr)
+    assert (after.lp, after.lr) == (before.lp, before.lr)
+    kept = sum(after[:4]) - sum(before[:4])
+    more = (after.drawn - before.drawn) - (after.returned - before.returned)
+    assert more == pytest.approx(kept), "what is drawn and not kept returns"
 
 
 @pytest.mark.parametrize("way", [1, -1])

@@ -10,7 +10,13 @@ from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.learned.balance_products import BalanceProducts
-from hbench.reconcile.learned.law_search import best_tables, reductions, sign_test, table_threshold
+from hbench.reconcile.learned.law_search import (
+    best_tables,
+    is_worse,
+    reductions,
+    sign_test,
+    table_threshold,
+)
 from hbench.reconcile.learned.table import Table, empty_table
 from hbench.reconcile.measured.balances import BALANCES, balance_model
 from hbench.reconcile.measured.session import Session
@@ -132,6 +138,18 @@ def test_a_law_that_held_out_runs_contradict_is_refused(bench, bench_data):
     assert sign_test(in_training[train]) < 0.01
     assert sign_test(in_training[held_out]) < 0.1  # the same law there: four points
     assert sign_test(elsewhere[held_out]) > 0.5
+
+
+@pytest.mark.parametrize("elsewhere, worse", [(1.0, False), (1.2, False), (2.0, True)])
+def test_a_law_may_not_disturb_other_balances_more_than_it_helps_its_own(
+    bench, bench_data, elsewhere, worse
+):
+    """Where all residuals of a balance halve, those of another one may grow to 1.32 times."""
+    one = one_balance(bench, bench_data, bump, level_n=6.0, noise_n=30.0).residuals
+    both = {name: np.tile(getattr(one, name), 2) for name in ("difference", "scatter", "noise")}
+    before = GapMap(**vars(one) | both | {"names": ("force_test", "force_load")})
+    after = GapMap(**vars(before) | {"difference": before.difference * [0.5, elsewhere]})
+    assert is_worse(before, after, np.arange(POINTS)) is worse
 
 
 def test_the_sign_test_is_that_of_all_sign_patterns():

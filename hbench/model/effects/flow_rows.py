@@ -17,10 +17,13 @@ ROWS = {
             **{f"null_{valve}": Coefficient("V", 0.05, -2, 2) for valve in _VALVES},
             "curvature": Coefficient("1/V", 0.005, -0.1, 0.1),
             "exponent": Coefficient("1", 0.02, -0.2, 0.5),
+            "ports": Coefficient("%", 5, -50, 50),
+            "inlets": Coefficient("%", 5, -50, 50),
         },
         balances=FLOWS,
-        laws={"openings": flows.valve_trim, "flows": flows.port_exponent},
-        law="opening = u (1 + gain + curvature |u|) + null; Q grows with dP^(1/2 + exponent)",
+        laws={"openings": flows.valve_trim, "flows": flows.uneven_ports},
+        law="opening = u (1 + gain + curvature |u|) + null; Q grows with dP^(1/2 + exponent), and "
+        "by 1 +- ports +- inlets at the test valve: + at the port to the piston side and at inlets",
         signals="Commands at a given speed, by a share or by a constant voltage; each valve alone.",
         confused_with={
             "valve_asymmetry": Separation(

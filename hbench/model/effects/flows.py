@@ -24,11 +24,11 @@ def valve_trim(
     par: PlantParameters,
 ) -> Openings:  # fmt: skip
     """Valves of one type are not equal: u (1 + g + k |u|) + u_0. c: g [1], then u_0 [V], of T, L1,
-    L2, the curvature k [1/V] of all, and an exponent for ``port_exponent``.
+    L2, the curvature k [1/V] of all, and three coefficients for ``uneven_ports``.
 
     g is the deviation from the gain of the bench file, u_0 the null bias.
     """
-    g_t, g_1, g_2, null_t, null_1, null_2, k, _ = c
+    g_t, g_1, g_2, null_t, null_1, null_2, k, _, _, _ = c
     return Openings(
         trimmed(u.test, g_t, null_t, k),
         trimmed(u.load_1, g_1, null_1, k),
@@ -42,20 +42,24 @@ def trimmed(u: float, gain: float, null: float, curvature: float) -> float:
     return u + (gain + curvature * abs(u)) * u + null
 
 
-def port_exponent(
+def uneven_ports(
     q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
 ) -> ChamberFlows:  # fmt: skip
-    """Ports are no sharp orifices: Q grows with dP^(1/2 + n), the same at 50 bar. c: see above.
+    """Ports are no sharp orifices, and not equal. c: see above; the last three are used here.
 
-    The edges of a real spool are rounded, and small drops laminar (Merritt 1967, section 3.4).
+    Q grows with dP^(1/2 + n), the same at 50 bar: the edges of a real spool are rounded, and small
+    drops laminar (Merritt 1967, section 3.4). The test valve's port to the piston side lets a share
+    more through and the other one less, and its inlets a share more than its outlets.
     """
-    n = c[7]
-    if n == 0.0:
+    n, ports, inlets = c[7], c[8], c[9]
+    if n == 0.0 and ports == 0.0 and inlets == 0.0:
         return q
     p_s, p_t = state[P_S], par.supply.tank_pa
-    tp = q.tp * port_factor(q.tp, state[P_TP], p_s, p_t, n)
-    tr = q.tr * port_factor(q.tr, state[P_TR], p_s, p_t, n)
+    of_tp = ports + (inlets if q.tp > 0.0 else -inlets)
+    of_tr = -ports + (inlets if q.tr > 0.0 else -inlets)
+    tp = q.tp * port_factor(q.tp, state[P_TP], p_s, p_t, n) * (1.0 + of_tp)
+    tr = q.tr * port_factor(q.tr, state[P_TR], p_s, p_t, n) * (1.0 + of_tr)
     lp = q.lp * port_factor(q.lp, state[P_LP], p_s, p_t, n)
     lr = q.lr * port_factor(q.lr, state[P_LR], p_s, p_t, n)
     more = max(tp, 0.0) + max(tr, 0.0) + max(lp, 0.0) + max(lr, 0.0)

@@ -117,7 +117,7 @@ class LawSearch:
         with_table = self._with_table(model, table)
         at = [BALANCES.index(name) for name in table.balances]
         p_value = self._p_value(model.gap_map, with_table.gap_map, at)
-        if p_value is None:
+        if p_value is None or is_worse(model.gap_map, with_table.gap_map, self.held_out):
             return None
         number = len(with_table.hypothesis.tables) - 1
         return with_table, LawFound(number, gain, threshold, p_value)
@@ -202,6 +202,15 @@ def reductions(before: GapMap, after: GapMap, at: int = 0) -> np.ndarray:
     least = (1 + material**2) * before.scatter[0, at] ** 2
     first, second = (_mean_squares(each, at) + least for each in (before, after))
     return np.log(first / second)
+
+
+def is_worse(before: GapMap, after: GapMap, points: np.ndarray) -> bool:
+    """Return whether the residuals of all balances together have grown at some points.
+
+    Nuisances that are refitted with a law can disturb balances that the law does not touch.
+    """
+    every = range(len(before.names))
+    return _excess(after, every, points) > _excess(before, every, points)
 
 
 def _mean_squares(residuals: GapMap, at: int) -> np.ndarray:
