@@ -328,7 +328,9 @@ class Capability:
     series: Measurement  # its value is the mean of the campaigns
     n: int  # campaigns
     sigma: float  # standard deviation of the campaigns, that of the measurement included
-    cpk: Estimate
+    ppk: Estimate  # by ``sigma``
+    sigma_within: float | None  # mean moving range / 1.128; None: the order is not known
+    cpk: Estimate | None  # by ``sigma_within``
     outside: int  # campaigns beyond the limits
 
 
@@ -383,6 +385,6 @@ class Fleet:
     charts: tuple[ControlChart, ...] = ()
     wear: tuple[WearTrend, ...] = ()
     capabilities: tuple[Capability, ...] = ()
-    without_capability: tuple[tuple[str, str], ...] = ()  # name of a limit, and why it has no Cpk
+    without_capability: tuple[tuple[str, str], ...] = ()  # name of a limit, and why it has no Ppk
     decisions: tuple[tuple[str, int], ...] = ()  # of the last acceptances, and how many of each
     rows: tuple[FleetCampaign, ...] = ()  # analyzed campaigns; empty for a large fleet

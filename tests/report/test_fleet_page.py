@@ -176,7 +176,7 @@ def test_the_terminal_gets_ascii_and_json_the_verdicts(found):
     assert document["first"].startswith("2026-03-02")
 
 
-def test_decisions_are_counted_and_cpk_stands_on_page_in_text_and_json(tmp_path, undrawn):
+def test_decisions_are_counted_and_ppk_stands_on_page_in_text_and_json(tmp_path, undrawn):
     made_table(tmp_path, 12)
     requirement = Requirement("friction", "N", low=None, high=900.0)
     of_a_load = replace(requirement, f_load_n=500.0, name="loaded <b>")
@@ -188,12 +188,12 @@ def test_decisions_are_counted_and_cpk_stands_on_page_in_text_and_json(tmp_path,
     assert fleet.decisions == (("FAIL", 1), ("PASS", 11))
     assert {each.decision for each in fleet.rows} == {"FAIL", "PASS"}
     page, text = fleet_page(fleet, draw_fleet(fleet)), fleet_text(fleet)
-    assert "Cpk" in text and "1 FAIL, 11 PASS" in text
+    assert "Ppk" in text and "Cpk" in text and "1 FAIL, 11 PASS" in text
     assert "Capability" in page and "at most 900" in page
-    assert "No Cpk for the limit of loaded &lt;b&gt;: it applies to one load" in page
-    assert "No Cpk for the limit of loaded" in text
-    assert json.loads(fleet_json(fleet))["capabilities"][0]["cpk"]["value"] == pytest.approx(
-        fleet.capabilities[0].cpk.value
+    assert "No Ppk for the limit of loaded &lt;b&gt;: it applies to one load" in page
+    assert "No Ppk for the limit of loaded" in text
+    assert json.loads(fleet_json(fleet))["capabilities"][0]["ppk"]["value"] == pytest.approx(
+        fleet.capabilities[0].ppk.value
     )
 
 

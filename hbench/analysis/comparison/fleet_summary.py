@@ -129,10 +129,13 @@ def summarize(
     speed = float(np.nanmedian(speeds)) if np.isfinite(speeds).any() else None
 
     def compared_values(quantity: Quantity, side: Side) -> np.ndarray:
-        x = table.numbers(quantity.column(side))[compared]
+        x = table.numbers(quantity.column(side))[in_order]
         return x[np.isfinite(x)]
 
-    paths = table.values("path", np.flatnonzero(compared)) if requirements else ()
+    in_order = np.flatnonzero(compared)
+    if by_date:
+        in_order = in_order[np.argsort(at[in_order], kind="stable")]
+    paths = table.values("path", in_order) if requirements else ()
     decided = [checks(path) for path in paths]
     decisions = Counter(map(decision, table.values("path", np.flatnonzero(good))))
     return Fleet(
@@ -159,7 +162,7 @@ def summarize(
         plan_notes=system.notes,
         charts=system.charts,
         wear=system.wear,
-        capabilities=tuple(capabilities(compared_values, decided, requirements, speed)),
+        capabilities=tuple(capabilities(compared_values, decided, requirements, speed, by_date)),
         without_capability=tuple(
             without_capability(decided, requirements, speed, int(compared.sum()))
         ),
