@@ -93,6 +93,7 @@ class FleetRow:
     area_rod_m2: float | None = None
     stroke_m: float | None = None
     quality: str = ""  # good, with care, poor
+    drift_possible: float | None = None  # share of friction that runs mixed with speed may hide
     weak: str = ""  # checks of the data with that grade, with commas between; empty: all are good
     missing: str = ""  # runs and trials of the plan that the campaign does not have
     runs: int = 0
@@ -382,6 +383,7 @@ class Fleet:
     plan_notes: tuple[str, ...] = ()
     # Checks of the data that give campaigns their grade, unless that is good: how many campaigns.
     weak_checks: tuple[tuple[str, int], ...] = ()
+    drift_possible: float | None = None  # largest share of friction that a drift may hide in one
     charts: tuple[ControlChart, ...] = ()
     wear: tuple[WearTrend, ...] = ()
     capabilities: tuple[Capability, ...] = ()

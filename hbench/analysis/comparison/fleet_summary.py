@@ -126,6 +126,7 @@ def summarize(
             worst[int(sample.rows[i])].append(deviation)
     failures = np.flatnonzero(~good)[:_LISTED]
     speeds = table.numbers("v_m_s")[compared]
+    hidden = table.numbers("drift_possible")[good]
     speed = float(np.nanmedian(speeds)) if np.isfinite(speeds).any() else None
 
     def compared_values(quantity: Quantity, side: Side) -> np.ndarray:
@@ -147,6 +148,7 @@ def summarize(
         ),
         qualities=tuple(pair for pair in table.counts("quality") if pair[0]),
         weak_checks=_weak_checks(table),
+        drift_possible=float(np.nanmax(hidden)) if np.isfinite(hidden).any() else None,
         incomplete=int((good & ~table.equals("missing", "")).sum()),
         sources=tuple(pair for pair in table.counts("source") if pair[0]),
         protocols=tuple(protocols[:_MOST_KINDS]),

@@ -58,7 +58,7 @@ def because_of_step(fleet: Fleet) -> str:
     outside = [chart for chart in fleet.charts if chart.outside]
     if not any(chart.n_limits < chart.n for chart in outside):
         return ""
-    return "; where the mean has changed, the limits are those of the campaigns before the change"
+    return " of the campaigns before the change"
 
 
 def limit_sentences(fleet: Fleet) -> Iterator[str]:
@@ -70,8 +70,7 @@ def limit_sentences(fleet: Fleet) -> Iterator[str]:
     if beyond:
         names = [f"{name} ({'; '.join(beyond[name])})" for name in in_order(beyond)]
         which = named(tuple(names)[:_NAMED], len(beyond))
-        limits = f"the limits of the individual values: {which}{because_of_step(fleet)}"
-        yield f"Campaigns beyond {limits}."
+        yield f"Campaigns beyond the control limits{because_of_step(fleet)}: {which}."
 
 
 def wear_sentences(fleet: Fleet) -> Iterator[str]:

@@ -22,6 +22,7 @@ def fleet_row(
     The time of an imported campaign is that of ``test.date``: its start is that of the import.
     """
     plans = [run.run.plan for run in results.runs]
+    drift = results.drift
     speed = results.headline.v_m_s
     provenance = results.provenance
     seed = provenance.details.get("seed")
@@ -49,6 +50,7 @@ def fleet_row(
         area_rod_m2=specimen.area_rod_m2,
         stroke_m=specimen.stroke_m,
         quality=results.quality.grade,
+        drift_possible=drift.possible_percent / 100 if drift is not None and drift.hidden else None,
         weak=_line(weak_checks(results.quality)),
         missing=_line(missing_words(results.quality.completeness)),
         runs=len(results.runs),
