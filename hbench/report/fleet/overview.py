@@ -13,7 +13,7 @@ from hbench.report.fleet.names import (
     range_words,
     without_condition,
 )
-from hbench.report.fleet.row import kind_parts
+from hbench.report.fleet.row import at_pressure, kind_parts
 from hbench.report.fleet.text import resolved
 from hbench.report.fleet.verdict import (
     change_words,
@@ -23,6 +23,7 @@ from hbench.report.fleet.verdict import (
 )
 from hbench.report.render.document import Tile
 from hbench.report.render.numbers import NONE, alike, half_width, significant
+from hbench.report.render.symbols import capital
 
 _RANGES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 
@@ -32,9 +33,12 @@ def fleet_identity(fleet: Fleet) -> tuple[tuple[str, str], ...]:
     if len(fleet.protocols) != 1:
         return ()
     parts = kind_parts(fleet.protocols[0][0])
-    names = {"cylinder size": "Areas of piston and rod side"}
+    names = {"bench or origin": "Bench", "cylinder size": "Areas of piston and rod side"}
     return tuple(
-        (names.get(name, f"{name[0].upper()}{name[1:]}"), "; ".join(values))
+        (
+            names.get(name, capital(name)),
+            at_pressure("; ".join(values)).removeprefix("simulated, "),
+        )
         for name, values in parts.items()
         if values
     )
@@ -45,7 +49,7 @@ def fleet_tiles(fleet: Fleet) -> Iterator[Tile]:
     yield _campaigns(fleet)
     if fleet.compared >= FEWEST_CAMPAIGNS and fleet.spreads:
         value = f"{fleet.outliers} of {fleet.compared}"
-        yield Tile(value, "outliers", "among the compared campaigns", "method-outliers")
+        yield Tile(value, "outliers", "campaigns that deviate significantly", "method-outliers")
     if fleet.charts:
         steps = [chart.step for chart in fleet.charts if chart.step and chart.step.real]
         names = named(tuple(dict.fromkeys(step.name for step in steps))[:2], 0)
@@ -107,7 +111,7 @@ def unseen_drift(trends: list[tuple[Spread, Trend]]) -> str:
     size = f"{half_width(change)} {spread.quantity.unit}"
     size += f" ({half_width(100 * share)} %)" if spread.quantity.unit != "%" else ""
     number = f"{in_sentence(spread.quantity)}{of_side(spread.direction)}"
-    return f"one of up to {size} is not excluded, in {number}"
+    return f"a change of up to {size} is not excluded, in {number}"
 
 
 def overview_table(fleet: Fleet) -> WordTable:
@@ -116,8 +120,8 @@ def overview_table(fleet: Fleet) -> WordTable:
     trends = {(s.quantity, s.direction): trend for s, trend in steady_spreads(fleet)}
     rows = []
     for spread in fleet.spreads:
-        if spread.n < min(2, fleet.compared):
-            continue
+        if spread.n < min(FEWEST_CAMPAIGNS, fleet.compared):
+            continue  # the table of their spread has it
         key = spread.quantity, spread.direction
         rows.append(
             (
@@ -129,13 +133,11 @@ def overview_table(fleet: Fleet) -> WordTable:
                 _beyond(charts.get(key)),
             )
         )
-    few = [spread.n < FEWEST_CAMPAIGNS for spread in fleet.spreads]
-    ends = "Smallest to largest" if all(few) else "5 to 95 %"
-    if any(few) and not all(few):
-        ends += f", or all of fewer than {FEWEST_CAMPAIGNS}"
-    change = "Change over time, with its 95 % interval"
+    ends = "Smallest to largest" if fleet.compared < FEWEST_CAMPAIGNS else "5 to 95 %"
+    change = "Change over time (95 %)"
     head = ("Quantity", "Campaigns", "Median", ends, change, "Beyond control limits")
-    kept = [i for i in range(len(head)) if i < 4 or any(row[i] != NONE for row in rows)]
+    of_all = {str(fleet.compared)}
+    kept = [i for i in range(len(head)) if {row[i] for row in rows} not in ({NONE}, of_all)]
     return WordTable(
         "Numbers of the fleet",
         tuple(head[i] for i in kept),
@@ -145,11 +147,11 @@ def overview_table(fleet: Fleet) -> WordTable:
 
 def _change(spread: Spread, chart: ControlChart | None, trend: Trend | None) -> str:
     if chart is not None and chart.step is not None and chart.step.real:
-        return f"step of {step_size(chart.step, chart.quantity.scale)} from {chart.step.name} on"
+        return f"step at {chart.step.name}: {step_size(chart.step, chart.quantity.scale)}"
     if trend is None:
         return NONE
     change = change_words(spread, trend)
-    return f"drift of {change}" if trend.real else f"not significant: {change}"
+    return f"drift: {change}" if trend.real else f"not significant: {change}"
 
 
 def _beyond(chart: ControlChart | None) -> str:

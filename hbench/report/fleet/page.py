@@ -3,7 +3,6 @@
 It lists up to 500 campaigns; beyond, its size does not grow with the fleet.
 """
 
-import re
 from collections.abc import Iterable, Iterator
 
 from hbench.records import FEWEST_CAMPAIGNS, Fleet, Quantity, WordTable
@@ -21,7 +20,7 @@ from hbench.report.fleet.names import distinct_names, working_speed
 from hbench.report.fleet.overview import fleet_identity, fleet_tiles, overview_table
 from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
 from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
-from hbench.report.fleet.row import kind_difference, kind_parts
+from hbench.report.fleet.row import at_pressure, kind_difference, kind_parts
 from hbench.report.fleet.text import (
     ROW_WORDS,
     WORST_HEAD,
@@ -37,7 +36,6 @@ from hbench.report.render.figures import Drawing
 from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 
-_AT = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
 _FEW = (
     "Histograms, limits, trends and the standard deviation σ between campaigns are computed from "
     f"{FEWEST_CAMPAIGNS} campaigns on."
@@ -222,12 +220,12 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     rows = tuple(
         (
             Cell(str(count)),
-            *(Cell(_AT.sub(" at ", "; ".join(kind[name]))) for name in given),
+            *(Cell(at_pressure("; ".join(kind[name]))) for name in given),
             Cell(group),
         )
         for (_, count), kind, group in zip(fleet.protocols, kinds, groups, strict=True)
     )
-    pressures = any(_AT.search(protocol) for protocol, _ in fleet.protocols)
+    pressures = any(at_pressure(protocol) != protocol for protocol, _ in fleet.protocols)
     loads = "; loads at rod-side pressures of the load cylinder" if pressures else ""
     title = f"Kinds of campaigns (size: areas of piston and rod side{loads})"
     head = ("Campaigns", *map(capital, given), "Group")

@@ -62,9 +62,9 @@ def fleet_verdict(fleet: Fleet) -> str:
     friction = () if changes else _friction_words(fleet)  # of two levels; the tiles have its range
     found = [
         *_change_words(changes),
-        *_drift_within(fleet, changes),
         *friction,
         *_conspicuous_words(fleet),
+        *_drift_within(fleet, changes),
     ]
     if passed and not (fleet.incomplete or poor or any(_to_be_checked(fleet))):
         few = f"; changes over time are tested from {FEWEST_CAMPAIGNS} campaigns on"
@@ -137,8 +137,8 @@ def _drift_within(fleet: Fleet, changes: list[tuple[str, dict[str, list[str]]]])
     count = dict(fleet.weak_checks).get("drift", 0)
     if changes and count:
         size = fleet.drift_possible
-        most = "" if size is None else f" of up to {math.ceil(100 * size)} %"
-        yield f"The data of {count} campaigns do not exclude a drift{most} within the campaign."
+        most = "" if size is None else f" of up to {math.ceil(100 * size)} % of friction"
+        yield f"A drift within a campaign{most} is not excluded in {count} of them."
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
