@@ -54,6 +54,7 @@ STEPS = {
     "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
     "drift": "warm the bench up until friction no longer changes from run to run, and measure in "
     "random order",
+    "possible_drift": "measure in random order, which separates drift from speed",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
     "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",

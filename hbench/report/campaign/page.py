@@ -17,6 +17,7 @@ from hbench.report.campaign.summary import (
     next_step_words,
     summary_section,
 )
+from hbench.report.campaign.zero_words import zero_reserve
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
@@ -96,13 +97,13 @@ def report_document(
     rejected = (_rejected(results, figures.get("rejected", ())),)
     first = results.quality.grade == "poor" and has_rejected(results)
     sections = (
-        *((replace(decision, paragraphs=()),) if decision else ()),
+        *((_decided(results, decision),) if decision else ()),
         summary_section(results, decision is not None),
         *(rejected if first else ()),
         _friction(results, figures.get("friction", ())),
         *fit_sections(results),
         *temperature_section(results, figures.get("temperature", ())),
-        *_moving(results, figures),
+        *_moving(results, figures, decision is not None),
         *_budget(results),
         *_efficiency(results, figures.get("efficiency", ())),
         *more,
@@ -165,7 +166,18 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     return Section("Friction", () if drawings else (few,), drawings=drawings, tables=tables)
 
 
-def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:
+def _decided(results: Results, decision: Section) -> Section:
+    """Return the decision without its paragraphs, which begin the verdict.
+
+    It explains a breakaway below the friction of a slow run, which a reader would doubt.
+    """
+    creep = page_motions.creep_facts(results)
+    return replace(decision, paragraphs=(), facts=(*creep, *decision.facts))
+
+
+def _moving(
+    results: Results, figures: dict[str, tuple[Drawing, ...]], decided: bool
+) -> Iterable[Section]:
     if drawings := figures.get("ramps"):
         table = page_motions.comparison_table(results)
         differing = sum(map(differs, results.motions.comparisons))
@@ -189,7 +201,7 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             "Breakaway",
             (_BREAKAWAY,),
             drawings=drawings,
-            facts=page_motions.creep_facts(results),
+            facts=() if decided else page_motions.creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
                 *titled(page_motions.dwell_table(results), "Laws over the time at rest"),
@@ -248,14 +260,23 @@ def _budget(results: Results) -> tuple[Section, ...]:
         "Friction at the working speed with the standard uncertainty of each input (JCGM 100). "
         "u is the combined standard uncertainty, ν its effective degrees of freedom, and k the "
         "coverage factor: U = k u. Parts below 1 % of u are not listed.",
-        _ZEROS if zeros.rows else _NO_ZEROS,
-        *([f"{capital(LOAD_CELL_ZERO)}."] if results.motions.load_cell_zero_unchecked else []),
+        *([_ZEROS] if zeros.rows else []),
+        *_zero_notes(results),
     )
     tables = (
         *titled(table, "Friction at the working speed and the parts of its uncertainty"),
         *titled(zeros, "Zero errors, corrected"),
     )
     return (Section("Uncertainty of friction", text, tables=tables, anchor="uncertainty"),)
+
+
+def _zero_notes(results: Results) -> tuple[str, ...]:
+    """Return what u contains of zero errors that were not checked."""
+    if reserve := zero_reserve(results):
+        return (reserve,)
+    if results.motions.load_cell_zero_unchecked:
+        return (f"{capital(LOAD_CELL_ZERO)}.",)
+    return () if results.motions.zero_checks else (_NO_ZEROS,)
 
 
 def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:

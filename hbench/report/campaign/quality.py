@@ -64,6 +64,8 @@ def next_step(
 def _step(check: QualityCheck) -> str:
     """Return what improves a check; tolerances that are not known are stated first."""
     unknown = check.name == "instruments" and check.value is None
+    if check.drift is not None and not check.drift.significant:
+        return STEPS["possible_drift"]
     return _NO_TOLERANCES if unknown else STEPS[check.name]
 
 
@@ -152,13 +154,13 @@ def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
     return table((*WHO, "Velocity (mm/s)", "Measured", "Remark"), rows, words=("Measured",))
 
 
-def quality_verdict(quality: Quality, count_runs: bool = True, drift_stated: bool = False) -> str:
+def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = False) -> str:
     """Return the verdict in a few sentences; an incomplete campaign is reported first.
 
     Points without enough trials of a complete one are reported after what makes the data poor.
 
     Without ``count_runs`` it is not, where a page's alarm counts the completed runs and states
-    that the numbers are theirs. A drift that is ``drift_stated`` before is not repeated.
+    that the numbers are theirs. U and a possible drift that are ``stated`` before are not repeated.
     """
     worst = _worst(quality)
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
@@ -169,7 +171,7 @@ def quality_verdict(quality: Quality, count_runs: bool = True, drift_stated: boo
         if not (incomplete and _is_without_trial(check))  # not twice
         if count_runs or check.name != "complete"
     ]
-    reasons = ". ".join(capital(_reason(check, drift_stated)) for check in named)
+    reasons = ". ".join(capital(_reason(check, stated)) for check in named)
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
     elif quality.grade == "with care":
@@ -237,9 +239,13 @@ def grade_words(quality: Quality) -> str:
     return f"data rated '{quality.grade}'; {'; '.join(worst)}"
 
 
-def _reason(check: QualityCheck, drift_stated: bool = False) -> str:
+def _reason(check: QualityCheck, stated: bool = False) -> str:
     """Write what a check found, for a sentence."""
     if check.name == "instruments" and check.value is not None:
+        if stated:
+            return (
+                f"the tolerances of the instruments alone give ±{number(check.value, 0)} % (median)"
+            )
         return f"the tolerances of the instruments{_value(check).removeprefix('their tolerances')}"
     if check.name == "complete" and check.value is not None and check.count != check.of:
         limit = f" (poor below {check.poor:g} %)" if check.grade == "poor" else ""
@@ -249,7 +255,7 @@ def _reason(check: QualityCheck, drift_stated: bool = False) -> str:
     if check.name == "runs_accepted":
         return f"{check.count} of {check.of} runs {_were(check.count or 0)} accepted"
     if check.drift is not None:
-        return DRIFT_MEANS if drift_stated else drift_finding(check.drift)
+        return DRIFT_MEANS if stated else drift_finding(check.drift)
     return f"{NAMES[check.name].lower()}: {_value(check)}"
 
 

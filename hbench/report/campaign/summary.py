@@ -18,6 +18,7 @@ from hbench.report.campaign.quality import (
     short_point_table,
 )
 from hbench.report.campaign.settings import aborted_words, is_aborted
+from hbench.report.campaign.zero_words import zero_reserve
 from hbench.report.drift import drift_fact
 from hbench.report.drift_section import drift_sections
 from hbench.report.headline import FLAGS, extrapolated_words, headline_tiles
@@ -72,10 +73,11 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     folded = (Section(heading, tables=tables, folded=True),) if len(series) > _LONG else ()
     parts = "[[uncertainty]]" if budget.rows else ""
     load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
+    zeros = zero_reserve(results) if known else ""
     facts = (
         ("Measured", _measured(results)),
         ("Data", _data(results) if decided else ""),
-        ("Uncertainty", _uncertainty(series, parts, known)),
+        ("Uncertainty", " ".join(filter(None, (_uncertainty(series, parts, known), zeros)))),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
         ("Breakaway", extrapolated_words(results)),
         ("Load", load if _differs_from_load(series, load_cell_n) else ""),
@@ -98,7 +100,7 @@ def summary_section(results: Results, decided: bool = False) -> Section:
                 anchor="quality",
                 folded=results.quality.grade != "poor",
             ),
-            *drift_sections(results.drift),
+            *drift_sections(results),
         ),
     )
 

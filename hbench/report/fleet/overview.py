@@ -33,6 +33,7 @@ def fleet_identity(fleet: Fleet) -> tuple[tuple[str, str], ...]:
     if len(fleet.protocols) != 1:
         return ()
     parts = kind_parts(fleet.protocols[0][0])
+    parts["loads"] = parts.pop("loads")  # the longest last
     names = {"bench or origin": "Bench", "cylinder size": "Areas of piston and rod side"}
     return tuple(
         (

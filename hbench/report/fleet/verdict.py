@@ -138,7 +138,7 @@ def _drift_within(fleet: Fleet, changes: list[tuple[str, dict[str, list[str]]]])
     if changes and count:
         size = fleet.drift_possible
         most = "" if size is None else f" of up to {math.ceil(100 * size)} % of friction"
-        yield f"A drift within a campaign{most} is not excluded in {count} of them."
+        yield f"In {count} campaigns, a drift{most} within the campaign is not excluded."
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
