@@ -93,10 +93,42 @@ def test_each_deviation_that_is_not_explained_has_its_name_and_its_probability(c
     lead = ordinary_spaces(verdict_words(found))
     assert (
         "The force of the test cylinder deviates from the model by 40 N RMS and the force of the "
-        "load cylinder by 20 N RMS; no known effect explains this."
+        "load cylinder by 20 N RMS, as do 3 more quantities; no known effect explains this."
     ) in lead
     assert "position against velocity" not in lead  # the row has all
     assert "p = " not in lead and "matters above" not in lead  # that is in the row on residuals
+
+
+def test_a_deviation_that_the_refit_increases_does_not_say_where_to_look(compared):
+    """The force is listed first, but its gap goes from 4.7 as given to 12 by the refit."""
+    force, flow = (replace(gap, gap=9.0) for gap in compared.where)
+    table = compared.gap_heldout
+    worse = {**table.balances, force.name: replace(table.total, before=4.7, refitted=12.0)}
+    worse[flow.name] = replace(table.total, before=26.0, refitted=4.0)
+    found = replace(
+        compared, rest=(force, flow), gap_heldout=replace(table, balances=worse), regions=()
+    )
+    lead = ordinary_spaces(verdict_words(found))
+    assert lead.startswith("The flow to the test piston side deviates from the model by ")
+    assert (
+        "The refit increases the deviation of the force of the test cylinder (gap 4.70 to 12.0), "
+        "which therefore does not show where the cause is. First inspect the test valve."
+    ) in lead
+    steady = {**worse, force.name: worse[flow.name]}
+    steady = replace(found, gap_heldout=replace(table, balances=steady))
+    assert "First inspect the seals and guides" in verdict_words(steady)
+    assert "The refit" not in verdict_words(steady)
+
+
+def test_three_deviations_are_all_in_the_verdict_and_their_common_part_is_inspected(compared):
+    names = ("flow_tr", "flow_tp", "supply")
+    rest = tuple(replace(compared.where[0], name=name) for name in names)
+    found = replace(compared, where=rest, rest=rest, regions=())
+    lead = ordinary_spaces(verdict_words(found))
+    for words in ("flow to the test rod side", "flow to the test piston side", "supply pressure"):
+        assert words in lead
+    both = "The flows to the test rod side and the test piston side deviate, and the test valve is"
+    assert both in ordinary_spaces(summary(found))
 
 
 def test_what_several_deviations_have_in_common_is_inspected_first(compared):

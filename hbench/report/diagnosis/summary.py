@@ -75,6 +75,7 @@ from hbench.report.diagnosis.words.place import (
     residual_words,
     where_words,
 )
+from hbench.report.diagnosis.words.refit import unexplained
 from hbench.report.diagnosis.words.unexplained import agreeing_words, narrowing_words
 from hbench.report.render.symbols import capital, listed
 
@@ -198,8 +199,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield doubtful_volume(diagnosis)
             yield from further_inspections(diagnosis)
             if not diagnosis.next_experiment:
-                gaps = diagnosis.rest or diagnosis.where[:1]
-                yield narrowing_words(diagnosis, gaps[0].name)
+                yield narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
         else:
             yield best_candidate(diagnosis) if hint(diagnosis) else ""
             yield diagnosis.next_experiment or ""

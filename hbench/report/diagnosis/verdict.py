@@ -53,6 +53,7 @@ from hbench.report.diagnosis.words.place import (
     size_words,
     worst_places,
 )
+from hbench.report.diagnosis.words.refit import unexplained
 from hbench.report.diagnosis.words.unexplained import narrowing_words, unexplained_words
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
@@ -319,9 +320,12 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         yield "These runs do not suffice to find a missing effect."
         yield f"Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return
-    gaps = diagnosis.rest or diagnosis.where[:1]
-    finding, *place = unexplained_words(diagnosis, gaps)
+    finding, *place = unexplained_words(diagnosis)
     yield finding
     yield beyond_balances(diagnosis) or " ".join(place)
     yield next_step(diagnosis)
-    yield "" if diagnosis.next_experiment else narrowing_words(diagnosis, gaps[0].name)
+    yield (
+        ""
+        if diagnosis.next_experiment
+        else narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
+    )
