@@ -65,5 +65,5 @@ STEPS = {
     "equal_directions": "look for a force that is not measured, such as a weight on an upright "
     "cylinder, for a zero offset, and for a wrong diameter",
     "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
-    "and state their tolerances in the {file}",
+    "and state the new tolerances in the {file}",
 }

@@ -100,7 +100,6 @@ def test_the_verdict_states_a_drift_that_cannot_be_excluded_once(small):
     quality = replace(small.quality, grade="with care", checks=drift_checks(drift))
     verdict = report_document(replace(small, drift=drift, quality=quality), ()).verdict
     assert verdict.count("20 %") == 1 and "U does not contain a possible drift of up to" in verdict
-    assert "The drift would appear as an effect of speed." in verdict
     assert "Next step: measure in random order, which separates drift from speed." in verdict
     shown = replace(drift, p=0.001)
     checks = drift_checks(shown)

@@ -425,7 +425,7 @@ def test_breakaway_that_changes_against_friction_is_stated(shifted):
 
     assert chart.step.after > chart.step.before
     text = ordinary_spaces(said(falls))
-    assert "extending, falls while friction rises: −11.3 (−17.2 to −1.8) N." in text
+    assert "extending, falls while friction rises: by −11.3 (−17.2 to −1.8) N." in text
     assert "is not significant (p = 0.14)" in text and "kind breakaway" in text
     assert "while friction" not in said(replace(falls, high=1.8))
     assert "while friction" not in said(Trend(11.3, 1.8, 17.2, 640.0, 0.14))

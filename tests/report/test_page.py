@@ -371,13 +371,13 @@ def test_tolerances_are_stated_in_the_bench_file_or_else_in_the_map_of_an_import
         )
         return replace(small.quality, grade="with care", checks=checks)
 
-    assert next_step(quality(20.0), "").endswith("state their tolerances in the bench file.")
+    assert next_step(quality(20.0), "").endswith("state the new tolerances in the bench file.")
     assert next_step(quality(None), "") == "State the tolerances of the sensors in the bench file."
     quality = quality(20.0)
     imported = replace(small, quality=quality)
     imported = replace(imported, provenance=replace(small.provenance, source="imported"))
     step = report_document(imported, ()).verdict
-    assert step.endswith("state their tolerances in the map, then import again.")
+    assert step.endswith("state the new tolerances in the map, then import again.")
 
 
 def test_the_next_step_of_poor_data_is_that_of_its_poor_checks_and_refers_to_the_reasons(stribeck):

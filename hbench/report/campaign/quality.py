@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from hbench.records import Completeness, ImplausiblePoint, PointTrials, Quality, QualityCheck
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import load_words
-from hbench.report.drift import DRIFT_MEANS, drift_finding, drift_words
+from hbench.report.drift import drift_finding, drift_words
 from hbench.report.quality_words import LIMITS, NAMES, STEPS
 from hbench.report.render.numbers import number, short, significant, with_interval
 from hbench.report.render.symbols import capital
@@ -171,11 +171,12 @@ def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = Fa
         if not (incomplete and _is_without_trial(check))  # not twice
         if count_runs or check.name != "complete"
     ]
-    reasons = ". ".join(capital(_reason(check, stated)) for check in named)
+    said = [_reason(check, stated) for check in named if not (stated and check.drift is not None)]
+    reasons = ". ".join(map(capital, said))
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
     elif quality.grade == "with care":
-        verdict = f"Use the data with care. {reasons}."
+        verdict = f"Use the data with care. {reasons}." if reasons else "Use the data with care."
     elif all(check.name == "complete" or _is_without_trial(check) for check in worst):
         why = f"{reasons}." if reasons else ""
         numbers = f"The numbers below are those of the {other}." if count_runs else ""
@@ -255,7 +256,7 @@ def _reason(check: QualityCheck, stated: bool = False) -> str:
     if check.name == "runs_accepted":
         return f"{check.count} of {check.of} runs {_were(check.count or 0)} accepted"
     if check.drift is not None:
-        return DRIFT_MEANS if stated else drift_finding(check.drift)
+        return drift_finding(check.drift)
     return f"{NAMES[check.name].lower()}: {_value(check)}"
 
 

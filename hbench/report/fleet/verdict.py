@@ -225,9 +225,10 @@ def _contrary_sentences(fleet: Fleet) -> Iterator[str]:
                 if spread.quantity.name == "breakaway_fit_n"
                 else ""
             )
+            change = f"{change_words(spread, trend)}\N{NO-BREAK SPACE}{spread.quantity.unit}"
             yield (
-                f"{number}, {falls} while friction {rises}: {change_words(spread, trend)} "
-                f"{spread.quantity.unit}. Among all trends tested this {how} (p = {p}).{advice}"
+                f"{number}, {falls} while friction {rises}: by {change}. Among all trends tested "
+                f"this {how} (p = {p}).{advice}"
             )
 
 

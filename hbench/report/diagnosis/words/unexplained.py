@@ -4,7 +4,13 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from hbench.records import Diagnosis, Gap
-from hbench.report.diagnosis.names import all_in_sentence, deviation_and_limit, in_sentence, in_unit
+from hbench.report.diagnosis.names import (
+    EDGES,
+    all_in_sentence,
+    deviation_and_limit,
+    in_sentence,
+    in_unit,
+)
 from hbench.report.diagnosis.words.deviation import exceeding
 from hbench.report.diagnosis.words.place import rms_words, worst_places
 from hbench.report.diagnosis.words.refit import refit_increases, unexplained
@@ -21,22 +27,20 @@ def unexplained_words(diagnosis: Diagnosis) -> Iterator[str]:
     """
     gaps = unexplained(diagnosis)
     shown = gaps[: _MOST if len(gaps) <= _MOST else _MOST - 1]
-    parts = [f"{in_sentence(gap.name)} by {_size(diagnosis, gap, len(gaps) < 2)}" for gap in shown]
-    parts[0] = parts[0].replace(" by ", " deviates from the model by ", 1)
     more = len(gaps) - len(shown)
     also = f", as do {more} more quantities" if more else ""
-    yield f"{capital(listed(parts))}{also}; no known effect explains this."
+    yield f"{capital(_sizes(diagnosis, shown))}{also}; no known effect explains this."
     if not gaps[1:]:
         for place in worst_places(diagnosis, gaps[0].name)[:1]:
             size = rms_words(diagnosis, gaps[0].name, place.gap)
             yield f"The deviation is largest {place.words} ({size})."
         return
     moved = refit_increases(diagnosis)
-    named = [f"{in_sentence(gap.name)} ({moved[gap.name]})" for gap in shown if gap.name in moved]
+    named = [in_sentence(gap.name) for gap in shown if gap.name in moved]
     if named and len(named) < len(gaps):
         yield (
-            f"The refit increases the deviation of {listed(named)}, which therefore does not "
-            "show where the cause is."
+            f"The refit itself increases that of {listed(named)}, which therefore does not show "
+            "where the cause is."
         )
 
 
@@ -48,6 +52,20 @@ def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
         return ""
     verb = "agrees" if len(agreeing) == 1 else "agree"
     return f"{capital(all_in_sentence(agreeing))} {verb} within the limits that matter."
+
+
+def _sizes(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
+    """Write how far each quantity deviates; flows in common words."""
+    sizes = [_size(diagnosis, gap, len(gaps) < 2) for gap in gaps]
+    names = [gap.name for gap in gaps]
+    if gaps[1:] and all(name in EDGES for name in names):
+        numbers, units = zip(*(size.split(" ", 1) for size in sizes), strict=True)
+        if len(set(units)) == 1:
+            amounts = f"{listed(numbers)} {units[0]}"
+            return f"{all_in_sentence(names)} deviate from the model by {amounts}"
+    parts = [f"{in_sentence(name)} by {size}" for name, size in zip(names, sizes, strict=True)]
+    parts[0] = parts[0].replace(" by ", " deviates from the model by ", 1)
+    return listed(parts)
 
 
 def _size(diagnosis: Diagnosis, gap: Gap, alone: bool) -> str:
