@@ -112,8 +112,8 @@ def test_a_deviation_that_the_refit_increases_does_not_say_where_to_look(compare
     lead = ordinary_spaces(verdict_words(found))
     assert lead.startswith("The flow to the test piston side deviates from the model by ")
     assert (
-        "The refit itself increases that of the force of the test cylinder, which therefore does "
-        "not show where the cause is. First inspect the test valve."
+        "The refit itself increases the deviation of the force of the test cylinder, which "
+        "therefore does not show where the cause is. First inspect the test valve."
     ) in lead
     steady = {**worse, force.name: worse[flow.name]}
     steady = replace(found, gap_heldout=replace(table, balances=steady))

@@ -17,16 +17,14 @@ from hbench.report.campaign.summary import (
     next_step_words,
     summary_section,
 )
-from hbench.report.campaign.zero_words import zero_reserve
+from hbench.report.campaign.zero_words import zero_notes
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.oil_temperature import temperature_section
-from hbench.report.quality_words import LOAD_CELL_ZERO
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span
-from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import titled
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
@@ -47,10 +45,6 @@ _ZEROS = (
     "The zeros of the sensors in the table were checked with the supply off and the chambers "
     "vented. Their errors were subtracted, in between as a straight line over time; the error of "
     "the reference pressure and the drift of each zero are limits of errors in u."
-)
-_NO_ZEROS = (
-    "The campaign has no zero checks of the sensors (experiments of kind check): u contains zero "
-    "errors only as far as the stated tolerances do."
 )
 _NOT_PRINTED = (
     "curves.csv and efficiency.csv, beside this page, contain every point. A table of more than "
@@ -207,25 +201,36 @@ def _moving(
                 *titled(page_motions.dwell_table(results), "Laws over the time at rest"),
             ),
         )
-    holds = titled(page_motions.hold_table(results), "Each hold")
     for name, table, more, words in (
         ("hysteresis", page_motions.loop_table(results), (), "Width and energy of the loops"),
         ("steps", page_motions.level_table(results), (), "Friction after each step"),
-        ("leakage", page_motions.leak_table(results), holds, "Leakage at the highest pressure"),
+        (
+            "leakage",
+            page_motions.leak_table(results),
+            _holds(results),
+            "Leakage at the highest pressure",
+        ),
     ):
         if drawings := figures.get(name):
-            parts = (Section(items=table.messages),) if table.messages else ()
-            title, tables = name.capitalize(), (replace(table, title=words), *more)
+            notes = (Section(items=table.messages),) if table.messages else ()
+            parts: tuple[Section, ...] = (*notes, *more)
+            title, named = name.capitalize(), (replace(table, title=words),)
             if name in _FOLDED:
                 fold = f"{words}: figure and table"
-                inside = Section(fold, drawings=drawings, tables=tables, parts=parts, folded=True)
+                inside = Section(fold, drawings=drawings, tables=named, parts=parts, folded=True)
                 yield Section(title, (_FOLDED[name](results),), parts=(inside,))
             else:
-                yield Section(title, drawings=drawings, tables=tables, parts=parts)
+                yield Section(title, drawings=drawings, tables=named, parts=parts)
     if drawings := figures.get("over-distance"):
         table = page_motions.distance_table(results)
         tables = titled(table, "Changes over the distance")
         yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=tables)
+
+
+def _holds(results: Results) -> tuple[Section, ...]:
+    table = page_motions.hold_table(results)
+    title = f"Each hold ({len(table.rows)})"
+    return (Section(title, tables=(table,), folded=True),) if table.rows else ()
 
 
 def _loop_words(results: Results) -> str:
@@ -261,22 +266,13 @@ def _budget(results: Results) -> tuple[Section, ...]:
         "u is the combined standard uncertainty, ν its effective degrees of freedom, and k the "
         "coverage factor: U = k u. Parts below 1 % of u are not listed.",
         *([_ZEROS] if zeros.rows else []),
-        *_zero_notes(results),
+        *zero_notes(results),
     )
     tables = (
         *titled(table, "Friction at the working speed and the parts of its uncertainty"),
         *titled(zeros, "Zero errors, corrected"),
     )
     return (Section("Uncertainty of friction", text, tables=tables, anchor="uncertainty"),)
-
-
-def _zero_notes(results: Results) -> tuple[str, ...]:
-    """Return what u contains of zero errors that were not checked."""
-    if reserve := zero_reserve(results):
-        return (reserve,)
-    if results.motions.load_cell_zero_unchecked:
-        return (f"{capital(LOAD_CELL_ZERO)}.",)
-    return () if results.motions.zero_checks else (_NO_ZEROS,)
 
 
 def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:

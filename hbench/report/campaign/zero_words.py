@@ -4,8 +4,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from hbench.records import Results
-from hbench.report.render.symbols import listed
+from hbench.report.quality_words import LOAD_CELL_ZERO
+from hbench.report.render.symbols import capital, listed
 
+_NO_ZEROS = (
+    "The campaign has no zero checks of the sensors (experiments of kind check): u contains zero "
+    "errors only as far as the stated tolerances do."
+)
 _SENSORS = {"force": ("the load cell", "f_"), "pressure": ("the pressure transducers", "p_")}
 
 
@@ -35,6 +40,15 @@ def zero_reserve(results: Results) -> str:
         f"U contains no zero error of {listed(names)}: {whose} {tolerances} relative to the "
         f"reading, and {whose} {zeros} not checked."
     )
+
+
+def zero_notes(results: Results) -> tuple[str, ...]:
+    """Return what the combined uncertainty u contains of zero errors that were not checked."""
+    if reserve := zero_reserve(results):
+        return (reserve,)
+    if results.motions.load_cell_zero_unchecked:
+        return (f"{capital(LOAD_CELL_ZERO)}.",)
+    return () if results.motions.zero_checks else (_NO_ZEROS,)
 
 
 def tolerance_words(instruments: Mapping[str, Any]) -> str:

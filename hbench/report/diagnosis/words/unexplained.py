@@ -39,8 +39,8 @@ def unexplained_words(diagnosis: Diagnosis) -> Iterator[str]:
     named = [in_sentence(gap.name) for gap in shown if gap.name in moved]
     if named and len(named) < len(gaps):
         yield (
-            f"The refit itself increases that of {listed(named)}, which therefore does not show "
-            "where the cause is."
+            f"The refit itself increases the deviation of {listed(named)}, which therefore does "
+            "not show where the cause is."
         )
 
 
