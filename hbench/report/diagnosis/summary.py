@@ -56,6 +56,7 @@ from hbench.report.diagnosis.words.deviation import (
     expected_words,
     increased,
     largest_deviation,
+    largest_gap,
     not_expected,
     poorly_simulated,
     remainder,
@@ -325,6 +326,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))
     yield _RESIDUALS, residual_words(diagnosis, list(names))
     yield _RESIDUALS, significant_gaps(diagnosis.where)
+    yield _RESIDUALS, largest_gap(diagnosis)
 
 
 def _insufficient(diagnosis: Diagnosis) -> Iterator[Answer]:

@@ -43,7 +43,6 @@ from hbench.report.diagnosis.words.deviation import (
     largest_deviation,
     not_expected,
     too_small_words,
-    worst_signal,
 )
 from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
 from hbench.report.diagnosis.words.place import (
@@ -267,19 +266,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
     yield "" if diagnosis.errors else sizes
-    yield _largest_gap(diagnosis)
-    yield worst_signal(diagnosis)
     yield _largest(diagnosis)
-
-
-def _largest_gap(diagnosis: Diagnosis) -> str:
-    """State the largest gap of a quantity in held-out runs beside that of a correct model."""
-    gaps = diagnosis.gap_heldout.balances
-    name = max(gaps, key=lambda each: gaps[each].refitted, default="")
-    if len(gaps) < 2 or not gaps[name].refitted > 1:
-        return ""
-    largest, expected = (gap_number(gap) for gap in (gaps[name].refitted, gaps[name].floor))
-    return f"The largest of these gaps is {largest} in {in_sentence(name)} ({expected} expected)."
 
 
 def _largest(diagnosis: Diagnosis) -> str:
