@@ -8,6 +8,7 @@ from hbench.config.files.loading import file_sha256, read_yaml
 from hbench.records import Results
 from hbench.records.conformity.acceptance import Acceptance
 from hbench.report.campaign.quality import grade_words, missing_words
+from hbench.report.campaign.zero_words import zero_reserve
 from hbench.report.conformity.acceptance_document import acceptance_json
 from hbench.report.conformity.text import junit_xml
 from hbench.report.quality_words import LOAD_CELL_ZERO
@@ -35,7 +36,9 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
         notes.append(grade_words(results.quality))
     if missing := missing_words(results.quality.completeness):
         notes.append(missing)
-    if results.motions.load_cell_zero_unchecked:
+    if reserve := zero_reserve(results):
+        notes.append(reserve.removesuffix("."))
+    elif results.motions.load_cell_zero_unchecked:
         notes.append(LOAD_CELL_ZERO)
     checks = conformity_checks(
         results,
