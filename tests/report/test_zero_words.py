@@ -6,7 +6,7 @@ import pytest
 
 from hbench.records.motions import Zero, ZeroCheck
 from hbench.report.campaign.page import report_document
-from hbench.report.campaign.zero_words import zero_reserve
+from hbench.report.zero_words import zero_reserve
 
 READING = {"tolerance": "1.0 %", "of": "reading", "full_scale": "12 kN"}
 SCALE = {"tolerance": "0.8 %", "full_scale": "250 bar"}

@@ -17,7 +17,6 @@ from hbench.report.campaign.summary import (
     next_step_words,
     summary_section,
 )
-from hbench.report.campaign.zero_words import zero_notes
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
@@ -26,6 +25,7 @@ from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span
 from hbench.report.render.word_tables import titled
+from hbench.report.zero_words import zero_notes
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _SHEET = 50  # a longer table of points is not printed

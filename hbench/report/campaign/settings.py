@@ -7,10 +7,10 @@ from typing import Any
 
 from hbench.records import Provenance, Results, ScreenedRun, Specimen
 from hbench.report.campaign.reasons import code_of
-from hbench.report.campaign.zero_words import tolerance_words
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
 from hbench.report.setting_words import key_words, section_words
+from hbench.report.zero_words import tolerance_words
 
 _SIZES = ("bore", "rod", "stroke")
 _TEST = ("customer", "operator", "mounting", "place", "ambient")

@@ -18,7 +18,6 @@ from hbench.report.campaign.quality import (
     short_point_table,
 )
 from hbench.report.campaign.settings import aborted_words, is_aborted
-from hbench.report.campaign.zero_words import zero_reserve
 from hbench.report.drift import drift_fact
 from hbench.report.drift_section import drift_sections
 from hbench.report.headline import FLAGS, extrapolated_words, headline_tiles
@@ -33,6 +32,7 @@ from hbench.report.render.numbers import (
     with_interval,
 )
 from hbench.report.render.word_tables import Cell, Table
+from hbench.report.zero_words import zero_reserve
 from hbench.units import from_si
 
 _ONE_TRIAL = (

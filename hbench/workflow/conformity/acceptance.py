@@ -8,10 +8,10 @@ from hbench.config.files.loading import file_sha256, read_yaml
 from hbench.records import Results
 from hbench.records.conformity.acceptance import Acceptance
 from hbench.report.campaign.quality import grade_words, missing_words
-from hbench.report.campaign.zero_words import zero_reserve
 from hbench.report.conformity.acceptance_document import acceptance_json
 from hbench.report.conformity.text import junit_xml
 from hbench.report.quality_words import LOAD_CELL_ZERO
+from hbench.report.zero_words import zero_reserve
 from hbench.store.campaign.folder import load_campaign, write_results
 from hbench.workflow.results import derive
 
