@@ -108,7 +108,8 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.spreads:
         yield _quantities(fleet, drawings)
     if fleet.rows:
-        notes = () if fleet.precision else fleet.plan_notes
+        why = " ".join(() if fleet.precision else fleet.plan_notes)
+        notes = (f"{_PRECISION} are not estimated. {why}",) if why else ()
         yield Section("Campaigns", (*_about_numbers(fleet), *notes), tables=(_campaigns(fleet),))
     if fleet.capabilities or fleet.without_capability:
         table = _untitled(capability_table(fleet))
