@@ -93,6 +93,7 @@ class FleetRow:
     area_rod_m2: float | None = None
     stroke_m: float | None = None
     quality: str = ""  # good, with care, poor
+    drift_possible: float | None = None  # share of friction that runs mixed with speed may hide
     weak: str = ""  # checks of the data with that grade, with commas between; empty: all are good
     missing: str = ""  # runs and trials of the plan that the campaign does not have
     runs: int = 0
@@ -328,7 +329,9 @@ class Capability:
     series: Measurement  # its value is the mean of the campaigns
     n: int  # campaigns
     sigma: float  # standard deviation of the campaigns, that of the measurement included
-    cpk: Estimate
+    ppk: Estimate  # by ``sigma``
+    sigma_within: float | None  # mean moving range / 1.128; None: the order is not known
+    cpk: Estimate | None  # by ``sigma_within``
     outside: int  # campaigns beyond the limits
 
 
@@ -380,9 +383,10 @@ class Fleet:
     plan_notes: tuple[str, ...] = ()
     # Checks of the data that give campaigns their grade, unless that is good: how many campaigns.
     weak_checks: tuple[tuple[str, int], ...] = ()
+    drift_possible: float | None = None  # largest share of friction that a drift may hide in one
     charts: tuple[ControlChart, ...] = ()
     wear: tuple[WearTrend, ...] = ()
     capabilities: tuple[Capability, ...] = ()
-    without_capability: tuple[tuple[str, str], ...] = ()  # name of a limit, and why it has no Cpk
+    without_capability: tuple[tuple[str, str], ...] = ()  # name of a limit, and why it has no Ppk
     decisions: tuple[tuple[str, int], ...] = ()  # of the last acceptances, and how many of each
     rows: tuple[FleetCampaign, ...] = ()  # analyzed campaigns; empty for a large fleet

@@ -7,7 +7,6 @@ from hbench.records.summary import SIGNIFICANCE
 from hbench.report.render.numbers import NONE, number, significant, with_interval
 from hbench.report.render.word_tables import Cell, Table
 
-DRIFT_MEANS = "the drift would appear as an effect of speed"
 _HOUR_S = 3600.0
 _LEAST_P = 1e-4  # smaller ones are written as being below it
 

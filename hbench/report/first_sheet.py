@@ -49,7 +49,7 @@ def about_rows(results: Results, names: Iterable[str]) -> list[tuple[str, ...]]:
     verdict = (
         aborted_words(results),
         headline_words(results),
-        quality_verdict(results.quality, drift_stated=bool(possible_drift_words(results))),
+        quality_verdict(results.quality, stated=bool(possible_drift_words(results))),
     )
     about = (
         ("Campaign", results.provenance.name),

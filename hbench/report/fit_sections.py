@@ -53,8 +53,10 @@ def fit_sections(results: Results) -> tuple[Section, ...]:
             subsections.append(part)
     if subsections:
         text = (
-            "Each value has its 95 % interval. Do not use a parameter that is not determined: very "
-            "different values fit the measured points as well. The interval of a hardly determined "
+            "Each value has its 95 % interval by the scatter of the points: errors of the "
+            "instruments and a drift over the campaign are not included. Do not use a parameter "
+            "that is not determined: very different values fit the measured points as well. The "
+            "interval of a hardly determined "
             "one contains 0 or is wider than ±50 % of the value."
         )
         if any(determines_none(fit) for curve in of_points.curves for fit in curve.fits):

@@ -101,8 +101,6 @@ def _quantity_tiles(results: Results) -> Iterable[Tile]:
     )
     for numbers, scale, unit, caption, anchor in quantities:
         where = _of_series(numbers, series) if len(series) > 1 else ""
-        if caption == "breakaway":
-            where = "; ".join(filter(None, (where, _weak_extrapolation(results))))
         yield from _tile(numbers, scale, unit, caption, anchor, where)
     yield from _band_tiles(results)
 

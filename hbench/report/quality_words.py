@@ -54,6 +54,7 @@ STEPS = {
     "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
     "drift": "warm the bench up until friction no longer changes from run to run, and measure in "
     "random order",
+    "possible_drift": "measure in random order, which separates drift from speed",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
     "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",
@@ -64,5 +65,5 @@ STEPS = {
     "equal_directions": "look for a force that is not measured, such as a weight on an upright "
     "cylinder, for a zero offset, and for a wrong diameter",
     "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
-    "and state their tolerances in the {file}",
+    "and state the new tolerances in the {file}",
 }

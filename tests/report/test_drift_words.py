@@ -17,6 +17,7 @@ from hbench.report.drift import (
     drift_with_oil,
     drift_words,
 )
+from hbench.report.drift_section import drift_sections
 
 CHANGES = ("change", "change_ci95", "change_percent", "change_percent_ci95")
 MEASURED = {
@@ -99,7 +100,25 @@ def test_the_verdict_states_a_drift_that_cannot_be_excluded_once(small):
     quality = replace(small.quality, grade="with care", checks=drift_checks(drift))
     verdict = report_document(replace(small, drift=drift, quality=quality), ()).verdict
     assert verdict.count("20 %") == 1 and "U does not contain a possible drift of up to" in verdict
-    assert "The drift would appear as an effect of speed." in verdict
+    assert "Next step: measure in random order, which separates drift from speed." in verdict
+    shown = replace(drift, p=0.001)
+    checks = drift_checks(shown)
+    quality = replace(small.quality, grade=checks[0].grade, checks=checks)
+    verdict = report_document(replace(small, drift=shown, quality=quality), ()).verdict
+    assert "Next step: warm the bench up until friction no longer changes" in verdict
+
+
+@pytest.mark.parametrize(
+    ("stopped", "words"),
+    [("08:24", "These runs span 2.6 min of the campaign's 24 min: a drift in"), ("08:03", "")],
+)
+def test_the_part_of_the_campaign_that_the_drift_is_of_is_stated(small, stopped, words):
+    day = "2026-01-01T"
+    times = {"started": f"{day}08:00:00+00:00", "stopped": f"{day}{stopped}:00+00:00"}
+    results = replace(small, drift=Drift(**MEASURED), provenance=replace(small.provenance, **times))
+    (section,) = drift_sections(results)
+    text = " ".join(section.paragraphs)
+    assert words in text and bool(words) == ("These runs span" in text)
 
 
 @pytest.mark.parametrize(

@@ -53,7 +53,9 @@ def test_valves_that_deviate_at_the_same_edge_are_listed_together_with_the_line_
         return replace(compared, where=flows, rest=flows, regions=(*directions, *speeds))
 
     lead = ordinary_spaces(verdict_words(found()))
-    assert lead.startswith("The flow to the load piston side deviates from the model by 0.030")
+    assert lead.startswith(
+        "The flows to the load piston side and the test piston side deviate from the model by 0.030"
+    )
     assert len(lead) <= FIVE_LINES
     assert (
         "First inspect the test valve and load valve L2 at their metering edges to tank, and the "

@@ -11,6 +11,7 @@ import pytest
 from markupsafe import escape
 
 from hbench.analysis.comparison.fleet_summary import summarize
+from hbench.records import QUANTITIES, Trend
 from hbench.records.conformity.acceptance import Requirement
 from hbench.report.fleet.charts import chart_table, step_table
 from hbench.report.fleet.figures import draw_fleet
@@ -176,7 +177,7 @@ def test_the_terminal_gets_ascii_and_json_the_verdicts(found):
     assert document["first"].startswith("2026-03-02")
 
 
-def test_decisions_are_counted_and_cpk_stands_on_page_in_text_and_json(tmp_path, undrawn):
+def test_decisions_are_counted_and_ppk_stands_on_page_in_text_and_json(tmp_path, undrawn):
     made_table(tmp_path, 12)
     requirement = Requirement("friction", "N", low=None, high=900.0)
     of_a_load = replace(requirement, f_load_n=500.0, name="loaded <b>")
@@ -188,12 +189,12 @@ def test_decisions_are_counted_and_cpk_stands_on_page_in_text_and_json(tmp_path,
     assert fleet.decisions == (("FAIL", 1), ("PASS", 11))
     assert {each.decision for each in fleet.rows} == {"FAIL", "PASS"}
     page, text = fleet_page(fleet, draw_fleet(fleet)), fleet_text(fleet)
-    assert "Cpk" in text and "1 FAIL, 11 PASS" in text
+    assert "Ppk" in text and "Cpk" in text and "1 FAIL, 11 PASS" in text
     assert "Capability" in page and "at most 900" in page
-    assert "No Cpk for the limit of loaded &lt;b&gt;: it applies to one load" in page
-    assert "No Cpk for the limit of loaded" in text
-    assert json.loads(fleet_json(fleet))["capabilities"][0]["cpk"]["value"] == pytest.approx(
-        fleet.capabilities[0].cpk.value
+    assert "No Ppk for the limit of loaded &lt;b&gt;: it applies to one load" in page
+    assert "No Ppk for the limit of loaded" in text
+    assert json.loads(fleet_json(fleet))["capabilities"][0]["ppk"]["value"] == pytest.approx(
+        fleet.capabilities[0].ppk.value
     )
 
 
@@ -370,32 +371,64 @@ def test_the_verdict_names_campaigns_beyond_a_limit_and_what_to_do_about_a_step(
     charts = (replace(shifted.charts[0], outside=names), *shifted.charts[1:])
     verdict = fleet_verdict(replace(shifted, charts=charts))
     assert (
-        f"4 of {shifted.compared} campaigns are beyond a limit of the individual values "
-        "(C-4, C-7, C-9 and 1 more); where the mean has changed, the limits are those of the "
-        "campaigns before the change."
+        f"4 of {shifted.compared} campaigns are beyond a control limit of the campaigns before the "
+        "change (C-4, C-7, C-9, C-11)."
     ) in verdict
     steady = tuple(replace(chart, step=None, n_limits=chart.n) for chart in charts)
-    assert "(C-4, C-7, C-9 and 1 more)." in fleet_verdict(replace(shifted, charts=steady))
+    assert "beyond a control limit (C-4" in fleet_verdict(replace(shifted, charts=steady))
+    weak = replace(shifted, weak_checks=(("drift", 5),), drift_possible=0.351)
+    assert "In 5 campaigns, a drift of up to 36 % of friction within the campaign" in fleet_verdict(
+        weak
+    )
 
 
 def test_the_top_of_the_page_has_few_tiles_and_counts_each_change_once(shifted, undrawn):
     (summary, *_) = fleet_document(shifted, ()).sections
     assert 4 <= len(summary.tiles) <= 7
     assert summary.tiles[0].value == "30 of 30" and "data: " in summary.tiles[0].more
-    (changes,) = (tile for tile in summary.tiles if "changed over time" in tile.more)
-    trends = sum(one.trend is not None for one in shifted.spreads)
-    assert changes.value == f"{len(stepped_numbers(shifted))} of {trends}"
-    assert changes.more == "tested numbers changed over time: 1 by a step"
+    tiles = {tile.unit: tile for tile in summary.tiles}
+    steps, drifts = tiles["numbers with a step"], tiles["numbers with a drift"]
+    assert (steps.value, steps.more) == (f"1 of {len(shifted.charts)}", "of the mean, from c18 on")
+    others = [one for one in shifted.spreads if one.trend is not None][1:]
+    assert drifts.value == f"0 of {len(others)}"
+    shares = [max(abs(one.trend.low), abs(one.trend.high)) / one.median for one in others]
+    assert f"({100 * max(shares):.2g} %) is not excluded" in ordinary_spaces(drifts.more)
 
 
 def test_a_change_is_directly_below_the_summary_and_not_repeated_in_it(shifted, found, undrawn):
-    summary, charts, *_ = fleet_document(shifted, ()).sections
-    assert charts.title == "Control charts" and charts.tables[0].title == "Change points"
+    drawings = draw_fleet(shifted)
+    summary, figures, *_ = fleet_document(shifted, drawings).sections
+    table = summary.tables[0]
+    column = dict(zip((row[0] for row in table.rows), (row[3] for row in table.rows), strict=True))
+    assert re.fullmatch(r"step at c18: \+.*", column["Friction, extending (N)"])
+    assert column["Friction, retracting (N)"].startswith("not significant: ")
+    assert [part.folded for part in figures.parts] == [False, True, True, True]
+    assert [d.name for d in figures.parts[0].drawings][0] == "control-friction-n-extend"
     said = " ".join(summary.items)
     assert "has changed" not in said and "beyond the limits" not in said
-    steady = tuple(replace(chart, step=None) for chart in shifted.charts)
-    titles = [s.title for s in fleet_document(replace(shifted, charts=steady), ()).sections]
-    assert titles.index("Control charts") > titles.index("Distributions")
+    steady = replace(shifted, charts=tuple(replace(chart, step=None) for chart in shifted.charts))
+    _, figures, *_ = fleet_document(steady, drawings).sections
+    assert [part.folded for part in figures.parts] == [not any(
+        one.trend.real for one in shifted.spreads if one.quantity.name == "friction_n"
+    ), True, True, True]  # fmt: skip
+
+
+def test_breakaway_that_changes_against_friction_is_stated(shifted):
+    chart = next(c for c in shifted.charts if c.quantity.name == "friction_n")
+    (breakaway,) = (q for q in QUANTITIES if q.name == "breakaway_fit_n")
+    falls = Trend(-11.3, -17.2, -1.8, 640.0, 0.14)
+    of_fit = replace(spread(shifted, "friction_n"), quantity=breakaway, trend=falls)
+
+    def said(trend):
+        spreads = (*shifted.spreads, replace(of_fit, trend=trend))
+        return " ".join(finding_sentences(replace(shifted, spreads=spreads)))
+
+    assert chart.step.after > chart.step.before
+    text = ordinary_spaces(said(falls))
+    assert "extending, falls while friction rises: by −11.3 (−17.2 to −1.8) N." in text
+    assert "is not significant (p = 0.14)" in text and "kind breakaway" in text
+    assert "while friction" not in said(replace(falls, high=1.8))
+    assert "while friction" not in said(Trend(11.3, 1.8, 17.2, 640.0, 0.14))
 
 
 def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shifted):

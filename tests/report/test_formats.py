@@ -70,6 +70,25 @@ def test_the_index_of_a_symbol_is_below_the_line_and_smaller_in_a_pdf():
     assert index.get_size() < before.get_size()
 
 
+def test_each_sheet_of_a_pdf_has_cylinder_number_and_date_of_the_test():
+    identity = (("Cylinder", "HC-7"), ("Test number", "17"), ("Measured", "2026-01-05 08:00 UTC"))
+    (sheet,) = sheets(Document("t", "", (Section("s", ("Text.",)),), identity=identity))
+    assert "HC-7 · test 17 · 2026-01-05 · hbench" in texts_of(sheet)
+    (sheet,) = sheets(Document("t", "", (Section("s", ("Text.",)),)))
+    assert "hbench" in texts_of(sheet)
+
+
+def test_an_index_is_where_its_symbol_ends_as_it_is_set():
+    """Kerning makes a long line shorter than its letters' advances: "AVAVAV" has much of it."""
+    made = Document("t", "", (Section("s", ("AVAVAVAVAVAVAVAV F_C, of",)),))
+    (sheet,) = sheets(made)
+    texts = {text.get_text(): text for text in sheet.texts}
+    before, index = texts["AVAVAVAVAVAVAVAV F"], texts["C"]
+    renderer = sheet.canvas.get_renderer()
+    ends = before.get_window_extent(renderer).x1 - index.get_window_extent(renderer).x0
+    assert abs(ends) < 0.1 * before.get_size() * sheet.dpi / 72
+
+
 def test_each_sheet_of_a_pdf_has_the_documents_name_and_its_number():
     table = WordTable("", ("name", "value (N)"), tuple((f"row {i}", str(i)) for i in range(150)))
     made = Document("stribeck", "", (Section("s", tables=(table,)),), source="simulated")
@@ -92,9 +111,9 @@ def texts_of(sheet):
 
 
 def test_a_short_table_is_not_divided_nor_apart_from_its_heading_in_a_pdf():
-    one, two = sheets(Document("t", "", (of_rows("a", 45), of_rows("b", 9))))
-    assert {"Section b", *(f"b{i}" for i in range(9))} <= set(texts_of(two))
-    assert "a44" in texts_of(one)
+    one, two = sheets(Document("t", "", (of_rows("a", 48), of_rows("b", 5))))
+    assert {"Section b", *(f"b{i}" for i in range(5))} <= set(texts_of(two))
+    assert "a47" in texts_of(one)
 
 
 def test_a_long_table_begins_on_the_sheet_that_has_room_in_a_pdf():

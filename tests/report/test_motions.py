@@ -157,8 +157,10 @@ def test_a_breakaway_below_friction_at_a_crawl_is_explained_by_its_creep(
         motions=replace(moving.motions, breakaways=(push,)),
     )
     said = dict(creep_facts(results))
-    assert list(said) == (["Below friction at 2 mm/s, extending"] if explained else [])
-    assert not explained or "502 N at 2 mm/s and 443 N at 20 mm/s" in next(iter(said.values()))
+    assert list(said) == (["Breakaway below friction, extending"] if explained else [])
+    assert not explained or "482 N is below the 502 N of steady runs at 2 mm/s" in next(
+        iter(said.values())
+    )
 
 
 def test_no_title_runs_into_the_word_that_its_figure_is_simulated(moving):

@@ -126,13 +126,17 @@ def summarize(
             worst[int(sample.rows[i])].append(deviation)
     failures = np.flatnonzero(~good)[:_LISTED]
     speeds = table.numbers("v_m_s")[compared]
+    hidden = table.numbers("drift_possible")[good]
     speed = float(np.nanmedian(speeds)) if np.isfinite(speeds).any() else None
 
     def compared_values(quantity: Quantity, side: Side) -> np.ndarray:
-        x = table.numbers(quantity.column(side))[compared]
+        x = table.numbers(quantity.column(side))[in_order]
         return x[np.isfinite(x)]
 
-    paths = table.values("path", np.flatnonzero(compared)) if requirements else ()
+    in_order = np.flatnonzero(compared)
+    if by_date:
+        in_order = in_order[np.argsort(at[in_order], kind="stable")]
+    paths = table.values("path", in_order) if requirements else ()
     decided = [checks(path) for path in paths]
     decisions = Counter(map(decision, table.values("path", np.flatnonzero(good))))
     return Fleet(
@@ -144,6 +148,7 @@ def summarize(
         ),
         qualities=tuple(pair for pair in table.counts("quality") if pair[0]),
         weak_checks=_weak_checks(table),
+        drift_possible=float(np.nanmax(hidden)) if np.isfinite(hidden).any() else None,
         incomplete=int((good & ~table.equals("missing", "")).sum()),
         sources=tuple(pair for pair in table.counts("source") if pair[0]),
         protocols=tuple(protocols[:_MOST_KINDS]),
@@ -159,7 +164,7 @@ def summarize(
         plan_notes=system.notes,
         charts=system.charts,
         wear=system.wear,
-        capabilities=tuple(capabilities(compared_values, decided, requirements, speed)),
+        capabilities=tuple(capabilities(compared_values, decided, requirements, speed, by_date)),
         without_capability=tuple(
             without_capability(decided, requirements, speed, int(compared.sum()))
         ),

@@ -33,7 +33,8 @@ def fleet(
         "'3 %'; the page states the share that the measurement uses (%GRR).",
     ),
     limits: Path | None = typer.Option(
-        None, help="File of limits, as for hbench accept: the page states Cpk with its interval."
+        None,
+        help="File of limits, as for hbench accept: the page states Ppk and Cpk with intervals.",
     ),
     fail: bool = typer.Option(False, "--fail", help="Exit with 6 if a campaign has failed."),
     as_json: bool = AS_JSON,

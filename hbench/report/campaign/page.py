@@ -21,12 +21,11 @@ from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.oil_temperature import temperature_section
-from hbench.report.quality_words import LOAD_CELL_ZERO
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span
-from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import titled
+from hbench.report.zero_words import zero_notes
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _SHEET = 50  # a longer table of points is not printed
@@ -46,10 +45,6 @@ _ZEROS = (
     "The zeros of the sensors in the table were checked with the supply off and the chambers "
     "vented. Their errors were subtracted, in between as a straight line over time; the error of "
     "the reference pressure and the drift of each zero are limits of errors in u."
-)
-_NO_ZEROS = (
-    "The campaign has no zero checks of the sensors (experiments of kind check): u contains zero "
-    "errors only as far as the stated tolerances do."
 )
 _NOT_PRINTED = (
     "curves.csv and efficiency.csv, beside this page, contain every point. A table of more than "
@@ -96,13 +91,13 @@ def report_document(
     rejected = (_rejected(results, figures.get("rejected", ())),)
     first = results.quality.grade == "poor" and has_rejected(results)
     sections = (
-        *((replace(decision, paragraphs=()),) if decision else ()),
+        *((_decided(results, decision),) if decision else ()),
         summary_section(results, decision is not None),
         *(rejected if first else ()),
         _friction(results, figures.get("friction", ())),
         *fit_sections(results),
         *temperature_section(results, figures.get("temperature", ())),
-        *_moving(results, figures),
+        *_moving(results, figures, decision is not None),
         *_budget(results),
         *_efficiency(results, figures.get("efficiency", ())),
         *more,
@@ -165,7 +160,18 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     return Section("Friction", () if drawings else (few,), drawings=drawings, tables=tables)
 
 
-def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:
+def _decided(results: Results, decision: Section) -> Section:
+    """Return the decision without its paragraphs, which begin the verdict.
+
+    It explains a breakaway below the friction of a slow run, which a reader would doubt.
+    """
+    creep = page_motions.creep_facts(results)
+    return replace(decision, paragraphs=(), facts=(*creep, *decision.facts))
+
+
+def _moving(
+    results: Results, figures: dict[str, tuple[Drawing, ...]], decided: bool
+) -> Iterable[Section]:
     if drawings := figures.get("ramps"):
         table = page_motions.comparison_table(results)
         differing = sum(map(differs, results.motions.comparisons))
@@ -189,31 +195,42 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             "Breakaway",
             (_BREAKAWAY,),
             drawings=drawings,
-            facts=page_motions.creep_facts(results),
+            facts=() if decided else page_motions.creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
                 *titled(page_motions.dwell_table(results), "Laws over the time at rest"),
             ),
         )
-    holds = titled(page_motions.hold_table(results), "Each hold")
     for name, table, more, words in (
         ("hysteresis", page_motions.loop_table(results), (), "Width and energy of the loops"),
         ("steps", page_motions.level_table(results), (), "Friction after each step"),
-        ("leakage", page_motions.leak_table(results), holds, "Leakage at the highest pressure"),
+        (
+            "leakage",
+            page_motions.leak_table(results),
+            _holds(results),
+            "Leakage at the highest pressure",
+        ),
     ):
         if drawings := figures.get(name):
-            parts = (Section(items=table.messages),) if table.messages else ()
-            title, tables = name.capitalize(), (replace(table, title=words), *more)
+            notes = (Section(items=table.messages),) if table.messages else ()
+            parts: tuple[Section, ...] = (*notes, *more)
+            title, named = name.capitalize(), (replace(table, title=words),)
             if name in _FOLDED:
                 fold = f"{words}: figure and table"
-                inside = Section(fold, drawings=drawings, tables=tables, parts=parts, folded=True)
+                inside = Section(fold, drawings=drawings, tables=named, parts=parts, folded=True)
                 yield Section(title, (_FOLDED[name](results),), parts=(inside,))
             else:
-                yield Section(title, drawings=drawings, tables=tables, parts=parts)
+                yield Section(title, drawings=drawings, tables=named, parts=parts)
     if drawings := figures.get("over-distance"):
         table = page_motions.distance_table(results)
         tables = titled(table, "Changes over the distance")
         yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=tables)
+
+
+def _holds(results: Results) -> tuple[Section, ...]:
+    table = page_motions.hold_table(results)
+    title = f"Each hold ({len(table.rows)})"
+    return (Section(title, tables=(table,), folded=True),) if table.rows else ()
 
 
 def _loop_words(results: Results) -> str:
@@ -248,8 +265,8 @@ def _budget(results: Results) -> tuple[Section, ...]:
         "Friction at the working speed with the standard uncertainty of each input (JCGM 100). "
         "u is the combined standard uncertainty, ν its effective degrees of freedom, and k the "
         "coverage factor: U = k u. Parts below 1 % of u are not listed.",
-        _ZEROS if zeros.rows else _NO_ZEROS,
-        *([f"{capital(LOAD_CELL_ZERO)}."] if results.motions.load_cell_zero_unchecked else []),
+        *([_ZEROS] if zeros.rows else []),
+        *zero_notes(results),
     )
     tables = (
         *titled(table, "Friction at the working speed and the parts of its uncertainty"),

@@ -202,11 +202,11 @@ def creep_facts(results: Results) -> tuple[tuple[str, str], ...]:
         (low, before), (high, after) = max(slower), min(faster)
         facts.append(
             (
-                f"Below friction at {short(1e3 * low)} mm/s, {TITLES[each.direction].lower()}",
-                f"The piston creeps at {number(1e3 * (each.v_m_s or 0.0), 1)} mm/s when friction "
-                f"is largest, and friction falls with speed there: steady runs have "
-                f"{number(before, 0)} N at {short(1e3 * low)} mm/s and {number(after, 0)} N at "
-                f"{short(1e3 * high)} mm/s.",
+                f"Breakaway below friction, {TITLES[each.direction].lower()}",
+                f"{number(each.breakaway_n, 0)} N is below the {number(before, 0)} N of steady "
+                f"runs at {short(1e3 * low)} mm/s: the piston creeps at "
+                f"{number(1e3 * (each.v_m_s or 0.0), 1)} mm/s when friction is largest, and "
+                f"friction falls with speed to {number(after, 0)} N at {short(1e3 * high)} mm/s.",
             )
         )
     return tuple(facts)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from hbench.records import Completeness, ImplausiblePoint, PointTrials, Quality, QualityCheck
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import load_words
-from hbench.report.drift import DRIFT_MEANS, drift_finding, drift_words
+from hbench.report.drift import drift_finding, drift_words
 from hbench.report.quality_words import LIMITS, NAMES, STEPS
 from hbench.report.render.numbers import number, short, significant, with_interval
 from hbench.report.render.symbols import capital
@@ -64,6 +64,8 @@ def next_step(
 def _step(check: QualityCheck) -> str:
     """Return what improves a check; tolerances that are not known are stated first."""
     unknown = check.name == "instruments" and check.value is None
+    if check.drift is not None and not check.drift.significant:
+        return STEPS["possible_drift"]
     return _NO_TOLERANCES if unknown else STEPS[check.name]
 
 
@@ -152,13 +154,13 @@ def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
     return table((*WHO, "Velocity (mm/s)", "Measured", "Remark"), rows, words=("Measured",))
 
 
-def quality_verdict(quality: Quality, count_runs: bool = True, drift_stated: bool = False) -> str:
+def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = False) -> str:
     """Return the verdict in a few sentences; an incomplete campaign is reported first.
 
     Points without enough trials of a complete one are reported after what makes the data poor.
 
     Without ``count_runs`` it is not, where a page's alarm counts the completed runs and states
-    that the numbers are theirs. A drift that is ``drift_stated`` before is not repeated.
+    that the numbers are theirs. U and a possible drift that are ``stated`` before are not repeated.
     """
     worst = _worst(quality)
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
@@ -169,11 +171,12 @@ def quality_verdict(quality: Quality, count_runs: bool = True, drift_stated: boo
         if not (incomplete and _is_without_trial(check))  # not twice
         if count_runs or check.name != "complete"
     ]
-    reasons = ". ".join(capital(_reason(check, drift_stated)) for check in named)
+    said = [_reason(check, stated) for check in named if not (stated and check.drift is not None)]
+    reasons = ". ".join(map(capital, said))
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
     elif quality.grade == "with care":
-        verdict = f"Use the data with care. {reasons}."
+        verdict = f"Use the data with care. {reasons}." if reasons else "Use the data with care."
     elif all(check.name == "complete" or _is_without_trial(check) for check in worst):
         why = f"{reasons}." if reasons else ""
         numbers = f"The numbers below are those of the {other}." if count_runs else ""
@@ -237,9 +240,13 @@ def grade_words(quality: Quality) -> str:
     return f"data rated '{quality.grade}'; {'; '.join(worst)}"
 
 
-def _reason(check: QualityCheck, drift_stated: bool = False) -> str:
+def _reason(check: QualityCheck, stated: bool = False) -> str:
     """Write what a check found, for a sentence."""
     if check.name == "instruments" and check.value is not None:
+        if stated:
+            return (
+                f"the tolerances of the instruments alone give ±{number(check.value, 0)} % (median)"
+            )
         return f"the tolerances of the instruments{_value(check).removeprefix('their tolerances')}"
     if check.name == "complete" and check.value is not None and check.count != check.of:
         limit = f" (poor below {check.poor:g} %)" if check.grade == "poor" else ""
@@ -249,7 +256,7 @@ def _reason(check: QualityCheck, drift_stated: bool = False) -> str:
     if check.name == "runs_accepted":
         return f"{check.count} of {check.of} runs {_were(check.count or 0)} accepted"
     if check.drift is not None:
-        return DRIFT_MEANS if drift_stated else drift_finding(check.drift)
+        return drift_finding(check.drift)
     return f"{NAMES[check.name].lower()}: {_value(check)}"
 
 

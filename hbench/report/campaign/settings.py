@@ -10,6 +10,7 @@ from hbench.report.campaign.reasons import code_of
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
 from hbench.report.setting_words import key_words, section_words
+from hbench.report.zero_words import tolerance_words
 
 _SIZES = ("bore", "rod", "stroke")
 _TEST = ("customer", "operator", "mounting", "place", "ambient")
@@ -128,7 +129,7 @@ def _dimensions(specimen: Specimen) -> str:
 
 
 def _calibrations(instruments: Mapping[str, Any]) -> str:
-    """Return each instrument's serial number and calibration, as far as the bench file has them."""
+    """Return each instrument's calibration and tolerance, as far as the bench file has them."""
     named = []
     for name, instrument in instruments.items():
         known = instrument.get("calibration", {}) if isinstance(instrument, Mapping) else {}
@@ -139,7 +140,8 @@ def _calibrations(instruments: Mapping[str, Any]) -> str:
         )
         if any(stated):
             named.append(f"{name.replace('_', ' ')} ({', '.join(filter(None, stated))})")
-    return "; ".join(named) or "no calibration recorded"
+    known = named or ["no calibration recorded"]
+    return "; ".join(filter(None, (*known, tolerance_words(instruments))))
 
 
 def _period(provenance: Provenance) -> str:

@@ -32,6 +32,7 @@ from hbench.report.render.numbers import (
     with_interval,
 )
 from hbench.report.render.word_tables import Cell, Table
+from hbench.report.zero_words import zero_reserve
 from hbench.units import from_si
 
 _ONE_TRIAL = (
@@ -72,10 +73,11 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     folded = (Section(heading, tables=tables, folded=True),) if len(series) > _LONG else ()
     parts = "[[uncertainty]]" if budget.rows else ""
     load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
+    zeros = zero_reserve(results) if known else ""
     facts = (
         ("Measured", _measured(results)),
         ("Data", _data(results) if decided else ""),
-        ("Uncertainty", _uncertainty(series, parts, known)),
+        ("Uncertainty", " ".join(filter(None, (_uncertainty(series, parts, known), zeros)))),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
         ("Breakaway", extrapolated_words(results)),
         ("Load", load if _differs_from_load(series, load_cell_n) else ""),
@@ -98,7 +100,7 @@ def summary_section(results: Results, decided: bool = False) -> Section:
                 anchor="quality",
                 folded=results.quality.grade != "poor",
             ),
-            *drift_sections(results.drift),
+            *drift_sections(results),
         ),
     )
 

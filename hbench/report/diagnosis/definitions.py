@@ -47,7 +47,7 @@ WHICH: tuple[Fact, ...] = (
      "quantities that it changes alone. A candidate can have a large share and a score near 0: the "
      "score counts all quantities and the uncertainty of the fit, and the refitted values of the "
      "model predict these points as well without the effect."),
-    ("Size", "Its largest coefficient relative to a typical one."),
+    ("Size", "Its largest coefficient relative to a typical one; a dash without a gain."),
     ("Named", "An effect whose score exceeds the limit beside it in the table, that explains more "
      f"than {100 * LEAST_EXPLAINED:g} %, and whose size is at least {LEAST_SIZE:g} of a typical "
      "one."),

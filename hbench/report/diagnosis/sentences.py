@@ -23,6 +23,7 @@ from hbench.report.diagnosis.names import (
 from hbench.report.diagnosis.words.coefficient import keys_as_words, parameter_text
 from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, MOST_SIGNALS
 from hbench.report.diagnosis.words.error import load_errors
+from hbench.report.diagnosis.words.refit import refit_increases
 from hbench.report.render.numbers import number, significant
 from hbench.report.render.symbols import capital, listed
 
@@ -174,13 +175,9 @@ def worse_words(diagnosis: Diagnosis) -> str:
 
 def predictions_words(diagnosis: Diagnosis) -> str:
     """Return that an unexplained model whose refit increases a gap predicts nothing; or nothing."""
-    gaps = diagnosis.gap_heldout.balances
-    worse = [
-        f"{in_sentence(name)} (gap {gap_number(gap.before)} to {gap_number(gap.refitted)})"
-        for name, gap in gaps.items()
-        if gap.refitted > max(1.0, CLEARLY_WORSE * gap.before)
-    ]
-    if not worse or diagnosis.refit_refused or added_words(diagnosis):
+    moved = refit_increases(diagnosis)
+    worse = [f"{in_sentence(name)} ({gaps})" for name, gaps in moved.items()]
+    if not worse:
         return ""
     return f"Do not predict with model.yaml: its refit increases the error of {listed(worse)}."
 

@@ -56,6 +56,7 @@ from hbench.report.diagnosis.words.deviation import (
     expected_words,
     increased,
     largest_deviation,
+    largest_gap,
     not_expected,
     poorly_simulated,
     remainder,
@@ -75,6 +76,7 @@ from hbench.report.diagnosis.words.place import (
     residual_words,
     where_words,
 )
+from hbench.report.diagnosis.words.refit import unexplained
 from hbench.report.diagnosis.words.unexplained import agreeing_words, narrowing_words
 from hbench.report.render.symbols import capital, listed
 
@@ -198,8 +200,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield doubtful_volume(diagnosis)
             yield from further_inspections(diagnosis)
             if not diagnosis.next_experiment:
-                gaps = diagnosis.rest or diagnosis.where[:1]
-                yield narrowing_words(diagnosis, gaps[0].name)
+                yield narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
         else:
             yield best_candidate(diagnosis) if hint(diagnosis) else ""
             yield diagnosis.next_experiment or ""
@@ -325,6 +326,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))
     yield _RESIDUALS, residual_words(diagnosis, list(names))
     yield _RESIDUALS, significant_gaps(diagnosis.where)
+    yield _RESIDUALS, largest_gap(diagnosis)
 
 
 def _insufficient(diagnosis: Diagnosis) -> Iterator[Answer]:

@@ -43,7 +43,6 @@ from hbench.report.diagnosis.words.deviation import (
     largest_deviation,
     not_expected,
     too_small_words,
-    worst_signal,
 )
 from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
 from hbench.report.diagnosis.words.place import (
@@ -53,6 +52,7 @@ from hbench.report.diagnosis.words.place import (
     size_words,
     worst_places,
 )
+from hbench.report.diagnosis.words.refit import unexplained
 from hbench.report.diagnosis.words.unexplained import narrowing_words, unexplained_words
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
@@ -266,19 +266,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
     yield "" if diagnosis.errors else sizes
-    yield _largest_gap(diagnosis)
-    yield worst_signal(diagnosis)
     yield _largest(diagnosis)
-
-
-def _largest_gap(diagnosis: Diagnosis) -> str:
-    """State the largest gap of a quantity in held-out runs beside that of a correct model."""
-    gaps = diagnosis.gap_heldout.balances
-    name = max(gaps, key=lambda each: gaps[each].refitted, default="")
-    if len(gaps) < 2 or not gaps[name].refitted > 1:
-        return ""
-    largest, expected = (gap_number(gap) for gap in (gaps[name].refitted, gaps[name].floor))
-    return f"The largest of these gaps is {largest} in {in_sentence(name)} ({expected} expected)."
 
 
 def _largest(diagnosis: Diagnosis) -> str:
@@ -319,9 +307,12 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         yield "These runs do not suffice to find a missing effect."
         yield f"Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return
-    gaps = diagnosis.rest or diagnosis.where[:1]
-    finding, *place = unexplained_words(diagnosis, gaps)
+    finding, *place = unexplained_words(diagnosis)
     yield finding
     yield beyond_balances(diagnosis) or " ".join(place)
     yield next_step(diagnosis)
-    yield "" if diagnosis.next_experiment else narrowing_words(diagnosis, gaps[0].name)
+    yield (
+        ""
+        if diagnosis.next_experiment
+        else narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
+    )

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from hbench.records import (
     ChartStep,
     ControlChart,
+    Estimate,
     Fleet,
     WearTrend,
     WordTable,
@@ -19,7 +20,7 @@ from hbench.report.fleet.names import (
     signed,
     working_speed,
 )
-from hbench.report.render.numbers import finer, significant, with_ends, with_interval
+from hbench.report.render.numbers import NONE, finer, significant, with_ends, with_interval
 from hbench.report.render.symbols import capital
 from hbench.units import from_si
 
@@ -57,7 +58,7 @@ def because_of_step(fleet: Fleet) -> str:
     outside = [chart for chart in fleet.charts if chart.outside]
     if not any(chart.n_limits < chart.n for chart in outside):
         return ""
-    return "; where the mean has changed, the limits are those of the campaigns before the change"
+    return " of the campaigns before the change"
 
 
 def limit_sentences(fleet: Fleet) -> Iterator[str]:
@@ -69,8 +70,7 @@ def limit_sentences(fleet: Fleet) -> Iterator[str]:
     if beyond:
         names = [f"{name} ({'; '.join(beyond[name])})" for name in in_order(beyond)]
         which = named(tuple(names)[:_NAMED], len(beyond))
-        limits = f"the limits of the individual values: {which}{because_of_step(fleet)}"
-        yield f"Campaigns beyond {limits}."
+        yield f"Campaigns beyond the control limits{because_of_step(fleet)}: {which}."
 
 
 def wear_sentences(fleet: Fleet) -> Iterator[str]:
@@ -163,7 +163,7 @@ def step_size(step: ChartStep, scale: float) -> str:
 
 
 def capability_table(fleet: Fleet) -> WordTable:
-    """Return Cpk of each limited quantity, with its interval."""
+    """Return Ppk and Cpk of each limited quantity, with their intervals."""
     rows = []
     for each in fleet.capabilities:
         unit = each.requirement.unit
@@ -173,32 +173,39 @@ def capability_table(fleet: Fleet) -> WordTable:
                 str(each.n),
                 limit_words(each.requirement),
                 f"{significant(from_si(each.series.value, unit), 4)} {unit}",
-                f"{significant(from_si(each.sigma, unit), 3)} {unit}",
-                with_ends(each.cpk.value, each.cpk.low, each.cpk.high or each.cpk.value),
+                _index(each.ppk, each.sigma, unit),
+                NONE
+                if each.cpk is None or each.sigma_within is None
+                else _index(each.cpk, each.sigma_within, unit),
                 str(each.outside),
             )
         )
-    head = ("Quantity", "Campaigns", "Limit", "Mean", "s", "Cpk", "Beyond the limit")
+    head = ("Quantity", "Campaigns", "Limit", "Mean", "Ppk (s)", "Cpk (s_w)", "Beyond the limit")
     return WordTable("Capability", head, tuple(rows))
 
 
+def _index(index: Estimate, sigma: float, unit: str) -> str:
+    """Write an index with its interval, and the standard deviation that it is of."""
+    shown = with_ends(index.value, index.low, index.high or index.value)
+    return f"{shown} ({significant(from_si(sigma, unit), 2)} {unit})"
+
+
 def capability_notes(fleet: Fleet) -> Iterator[str]:
-    """Yield a reservation on Cpk, and the limits that have none, with the reason."""
+    """Yield what the two indices are, and the limits that have none, with the reason."""
     if fleet.capabilities:
+        stepped = any(chart.step is not None and chart.step.real for chart in fleet.charts)
         speed = working_speed(fleet)
         yield (
-            "These values are at the speeds and loads of the limits. The other numbers of the "
-            f"fleet are at the working speed{f', {speed},' if speed else ''} and are means over "
-            "the loads."
+            "Ppk is of the standard deviation s of all campaigns, Cpk of the standard deviation "
+            "s_w from one campaign to the next, which a step or a drift hardly increases."
+            + (" As long as the mean changes, neither predicts later campaigns." * stepped)
         )
-    stepped = any(chart.step is not None and chart.step.real for chart in fleet.charts)
-    if fleet.capabilities and stepped:
         yield (
-            "s, the standard deviation of the campaigns, contains the steps of the mean: Cpk is "
-            "that of all campaigns together, not of the latest."
+            "Values are those of the speeds and loads of the limits. The other numbers of this "
+            f"page are means over the loads at the working speed{f', {speed}' if speed else ''}."
         )
     for name, reason in fleet.without_capability:
-        yield f"No Cpk for the limit of {name}: {reason}."
+        yield f"No Ppk for the limit of {name}: {reason}."
 
 
 def wear_table(fleet: Fleet) -> WordTable:

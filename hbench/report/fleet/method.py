@@ -72,11 +72,13 @@ _METHOD = (
     ),
     (
         "Capability",
-        "Cpk = min(upper limit − mean, mean − lower limit) / (3 s); s is the standard deviation of "
-        "the campaigns, the measurement's scatter included. The 95 % interval is Bissell's, for "
-        "normal values. At least 10 campaigns are needed, of the same kind. Values are those "
-        "of hbench accept, which measures what a limit applies to; for a limit of all loads at the "
-        "working speed, those of the table of campaigns.",
+        "Ppk = min(upper limit − mean, mean − lower limit) / (3 s); s is the standard deviation of "
+        "all campaigns. Cpk has s_w in the place of s: the mean moving range / 1.128, in the order "
+        "of the dates. Both contain the measurement's scatter. The 95 % intervals are Bissell's, "
+        "for normal values, with n − 1 and 0.605 (n − 1) degrees of freedom. At least 10 "
+        "campaigns of the same kind are needed. Values are those of hbench accept, which measures "
+        "what a limit applies to; for a limit of all loads at the working speed, those of the "
+        "table of campaigns.",
     ),
     (
         "Control charts",

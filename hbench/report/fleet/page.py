@@ -1,12 +1,11 @@
-"""The page of a fleet: campaigns, outliers, distributions, drifts, control charts.
+"""The page of a fleet: the first screen, its campaigns, and folded, each quantity and each test.
 
 It lists up to 500 campaigns; beyond, its size does not grow with the fleet.
 """
 
-import re
 from collections.abc import Iterable, Iterator
 
-from hbench.records import FEWEST_CAMPAIGNS, Fleet, WordTable
+from hbench.records import FEWEST_CAMPAIGNS, Fleet, Quantity, WordTable
 from hbench.report.fleet.charts import (
     capability_notes,
     capability_table,
@@ -15,19 +14,13 @@ from hbench.report.fleet.charts import (
     step_table,
     wear_table,
 )
-from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
+from hbench.report.fleet.figures import DISTRIBUTIONS
 from hbench.report.fleet.method import fleet_method
-from hbench.report.fleet.names import (
-    distinct_names,
-    main_spreads,
-    of_side,
-    range_words,
-    without_condition,
-    working_speed,
-)
+from hbench.report.fleet.names import distinct_names, working_speed
+from hbench.report.fleet.overview import fleet_identity, fleet_tiles, overview_table
 from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
 from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
-from hbench.report.fleet.row import kind_difference, kind_parts
+from hbench.report.fleet.row import at_pressure, kind_difference, kind_parts
 from hbench.report.fleet.text import (
     ROW_WORDS,
     WORST_HEAD,
@@ -37,25 +30,16 @@ from hbench.report.fleet.text import (
     spread_table,
     trend_table,
 )
-from hbench.report.fleet.verdict import (
-    decision_words,
-    fleet_verdict,
-    further_sentences,
-    steady_trends,
-    stepped_numbers,
-)
-from hbench.report.render.document import BANNERS, Document, Section, Tile, page
+from hbench.report.fleet.verdict import fleet_verdict, further_sentences, steady_spreads
+from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike
 from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 
-_AT = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
 _FEW = (
-    "Histograms are drawn and the standard deviation σ between campaigns is computed from "
+    "Histograms, limits, trends and the standard deviation σ between campaigns are computed from "
     f"{FEWEST_CAMPAIGNS} campaigns on."
 )
-_NO_TREND = f"Trends are tested from {FEWEST_CAMPAIGNS} campaigns on."
 _PRECISION = "Repeatability and reproducibility"
 _CORRECTED = (
     "Each campaign is listed with its largest deviation. Expected is the median of the fleet; "
@@ -66,11 +50,14 @@ _CORRECTED = (
 )
 _ALONE = (
     "The intervals are those of each number alone. p is corrected for the number of trends (Holm), "
-    "and can be above 0.05 where the interval does not contain 0."
+    "and can be above 0.05 where the interval does not contain 0. A number whose mean has a step "
+    "has no trend."
 )
-_STEPS = "A number whose mean has a step has no trend: see the table of change points."
+_CENTRED = (
+    "σ between campaigns is about the mean before and after a step, or about the line of a drift: "
+    "it is smaller than the range of the values shows."
+)
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
-_TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
 _INTERVALS = (
     "Intervals are those of 95 %. They include the stated errors of the instruments, which the "
@@ -101,80 +88,102 @@ def fleet_document(fleet: Fleet, drawings: Iterable[Drawing]) -> Document:
         fleet_verdict(fleet),
         banner,
         "simulated" if banner else "",
+        identity=fleet_identity(fleet),
     )
 
 
 def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     left_out = "{} campaigns of this kind at other speeds are left out."
     remark = (left_out.format(fleet.other_speeds),) if fleet.other_speeds else ()
+    overview = overview_table(fleet)
     yield Section(
         "Summary",
         remark,
         items=tuple(further_sentences(fleet)),
-        tiles=tuple(_tiles(fleet)),
-        tables=_protocols(fleet),
+        tiles=tuple(fleet_tiles(fleet)),
+        tables=(*((overview,) if overview.rows else ()), *_protocols(fleet)),
     )
-    changed = bool(stepped_numbers(fleet))
-    if changed:
-        yield _charts(fleet, drawings)
-    if fleet.precision:
-        yield _precision(fleet, drawings)
-    if fleet.rows:
-        yield Section("Campaigns", _about_numbers(fleet), tables=(_campaigns(fleet),))
-    if fleet.worst:
+    if fleet.outliers:
         yield _deviations(fleet)
     if fleet.spreads:
-        chosen = _of(drawings, DISTRIBUTIONS)
-        table = _untitled(spread_table(fleet))
-        yield Section("Distributions", () if chosen else (_FEW,), drawings=chosen, tables=(table,))
-        chosen = _of(drawings, DRIFTS)
-        table = _untitled(trend_table(fleet))
-        if table.rows:
-            words = f"{_ALONE} {_STEPS}" if changed else _ALONE
-            yield Section("Drifts", (words,), drawings=chosen, tables=(table,))
-        elif chosen:
-            each = Section(f"Each number over time ({len(chosen)})", drawings=chosen, folded=True)
-            yield Section("Drifts", (_NO_TREND,), parts=(each,))
+        yield _quantities(fleet, drawings)
+    if fleet.rows:
+        why = " ".join(() if fleet.precision else fleet.plan_notes)
+        notes = (f"{_PRECISION} are not estimated. {why}",) if why else ()
+        yield Section("Campaigns", (*_about_numbers(fleet), *notes), tables=(_campaigns(fleet),))
     if fleet.capabilities or fleet.without_capability:
         table = _untitled(capability_table(fleet))
         known = (table,) if table.rows else ()
         yield Section("Capability", tuple(capability_notes(fleet)), tables=known)
-    if fleet.charts and not changed:
-        yield _charts(fleet, drawings)
+    if fleet.precision:
+        yield _precision(fleet, drawings)
     if fleet.wear:
         table = _untitled(wear_table(fleet))
         yield Section("Wear", drawings=_of(drawings, WEAR), tables=(table,))
-    if fleet.plan_notes and not fleet.precision:
-        yield Section(_PRECISION, tuple(fleet.plan_notes))
+    if tests := tuple(_tests(fleet)):
+        yield Section("Scatter and tests", parts=tests)
     if fleet.failed:
         yield _failures(fleet)
-    yield Section("How it was computed", facts=tuple(fleet_method(fleet)), anchor="method")
+    method = Section("Methods", facts=tuple(fleet_method(fleet)), folded=True, anchor="method")
+    yield Section("How it was computed", parts=(method,))
 
 
-def _charts(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
-    """Return the control charts with their steps; directly below the summary if one is real."""
-    signals = signal_table(fleet)
-    tables = (step_table(fleet), _untitled(chart_table(fleet)))
-    title = f"Signals of the control charts ({len(signals.rows)})"
-    each = (Section(title, tables=(_untitled(signals),), folded=True),) if signals.rows else ()
-    shown = tuple(table for table in tables if table.rows)
+def _quantities(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
+    """Return the figures of each quantity, folded; those of a quantity that changed are open."""
+    changed = {c.quantity for c in fleet.charts if c.step is not None and c.step.real}
+    changed |= {spread.quantity for spread, trend in steady_spreads(fleet) if trend.real}
+    parts: list[Section] = []
+    for quantity in dict.fromkeys(spread.quantity for spread in fleet.spreads):
+        chosen = _of_quantity(drawings, quantity)
+        is_open = quantity in changed and all(part.folded for part in parts)  # the first of them
+        if chosen:
+            title = f"{quantity.words} ({len(chosen)})"
+            parts.append(Section(title, drawings=chosen, folded=not is_open))
     speed = working_speed(fleet)
     words = (
         f"Each value is the mean over the loads{f' at {speed}' if speed else ''}. The charts of a "
         "station (hbench watch --station) show the values of the limits, at one load and speed."
     )
-    note = (words,) if fleet.decisions else ()
-    return Section("Control charts", note, drawings=_of(drawings, CHARTS), tables=shown, parts=each)
+    few = () if _of(drawings, DISTRIBUTIONS) else (_FEW,)
+    notes = (*((words,) if fleet.charts and fleet.decisions else ()), *few)
+    return Section("Figures of each quantity", notes, parts=tuple(parts))
+
+
+def _of_quantity(drawings: tuple[Drawing, ...], quantity: Quantity) -> tuple[Drawing, ...]:
+    """Return charts and distribution; the course only where no chart shows it."""
+    name = quantity.name.replace("_", "-")
+    charts = [f"control-{name}{side}" for side in ("", "-extend", "-retract")]
+    names = [*charts, f"distribution-{name}", f"drift-{name}"]
+    chosen = [drawing for drawing in drawings if drawing.name in names]
+    if any(drawing.section == CHARTS for drawing in chosen):
+        chosen = [drawing for drawing in chosen if drawing.name != f"drift-{name}"]
+    return tuple(sorted(chosen, key=lambda drawing: names.index(drawing.name)))
+
+
+def _tests(fleet: Fleet) -> Iterator[Section]:
+    """Yield the tables of spread, changes, control limits and deviations, each folded."""
+    changed = any(chart.step is not None and chart.step.real for chart in fleet.charts)
+    signals = signal_table(fleet)
+    for title, table, words in (
+        ("Spread of each number", spread_table(fleet), _CENTRED if fleet.charts else ""),
+        ("Change points", step_table(fleet), ""),
+        ("Drifts", trend_table(fleet), _ALONE if changed else _ALONE.rpartition(" A number")[0]),
+        ("Control limits", chart_table(fleet), ""),
+        (f"Signals of the control charts ({len(signals.rows)})", signals, ""),
+    ):
+        if table.rows:
+            notes = (words,) if words else ()
+            yield Section(title, notes, tables=(_untitled(table),), folded=True)
+    if fleet.worst and not fleet.outliers:
+        yield _deviations(fleet)
 
 
 def _deviations(fleet: Fleet) -> Section:
     """Return the outliers, or folded the campaigns that deviate most."""
     table = _worst(fleet)
     if not fleet.outliers:
-        none = ("No campaign deviates significantly.",)
-        title = f"The {len(table.rows)} campaigns that deviate most"
-        each = Section(title, (_CORRECTED,), tables=(table,), folded=True)
-        return Section("Largest deviations", none, parts=(each,), anchor="worst")
+        title = f"Campaigns that deviate most, none significantly ({len(table.rows)})"
+        return Section(title, (_CORRECTED,), tables=(table,), folded=True, anchor="worst")
     if fleet.outliers >= _LEAST:
         return Section("Outliers", tables=(table,), anchor="worst")
     marked = f"Only campaigns marked as outliers deviate significantly. {_CORRECTED}"
@@ -198,62 +207,30 @@ def _of(drawings: tuple[Drawing, ...], section: str) -> tuple[Drawing, ...]:
     return tuple(drawing for drawing in drawings if drawing.section == section)
 
 
-def _tiles(fleet: Fleet) -> Iterator[Tile]:
-    good = fleet.campaigns - fleet.failed
-    about = [f"analysed, {fleet.failed} failed" if fleet.failed else "analysed"]
-    if fleet.decisions:
-        about.append(f"decisions: {decision_words(fleet)}")
-    if fleet.qualities:
-        grades = ", ".join(f"{count} {grade}" for grade, count in fleet.qualities)
-        why = ", ".join(
-            name if count == good else f"{name} in {count}" for name, count in fleet.weak_checks
-        )
-        about.append(f"data: {grades}{f' (because of {why})' if why else ''}")
-    yield Tile(f"{good} of {fleet.campaigns}", "campaigns", "; ".join(about))
-    if fleet.outliers:
-        caption = f"{'outlier' if fleet.outliers == 1 else 'outliers'} among the campaigns"
-        yield Tile(str(fleet.outliers), "", caption, "method-outliers")
-    stepped, trends = stepped_numbers(fleet), steady_trends(fleet)
-    if fleet.charts or trends:
-        drifting = sum(trend.real for trend in trends)
-        of = len(trends) + len(stepped)
-        parts = [f"{len(stepped)} by a step"] if stepped else []
-        parts += [f"{drifting} by a steady drift"] if drifting else []
-        changed = f"tested numbers changed over time{': ' * bool(parts)}{', '.join(parts)}"
-        how = "method-change-points" if stepped else "method-trends"
-        yield Tile(f"{len(stepped) + drifting} of {of}", "", changed, how)
-    for spread in main_spreads(fleet):
-        if spread.quantity.name in _TILES:
-            scale = spread.quantity.scale
-            value = alike((scale * spread.low, scale * spread.high))
-            words = f"{without_condition(spread.quantity)}{of_side(spread.direction)}"
-            caption = f"{words[0].lower()}{words[1:]}: {range_words(spread.n)}"
-            yield Tile(value, spread.quantity.unit, caption, "method-spread")
-
-
 def _protocols(fleet: Fleet) -> tuple[Table, ...]:
-    evaluated = fleet.protocols[0][0] if fleet.protocols else ""
-    several = len(fleet.protocols) > 1
+    """Return the kinds of campaigns, if there are several: one is the page's identity."""
+    if len(fleet.protocols) < 2:
+        return ()
+    evaluated = fleet.protocols[0][0]
     groups = [
         f"not compared: {kind_difference(protocol, evaluated)}" for protocol, _ in fleet.protocols
     ]
-    groups[:1] = ["evaluated here"][: len(groups)]
+    groups[0] = "evaluated here"
     kinds = [kind_parts(protocol) for protocol, _ in fleet.protocols]
-    given = [name for name in kinds[0] if any(kind[name] for kind in kinds)] if kinds else []
+    given = [name for name in kinds[0] if any(kind[name] for kind in kinds)]
     rows = tuple(
         (
             Cell(str(count)),
-            *(Cell(_AT.sub(" at ", "; ".join(kind[name]))) for name in given),
-            *([Cell(group)] if several else []),
+            *(Cell(at_pressure("; ".join(kind[name]))) for name in given),
+            Cell(group),
         )
         for (_, count), kind, group in zip(fleet.protocols, kinds, groups, strict=True)
     )
-    title = "Kinds of campaigns" if several else "Kind of campaign"
-    pressures = any(_AT.search(protocol) for protocol, _ in fleet.protocols)
+    pressures = any(at_pressure(protocol) != protocol for protocol, _ in fleet.protocols)
     loads = "; loads at rod-side pressures of the load cylinder" if pressures else ""
-    title += f" (size: areas of piston and rod side{loads})"
-    head = ("Campaigns", *map(capital, given), *(["Group"] if several else []))
-    return (Table(head, rows, frozenset(head[1:]), title=title),) if rows else ()
+    title = f"Kinds of campaigns (size: areas of piston and rod side{loads})"
+    head = ("Campaigns", *map(capital, given), "Group")
+    return (Table(head, rows, frozenset(head[1:]), title=title),)
 
 
 def _about_numbers(fleet: Fleet) -> tuple[str, ...]:

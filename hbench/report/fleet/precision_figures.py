@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import DIRECTIONS, ControlChart, Fleet, Precision, Quantity, Side, WearTrend
 from hbench.report.campaign.series_words import TITLES
-from hbench.report.fleet.charts import chart_words
+from hbench.report.fleet.charts import chart_words, named
 from hbench.report.fleet.dates import set_dates
 from hbench.report.fleet.names import without_condition
 from hbench.report.fleet.precision import source_words
@@ -20,7 +20,6 @@ from hbench.report.render.series import behind
 COMPONENTS, CHARTS, WEAR = "components", "charts", "wear"
 _REACH = 3.0  # times the largest estimate: longer bars are cut
 _APART = 0.22  # of the two directions in a row
-_MOST_MARKED = 6  # campaigns with their names in a chart, the last ones
 _LONGEST = 16  # letters of such a name
 _MOST_CYLINDERS = 6  # in a figure of wear
 
@@ -35,10 +34,11 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
         yield _sketch("components", COMPONENTS, quantity, caption, figure)
     for chart in fleet.charts:
         name = _name(chart.quantity, chart.direction)
+        beyond = named(chart.outside, chart.beyond)
         caption = (
             f"Above: each point is a {chart_words(chart)}; lines: mean and mean ± 3 σ. Below: "
             "exponentially weighted moving average (EWMA) with its limits. Rings: beyond the "
-            "limits; squares: last point of another pattern."
+            f"limits (above: {beyond}); squares: last point of another pattern."
         )
         if chart.step is not None and chart.step.real:
             caption += (
@@ -125,14 +125,7 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
             at[others], values[others], linestyle="none", marker="s", markersize=10,
             markerfacecolor="none", color=style.QUIET, label="pattern",
         )  # fmt: skip
-    marked = np.flatnonzero(beyond if beyond.any() else others)[-_MOST_MARKED:]
-    for place, i in enumerate(marked):  # names of neighbours are above and below by turns
-        axes.annotate(
-            style.safe(chart.names[i], _LONGEST), (at[i], values[i]),
-            (0, -16 if place % 2 else 9), ha="center", textcoords="offset points", fontsize=8,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},  # over a limit's line
-        )  # fmt: skip
-    axes.margins(y=0.16)
+    axes.margins(y=0.1)
     for panel in (axes, below):
         panel.axhline(scale * chart.centre, color=style.QUIET, linewidth=1.2)
     for limit in (low, high):

@@ -1,5 +1,6 @@
 """A campaign's results as one row of a fleet's table."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 
@@ -10,6 +11,7 @@ from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable
 
 _IDENTITY = (("specimen", "serial"), *(("test", n) for n in ("operator", "mounting", "date")))
+_PRESSURE = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
 _BENCH = 60  # characters of its name in the kind of campaign
 _LONGEST = 200  # characters of a campaign's own words
 
@@ -22,6 +24,7 @@ def fleet_row(
     The time of an imported campaign is that of ``test.date``: its start is that of the import.
     """
     plans = [run.run.plan for run in results.runs]
+    drift = results.drift
     speed = results.headline.v_m_s
     provenance = results.provenance
     seed = provenance.details.get("seed")
@@ -49,6 +52,7 @@ def fleet_row(
         area_rod_m2=specimen.area_rod_m2,
         stroke_m=specimen.stroke_m,
         quality=results.quality.grade,
+        drift_possible=drift.possible_percent / 100 if drift is not None and drift.hidden else None,
         weak=_line(weak_checks(results.quality)),
         missing=_line(missing_words(results.quality.completeness)),
         runs=len(results.runs),
@@ -88,6 +92,11 @@ def kind_difference(kind: str, evaluated: str) -> str:
     a, b = (kind_parts(each) for each in (kind, evaluated))
     differing = [name for name in a if a[name] != b[name]]
     return ", ".join(f"other {name}" for name in differing) or "other settings"
+
+
+def at_pressure(kind: str) -> str:
+    """Return a kind of campaign with the pressure of each load in words: 2000 N at 15 bar."""
+    return _PRESSURE.sub(" at ", kind)
 
 
 def kind_parts(kind: str) -> dict[str, list[str]]:

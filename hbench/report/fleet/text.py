@@ -189,8 +189,8 @@ def spread_table(fleet: Fleet) -> WordTable:
             (
                 name_of(spread),
                 str(spread.n),
-                _resolved(spread, spread.median),
-                f"{_resolved(spread, spread.low)} to {_resolved(spread, spread.high)}",
+                resolved(spread, spread.median),
+                f"{resolved(spread, spread.low)} to {resolved(spread, spread.high)}",
                 _between(spread),
                 NONE if spread.se_trials is None else significant(scale * spread.se_trials, 2),
             )
@@ -199,7 +199,7 @@ def spread_table(fleet: Fleet) -> WordTable:
     ends = "Smallest to largest" if all(few) else "5 to 95 %"
     if any(few) and not all(few):
         ends += f", or all of fewer than {FEWEST_CAMPAIGNS}"
-    between = "σ between campaigns (95 %)"
+    between = "σ between campaigns, without steps and drifts (95 %)"
     head = ("Quantity", "Campaigns", "Median", ends, between, "σ by the trials")
     kept = [i for i in range(len(head)) if head[i] != between or not all(few)]
     return WordTable(
@@ -217,7 +217,7 @@ def _between(spread: Spread) -> str:
     return with_ends(*(spread.quantity.scale * value for value in ends))
 
 
-def _resolved(spread: Spread, value: float) -> str:
+def resolved(spread: Spread, value: float) -> str:
     """Write a value to the first significant digit of the trials' standard error, or the spread."""
     scale, error = spread.quantity.scale, spread.se_trials or spread.between
     if not error > 0:

@@ -1,5 +1,6 @@
 """Verdict of a fleet, and its findings: steps, outliers and drifts in sentences."""
 
+import math
 from collections.abc import Iterator
 
 from hbench.records import FEWEST_CAMPAIGNS, Fleet, Quantity, Side, Spread, Suspect, Trend
@@ -29,8 +30,7 @@ from hbench.report.render.numbers import alike, half_width, significant, with_en
 from hbench.report.render.symbols import capital
 
 _LIMITS_ARE_NARROWER = (
-    "A campaign beyond a limit of the individual values need not be an outlier: these limits are "
-    "narrower."
+    "A campaign beyond a control limit need not be an outlier: control limits are narrower."
 )
 _NAMED = 3  # steps, outliers and drifts in a sentence
 
@@ -62,9 +62,9 @@ def fleet_verdict(fleet: Fleet) -> str:
     friction = () if changes else _friction_words(fleet)  # of two levels; the tiles have its range
     found = [
         *_change_words(changes),
-        *_drift_within(fleet, changes),
         *friction,
         *_conspicuous_words(fleet),
+        *_drift_within(fleet, changes),
     ]
     if passed and not (fleet.incomplete or poor or any(_to_be_checked(fleet))):
         few = f"; changes over time are tested from {FEWEST_CAMPAIGNS} campaigns on"
@@ -136,11 +136,9 @@ def _drift_within(fleet: Fleet, changes: list[tuple[str, dict[str, list[str]]]])
     """Yield that a drift within the campaigns may exceed a step, where their data allow one."""
     count = dict(fleet.weak_checks).get("drift", 0)
     if changes and count:
-        of = f"{count} of {fleet.campaigns - fleet.failed}"
-        yield (
-            "A drift within a campaign can be larger than this change: the data of "
-            f"{of} campaigns do not exclude one."
-        )
+        size = fleet.drift_possible
+        most = "" if size is None else f" of up to {math.ceil(100 * size)} % of friction"
+        yield f"In {count} campaigns, a drift{most} within the campaign is not excluded."
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
@@ -154,16 +152,16 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
     beyond = in_order(name for chart in fleet.charts for name in chart.outside)
     if beyond:
         verb = "is" if len(beyond) == 1 else "are"
-        which = named(beyond[:_NAMED], len(beyond))
+        which = named(beyond if len(beyond) <= _NAMED + 1 else beyond[:_NAMED], len(beyond))
         some = any(chart.beyond > len(chart.outside) for chart in fleet.charts)
         count = f"{'At least ' * some}{len(beyond)} of {fleet.compared} campaigns"
-        limit = f"a limit of the individual values ({which})"
-        yield f"{count} {verb} beyond {limit}{because_of_step(fleet)}."
+        limit = f"a control limit{because_of_step(fleet)} ({which})"
+        yield f"{count} {verb} beyond {limit}."
     if fleet.outliers:
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
     elif any(suspect.deviations for suspect in fleet.worst):
-        yield "No campaign is an outlier by itself."
+        yield "No campaign is an outlier."
 
 
 def finding_sentences(fleet: Fleet) -> Iterator[str]:
@@ -179,6 +177,7 @@ def further_sentences(fleet: Fleet) -> Iterator[str]:
     if not fleet.spreads:
         return
     yield from _drift_sentences(fleet)
+    yield from _contrary_sentences(fleet)
     yield from wear_sentences(fleet)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
@@ -203,6 +202,34 @@ def _drift_sentences(fleet: Fleet) -> Iterator[str]:
         yield f"Significant drift from the first to the last campaign: {all_of_them}{more}."
     elif any(spread.trend is not None for spread in fleet.spreads) and not stepped_numbers(fleet):
         yield "No drift is significant."
+
+
+def _contrary_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield where breakaway seems to change against a step of friction in the same direction."""
+    steps = {
+        chart.direction: chart.step.after - chart.step.before
+        for chart in fleet.charts
+        if chart.quantity.name == "friction_n" and chart.step is not None and chart.step.real
+    }
+    for spread, trend in steady_spreads(fleet):
+        step = steps.get(spread.direction, 0.0)
+        apart = trend.low > 0 or trend.high < 0
+        if "Breakaway" in spread.quantity.words and apart and trend.change * step < 0:
+            number = f"{spread.quantity.words}{of_side(spread.direction)}"
+            falls, rises = ("falls", "rises") if trend.change < 0 else ("rises", "falls")
+            how = "is not significant" if not trend.real else "is significant"
+            p = significant(trend.p_holm, 2)
+            advice = (
+                " The fit extrapolates it: measure breakaway with runs of kind breakaway before "
+                "relying on this."
+                if spread.quantity.name == "breakaway_fit_n"
+                else ""
+            )
+            change = f"{change_words(spread, trend)}\N{NO-BREAK SPACE}{spread.quantity.unit}"
+            yield (
+                f"{number}, {falls} while friction {rises}: by {change}. Among all trends tested "
+                f"this {how} (p = {p}).{advice}"
+            )
 
 
 def stepped_numbers(fleet: Fleet) -> set[tuple[Quantity, Side]]:

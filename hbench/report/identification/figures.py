@@ -13,15 +13,15 @@ from hbench.report.campaign.fit_tables import law_words
 from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
-from hbench.report.render.numbers import force
+from hbench.report.render.numbers import force, span
 
 _STEADY = (
-    "Measured points with the 95 % Student interval of their trials, and each identified law at "
-    "the measured chamber pressures."
+    "Measured points with the 95 % Student interval of their {trials} alone, and each identified "
+    "law at the measured chamber pressures."
 )
 _FOLLOWED = (
-    "Friction and velocity over the verification profile, measured (grey) and in the model with "
-    "the law (coloured); below, the velocity's difference, model minus measurement. At the start "
+    "Friction, its difference (model minus measurement) and velocity over the verification "
+    "profile; measured: grey, model with the law: coloured. At the start "
     "friction depends on how the piston came to rest before the log began: model and measurement "
     "can differ there. The ends of a log, where a derivative is one-sided, are not drawn."
 )
@@ -47,7 +47,10 @@ def draw_identification(identification: Identification) -> tuple[Drawing, ...]:
         with rc_context(style.RC):
             figure = _steady(along, identification)
         title = figure.axes[0].get_title("left")
-        sketches.append(Sketch(f"steady-{number}", STEADY, title, _STEADY, figure))
+        counts = [point.n for point in along.curve.points]
+        trials = f"{span(counts)} trials" if counts else "trials"
+        caption = _STEADY.format(trials=trials)
+        sketches.append(Sketch(f"steady-{number}", STEADY, title, caption, figure))
     if sketches:
         style.share_limits(sketch.figure.axes[0] for sketch in sketches)
     if any(law.errors for law in identification.laws):
@@ -99,21 +102,21 @@ def _followed_figure(
     title: str, index: int, followed: Followed, model: Trace, identification: Identification
 ) -> Figure:
     figure = style.new_figure(height_in=5.6)
-    top, middle, bottom = figure.subplots(3, sharex=True, height_ratios=(3, 2, 1.5))
+    top, middle, bottom = figure.subplots(3, sharex=True, height_ratios=(3, 1.5, 2))
     colour = style.COLOURS[index % len(style.COLOURS)]
     real, n = followed.measured, min(len(followed.measured.t_s), len(model.t_s))
-    for axes, name, factor in ((top, "friction_n", 1.0), (middle, "v_m_s", 1e3)):
+    for axes, name, factor in ((top, "friction_n", 1.0), (bottom, "v_m_s", 1e3)):
         mark = "" if axes is top else "_"  # one legend for both
         grey = {"color": "#9ca3af", "linewidth": 3, "label": f"{mark}measured"}
         coloured = {"color": colour, "linewidth": 1.1, "label": f"{mark}model"}
         axes.plot(real.t_s, factor * getattr(real, name), **grey)
         axes.plot(model.t_s, factor * getattr(model, name), **coloured)
-    difference = 1e3 * (model.v_m_s[:n] - real.v_m_s[:n])
+    difference = model.friction_n[:n] - real.friction_n[:n]
     coloured["label"] = "_model − measured"
-    bottom.plot(real.t_s[:n], difference, **coloured)
+    middle.plot(real.t_s[:n], difference, **coloured)
     top.set_ylabel("Friction (N)")
-    middle.set_ylabel("Velocity (mm/s)")
-    bottom.set(xlabel="Time (s)", ylabel="Difference\n(mm/s)")
+    middle.set_ylabel("Difference\n(N)")
+    bottom.set(xlabel="Time (s)", ylabel="Velocity (mm/s)")
     style.head(top, title, identification)
     figure.align_ylabels()
     style.legend_above(figure, top, columns=2)

@@ -92,9 +92,10 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     summary = (replace(tables[SUMMARY], title=_RANKED),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
     facts: tuple[tuple[str, str], ...] = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
-    if identification.scatter:
-        facts += (("Trials' scatter", _SCATTER.format(sizes=scatter_words(identification))),)
-    facts += _kinds_of_laws(identification)
+    simulated = with_errors and identification.provenance.source == "simulated"
+    facts += (("Simulated", _SIMULATED),) if simulated else ()
+    notes = _about_errors(identification)
+    about = (Section("About the errors", facts=notes, folded=True),) if notes else ()
     drawings = tuple(drawings)
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
     overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
@@ -107,7 +108,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     parameters = _of_each_law(tables[PARAMETERS], order) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
     sections = (
-        Section(SUMMARY, tables=summary, facts=facts if summary else ()),
+        Section(SUMMARY, tables=summary, facts=facts, parts=about) if summary else Section(),
         Section("Friction over speed", (_STEADY,) if steady else (), drawings=steady),
         Section(
             "Identified parameters",
@@ -169,15 +170,18 @@ def _folded(title: str, tables: Sequence[WordTable]) -> tuple[Section, ...]:
     return (Section(title, tables=tuple(tables), folded=True),) if tables else ()
 
 
-def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...]:
-    """Return the errors of dynamic laws and of the others, which explain most of the order."""
+def _about_errors(identification: Identification) -> tuple[tuple[str, str], ...]:
+    """Return the trials' scatter, and the errors of dynamic laws and of the others."""
+    scatter: tuple[tuple[str, str], ...] = ()
+    if identification.scatter:
+        scatter = (("Trials' scatter", _SCATTER.format(sizes=scatter_words(identification))),)
     verified = [law for law in ranked_laws(identification) if law.errors]
     kinds = [
         [law for law in verified if FRICTION_LAWS[law.law].dynamic is dynamic]
         for dynamic in (True, False)
     ]
     if not all(kinds):
-        return ()
+        return scatter
     unsteady = [error_range([law.errors["unsteady"].friction_n for law in laws]) for laws in kinds]
     names = [", ".join(law_words(law.law) for law in laws) for laws in kinds]
     words = (
@@ -186,12 +190,7 @@ def _kinds_of_laws(identification: Identification) -> tuple[tuple[str, str], ...
         f"speed and pressure alone. RMS errors while the speed changes: {unsteady[0]} N against "
         f"{unsteady[1]} N."
     )
-    simulated = identification.provenance.source == "simulated"
-    return (
-        ("Kinds of laws", words),
-        *_oscillations(verified),
-        *([("Simulated", _SIMULATED)] if simulated else []),
-    )
+    return (*scatter, ("Kinds of laws", words), *_oscillations(verified))
 
 
 def _oscillations(laws: Sequence[IdentifiedLaw]) -> tuple[tuple[str, str], ...]:

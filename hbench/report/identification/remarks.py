@@ -17,20 +17,21 @@ def left_out_words(identification: Identification) -> list[str]:
     ]
 
 
-def interval_words(identification: Identification) -> str:
-    """State that the intervals of the parameters do not contain the errors of the instruments."""
+def instruments_n(identification: Identification) -> float | None:
+    """Return the half-width of friction's 95 % interval by the instruments alone, the largest."""
     sigmas = [
         point.sigma_instruments_n
         for along in identification.steady
         for point in along.curve.points
         if point.sigma_instruments_n is not None
     ]
-    size = (
-        f"; by their tolerances, it can shift the measured friction by ±"
-        f"{half_width(NORMAL_95 * max(sigmas))} N (95 %)"
-        if sigmas
-        else ""
-    )
+    return NORMAL_95 * max(sigmas) if sigmas else None
+
+
+def interval_words(identification: Identification) -> str:
+    """State that the intervals of the parameters do not contain the errors of the instruments."""
+    half = instruments_n(identification)
+    size = "" if half is None else f" by up to ±{half_width(half)} N of friction (95 %)"
     return (
         "Intervals contain the scatter of the runs alone, not the errors of the instruments. An "
         f"error of a sensor is common to all runs and shifts the parameters of all laws{size}."

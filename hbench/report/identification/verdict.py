@@ -7,17 +7,17 @@ import numpy as np
 from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
+from hbench.report.identification.remarks import instruments_n
 from hbench.report.identification.text import (
-    error_range,
     hardly_determined_words,
     undetermined_words,
 )
-from hbench.report.render.numbers import alike, number, significant
+from hbench.report.render.numbers import half_width, number, significant
 from hbench.report.render.symbols import listed
 
 
 def verdict_words(identification: Identification) -> str:
-    """Return the law to use, what it can be relied on for, those beside it, and the next step."""
+    """Return the law to use, its error, what it can be relied on for, and those as good."""
     if identification.not_verified:
         return f"{identification.not_verified[0].upper()}{identification.not_verified[1:]}."
     best = best_law(identification)
@@ -25,10 +25,9 @@ def verdict_words(identification: Identification) -> str:
         return ""
     parts = (
         _closest(identification, best),
+        _instruments(identification),
         _reserve(identification, best),
         _as_good(identification, best),
-        _worse(identification),
-        f"To simulate with {law_words(best)}: hbench run --plant {best}.yaml.",
     )
     return " ".join(filter(None, parts))
 
@@ -42,30 +41,25 @@ def _closest(identification: Identification, best: str) -> str:
     )
 
 
-def _worse(identification: Identification) -> str:
-    """State the errors of the laws that are not as good; empty if all are."""
-    errors = errors_in_motion(identification)
-    worse = {law: error for law, error in errors.items() if law not in equally_good(errors)}
-    if len(worse) == 1:
-        return f"The error of {law_words(*worse)} is {error_range(worse.values())} N."
-    return f"The errors of the other laws are {error_range(worse.values())} N." if worse else ""
-
-
 def _range(identification: Identification) -> str:
-    """Return the measured steady friction at the speeds and loads of verification; may be empty."""
-    runs = identification.followed
-    fastest = max((float(np.abs(run.measured.v_m_s).max()) for run in runs), default=np.inf)
-    loads = _verified_loads(identification)
-    friction = [
-        abs(point.friction_n)
-        for along in identification.steady
-        if not loads or along.curve.f_load_n in loads
-        for point in along.curve.points
-        if abs(point.v_m_s) <= fastest
-    ]
-    if not friction:
+    """Return the measured friction of the verification runs, both directions; may be empty."""
+    friction = [run.measured.friction_n for run in identification.followed]
+    known = [each[np.isfinite(each)] for each in friction]
+    if not any(map(len, known)):
         return ""
-    return f" at a measured steady friction of {alike(friction)} N"
+    rms = float(np.sqrt(np.mean(np.concatenate(known) ** 2)))
+    return f" at a measured friction of {significant(rms, 3)} N (RMS, both directions)"
+
+
+def _instruments(identification: Identification) -> str:
+    """State the errors of the instruments, which all runs have in common; empty if unknown."""
+    half = instruments_n(identification)
+    if half is None:
+        return ""
+    return (
+        "Errors of the instruments, common to all runs, are not included: "
+        f"up to ±{half_width(half)} N (95 %)."
+    )
 
 
 def _as_good(identification: Identification, best: str) -> str:
@@ -82,10 +76,7 @@ def _as_good(identification: Identification, best: str) -> str:
         return f"{names} {verb} as good."
     more = listed([str(count) for count in counts[1:]])
     has = "has" if len(others) == 1 else "have"
-    return (
-        f"{names} {verb} as good, but {has} more undetermined parameters ({more} instead of "
-        f"{counts[0]})."
-    )
+    return f"{names} {verb} as good, but {has} {more} undetermined parameters."
 
 
 def _reserve(identification: Identification, best: str) -> str:
@@ -98,8 +89,8 @@ def _reserve(identification: Identification, best: str) -> str:
         parts.append(f"It is verified for {verified}{never}.")
     if unknown := undetermined_words(fits[best]) if best in fits else []:
         parts.append(
-            f"Do not rely on motions that depend on its {listed(unknown)}, which these runs do not "
-            "determine."
+            f"These runs do not determine its {listed(unknown)}: do not rely on motions that "
+            "depend on it."
         )
     if hardly := hardly_determined_words(fits[best]) if best in fits else []:
         parts.append(f"The runs hardly determine its {listed(hardly)}.")

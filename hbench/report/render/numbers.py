@@ -145,21 +145,21 @@ def alike(values: Collection[float]) -> str:
 
 
 def span_with_intervals(values: Collection[tuple[float, float | None]]) -> str:
-    """Write the range of values with half-widths, each end as ``with_interval`` rounds it.
+    """Write the range of values with half-widths, both ends rounded as the less certain one.
 
-    Neither end has more decimals than the other, unless it would keep one digit: ``1.7–16.1``.
+    An end that would keep a single digit is rounded by its own half-width: ``1.7–16.1``.
     """
     ends = (min(values, key=itemgetter(0)), max(values, key=itemgetter(0)))
-    written = [with_interval(*end).partition(" ± ")[0] for end in ends]
-    fewest = min(len(text.partition(".")[2]) for text in written)
-    return _range(
-        *(
-            number(value, fewest)
-            if len(text.partition(".")[2]) > fewest and abs(value) >= 10.0 ** (1 - fewest)
-            else text
-            for text, (value, _) in zip(written, ends, strict=True)
-        )
-    )
+    widest = max((half for _, half in ends if half is not None), default=None)
+    return _range(*(_rounded(value, half, widest) for value, half in ends))
+
+
+def _rounded(value: float, half: float | None, widest: float | None) -> str:
+    """Write ``value`` as ``with_interval`` does by ``widest``, unless it would keep one digit."""
+    coarse = with_interval(value, widest).partition(" ± ")[0]
+    if widest is not None and abs(value) < 10.0 ** (1 - _decimals(widest)):
+        return with_interval(value, half).partition(" ± ")[0]
+    return coarse
 
 
 def percent_span(shares: Collection[float]) -> str:

@@ -132,6 +132,12 @@ def _advance(letter: str, weight: str) -> float:
     return float(_MEASURE.get_text_width_height_descent(letter, font, False)[0]) / 100
 
 
+@cache
+def _set_width(text: str, weight: str) -> float:
+    """Return the width of a text as it is set, with kerning, per point of its size."""
+    return float(_MEASURE.get_text_width_height_descent(text, _font(weight), False)[0]) / 100
+
+
 def words_of(text: str) -> list[str]:
     """Return the pieces between which a text may be broken; a number and its unit are one."""
     return unit_kept(text).split(" ")
@@ -175,4 +181,4 @@ def set_text(sheet: Figure, x: float, y: float, text: str, size: float, **look: 
         place = x / SHEET_WIDTH, 1 - (y + (_DROP * size if low else 0.0)) / SHEET_HEIGHT
         sheet.text(*place, each, size=height, parse_math=False, **style)
         if len(parts) > 1:
-            x += width_of(each, weight) * height
+            x += _set_width(each, weight) * height

@@ -8,7 +8,7 @@ CELLS = 7.2  # size of letters, points
 SMALLEST = 5.0  # of a table with many columns
 QUIET = "#444444"
 _GAP = 8.0  # between columns
-_WHOLE = SHEET_HEIGHT / 6  # height up to which a table is not divided
+_WHOLE = SHEET_HEIGHT / 10  # height up to which a table is not divided
 
 
 def set_table(
@@ -20,7 +20,7 @@ def set_table(
 ) -> None:
     """Set a table over the column; its ``title`` and head are repeated on the next sheet.
 
-    A table of up to a sixth of a sheet is not divided. ``numbers`` are the columns that are
+    A table of up to a tenth of a sheet is not divided. ``numbers`` are the columns that are
     aligned to the right. Letters become smaller, down to ``SMALLEST``, where the words of a row
     would not fit side by side.
     """
@@ -53,7 +53,7 @@ def set_table(
 def least_height(pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]]) -> float:
     """Return the height that a table needs on its first sheet.
 
-    It is that of the whole table up to a sixth of a sheet, or else of the head and the first two
+    It is that of the whole table up to a tenth of a sheet, or else of the head and the first two
     rows.
     """
     size = _size(head, rows, pen.width)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 _SYMBOL = re.compile(
     r"\b(?:([AFPQp]|dP)_([^\W²]+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
-    r"|(m)_(T)\b|(t)_(point|mean)\b|([xz])_(i(?:−1)?)(?!\w)|([Kτ])_(c)\b|(U)_(95)(?!\d)|(s)_([rR])\b|([σθ])_(\d|i|between|own)(?![^\W²])"
+    r"|(m)_(T)\b|(t)_(point|mean)\b|([xz])_(i(?:−1)?)(?!\w)|([Kτ])_(c)\b|(U)_(95)(?!\d)|(s)_([rRw])\b|([σθ])_(\d|i|between|own)(?![^\W²])"
     r"|(Δ)_(max|i)\b|(k)_(piston|rod)\b)"
 )
 

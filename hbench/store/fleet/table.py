@@ -45,6 +45,7 @@ _PLAIN = {
     "area_rod_m2": "double",
     "stroke_m": "double",
     "quality": "string",
+    "drift_possible": "double",
     "weak": "string",
     "missing": "string",
     "runs": "int64",

@@ -11,6 +11,7 @@ from hbench.report.campaign.quality import grade_words, missing_words
 from hbench.report.conformity.acceptance_document import acceptance_json
 from hbench.report.conformity.text import junit_xml
 from hbench.report.quality_words import LOAD_CELL_ZERO
+from hbench.report.zero_words import zero_reserve
 from hbench.store.campaign.folder import load_campaign, write_results
 from hbench.workflow.results import derive
 
@@ -35,7 +36,9 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
         notes.append(grade_words(results.quality))
     if missing := missing_words(results.quality.completeness):
         notes.append(missing)
-    if results.motions.load_cell_zero_unchecked:
+    if reserve := zero_reserve(results):
+        notes.append(reserve.removesuffix("."))
+    elif results.motions.load_cell_zero_unchecked:
         notes.append(LOAD_CELL_ZERO)
     checks = conformity_checks(
         results,

@@ -9,6 +9,7 @@ from hbench.report.diagnosis.words.coefficient import (
 )
 from hbench.report.render.numbers import NONE, number
 
+_NO_GAIN = 0.05  # nats that are written as 0
 _RANK_HEAD = ("candidate", "score (nats)", "must exceed", "explains", "size", "tried")
 Rows = tuple[tuple[str, ...], ...]
 
@@ -79,7 +80,7 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
             number(candidate.score + 0.0, 1),
             number(candidate.threshold, 1),
             share(candidate.explained) if candidate.score > candidate.threshold else NONE,
-            f"{number(candidate.size, 2)} × typical",
+            f"{number(candidate.size, 2)} × typical" if candidate.score > _NO_GAIN else NONE,
             "in full" if candidate.tried == "full" else "linearly",
         )
         for candidate in candidates

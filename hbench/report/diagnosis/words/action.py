@@ -38,6 +38,7 @@ from hbench.report.diagnosis.words.edge import (
     suspect_edge,
 )
 from hbench.report.diagnosis.words.place import edge_gaps, rms_words, worst_places
+from hbench.report.diagnosis.words.refit import refit_increases, unexplained
 from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 
@@ -257,7 +258,7 @@ def _starting_point(diagnosis: Diagnosis) -> tuple[str, str]:
     """
     if pattern := _pattern(diagnosis):
         return pattern_words(diagnosis, pattern)
-    return _start(diagnosis, (diagnosis.rest or diagnosis.where)[0])
+    return _start(diagnosis, unexplained(diagnosis)[0])
 
 
 def starting_reason(diagnosis: Diagnosis) -> str:
@@ -270,13 +271,20 @@ def _pattern(diagnosis: Diagnosis) -> EdgePattern | None:
     return None if beyond_balances(diagnosis) else edge_pattern(diagnosis)
 
 
+def _first_part(diagnosis: Diagnosis, gap: Gap) -> str:
+    return next(iter(parts_of(diagnosis, gap.name)), "")
+
+
 def _start(diagnosis: Diagnosis, gap: Gap) -> tuple[str, str]:
     """Return the part of the bench to inspect first for a gap, and a sentence on why that one."""
     deviating = {each.name for each in diagnosis.rest}
     for names, common in COMMON_PARTS.items():
         if gap.name in names and deviating.issuperset(names):
             return common, f"{capital(all_in_sentence(names))} depend on it."
-    part = next(iter(parts_of(diagnosis, gap.name)), "")
+    part = _first_part(diagnosis, gap)
+    alike = [each.name for each in unexplained(diagnosis) if _first_part(diagnosis, each) == part]
+    if part and alike[1:] and not refit_increases(diagnosis).keys() & alike:
+        return part, f"{capital(all_in_sentence(alike))} deviate, and {part} is common to them."
     places, quantity = worst_places(diagnosis, gap.name), in_sentence(gap.name)
     if beyond_balances(diagnosis) or not places:
         return part, ""
@@ -303,11 +311,13 @@ def further_inspections(diagnosis: Diagnosis) -> Iterator[str]:
         then = "; then ".join(parts[:_MOST_BALANCES])
         yield f"If nothing is found at the valves and their common line, inspect {then}."
         return
-    first, *others = (diagnosis.rest or diagnosis.where[:1])[:_MOST_BALANCES]
+    first, *others = unexplained(diagnosis)[:_MOST_BALANCES]
     start, _ = _start(diagnosis, first)
     parts = [part for part in parts_of(diagnosis, first.name) if not start.startswith(part)]
     if start and parts:
         yield f"If nothing is found at {start.partition(',')[0]}, inspect {listed(parts)}."
     for gap in others:
-        if remaining := [part for part in parts_of(diagnosis, gap.name) if part not in parts]:
+        every = parts_of(diagnosis, gap.name)
+        named = [part for part in every if part in parts or start.startswith(part)]
+        if remaining := [part for part in every if part not in named]:
             yield f"For {in_sentence(gap.name)}, inspect {listed(remaining)}."

@@ -9,6 +9,7 @@ from hbench.report.diagnosis.words.place import (
     edge_gaps,
     rms_words,
 )
+from hbench.report.diagnosis.words.refit import refit_increases
 from hbench.report.render.symbols import listed
 
 _LINES = {"tank": "the return line", "supply": "the supply line"}  # of each edge
@@ -33,11 +34,13 @@ def suspect_edge(diagnosis: Diagnosis, name: str) -> tuple[str, str] | None:
 def edge_pattern(diagnosis: Diagnosis) -> EdgePattern | None:
     """Return the edge at which unexplained flows of several valves deviate; None without one."""
     sizes = {gap.name: gap.scatter for gap in diagnosis.where}
+    moved = refit_increases(diagnosis)  # which no valve does
     for edge in _LINES:
         names = [
             gap.name
             for gap in diagnosis.rest
             if (found := suspect_edge(diagnosis, gap.name)) and found[0] == edge
+            if gap.name not in moved
         ]
         names.sort(key=lambda name: -edge_gaps(diagnosis, name)[edge] * sizes[name])
         valves = {name: parts_of(diagnosis, name)[0] for name in names}

@@ -4,27 +4,44 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from hbench.records import Diagnosis, Gap
-from hbench.report.diagnosis.names import all_in_sentence, deviation_and_limit, in_sentence, in_unit
+from hbench.report.diagnosis.names import (
+    EDGES,
+    all_in_sentence,
+    deviation_and_limit,
+    in_sentence,
+    in_unit,
+)
 from hbench.report.diagnosis.words.deviation import exceeding
 from hbench.report.diagnosis.words.place import rms_words, worst_places
+from hbench.report.diagnosis.words.refit import refit_increases, unexplained
 from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 
-_MOST = 2  # quantities with their sizes; the table has all
+_MOST = 3  # quantities with their sizes; the table has all
 
 
-def unexplained_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> Iterator[str]:
-    """Yield how far the first quantities deviate, and where the first one deviates most."""
-    sizes = [_size(diagnosis, gap) for gap in gaps[:_MOST]]
-    first, *second = (in_sentence(gap.name) for gap in gaps[:_MOST])
-    parts = [f"{first} deviates from the model by {sizes[0]}"]
-    parts += [f"{name} by {size}" for name, size in zip(second, sizes[1:], strict=True)]
-    yield f"{capital(listed(parts))}; no known effect explains this."
-    for gap in gaps[:1]:
-        for place in worst_places(diagnosis, gap.name)[:1]:
-            size = rms_words(diagnosis, gap.name, place.gap)
-            which = f" of {in_sentence(gap.name)}" if len(gaps) > 1 else ""
-            yield f"The deviation{which} is largest {place.words} ({size})."
+def unexplained_words(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield how far the quantities deviate, and where a single one deviates most.
+
+    Of several, it yields those that the refit increases, which do not show where the cause is.
+    """
+    gaps = unexplained(diagnosis)
+    shown = gaps[: _MOST if len(gaps) <= _MOST else _MOST - 1]
+    more = len(gaps) - len(shown)
+    also = f", as do {more} more quantities" if more else ""
+    yield f"{capital(_sizes(diagnosis, shown))}{also}; no known effect explains this."
+    if not gaps[1:]:
+        for place in worst_places(diagnosis, gaps[0].name)[:1]:
+            size = rms_words(diagnosis, gaps[0].name, place.gap)
+            yield f"The deviation is largest {place.words} ({size})."
+        return
+    moved = refit_increases(diagnosis)
+    named = [in_sentence(gap.name) for gap in shown if gap.name in moved]
+    if named and len(named) < len(gaps):
+        yield (
+            f"The refit itself increases the deviation of {listed(named)}, which therefore does "
+            "not show where the cause is."
+        )
 
 
 def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
@@ -37,12 +54,26 @@ def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
     return f"{capital(all_in_sentence(agreeing))} {verb} within the limits that matter."
 
 
-def _size(diagnosis: Diagnosis, gap: Gap) -> str:
-    """Write a deviation in its unit and in per cent of the quantity's range."""
+def _sizes(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
+    """Write how far each quantity deviates; flows in common words."""
+    sizes = [_size(diagnosis, gap, len(gaps) < 2) for gap in gaps]
+    names = [gap.name for gap in gaps]
+    if gaps[1:] and all(name in EDGES for name in names):
+        numbers, units = zip(*(size.split(" ", 1) for size in sizes), strict=True)
+        if len(set(units)) == 1:
+            amounts = f"{listed(numbers)} {units[0]}"
+            return f"{all_in_sentence(names)} deviate from the model by {amounts}"
+    parts = [f"{in_sentence(name)} by {size}" for name, size in zip(names, sizes, strict=True)]
+    parts[0] = parts[0].replace(" by ", " deviates from the model by ", 1)
+    return listed(parts)
+
+
+def _size(diagnosis: Diagnosis, gap: Gap, alone: bool) -> str:
+    """Write a deviation in its unit and, if it is ``alone``, in per cent of its range."""
     if not isfinite(gap.deviation):
         return f"{in_unit(gap, gap.gap * gap.scatter)} RMS"
     size = f"{deviation_and_limit(gap)[0]} RMS"
-    if not (gap.material > 0 and isfinite(diagnosis.material)):
+    if not (alone and gap.material > 0 and isfinite(diagnosis.material)):
         return size
     share = diagnosis.material * gap.deviation / gap.material
     return f"{size} ({significant(100 * share, 2)} % of its range)"

@@ -1,0 +1,159 @@
+"""First screen of a fleet's page: identity, tiles, and what became of each number over time."""
+
+from collections.abc import Iterator
+
+from hbench.records import FEWEST_CAMPAIGNS, ControlChart, Fleet, Spread, Trend, WordTable
+from hbench.report.conformity.text import check_words
+from hbench.report.fleet.charts import named, step_size
+from hbench.report.fleet.names import (
+    in_sentence,
+    main_spreads,
+    name_of,
+    of_side,
+    range_words,
+    without_condition,
+)
+from hbench.report.fleet.row import at_pressure, kind_parts
+from hbench.report.fleet.text import resolved
+from hbench.report.fleet.verdict import (
+    change_words,
+    decision_words,
+    steady_spreads,
+    stepped_numbers,
+)
+from hbench.report.render.document import Tile
+from hbench.report.render.numbers import NONE, alike, half_width, significant
+from hbench.report.render.symbols import capital
+
+_RANGES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
+
+
+def fleet_identity(fleet: Fleet) -> tuple[tuple[str, str], ...]:
+    """Return bench, cylinder size, loads and speed of campaigns that are all of one kind."""
+    if len(fleet.protocols) != 1:
+        return ()
+    parts = kind_parts(fleet.protocols[0][0])
+    parts["loads"] = parts.pop("loads")  # the longest last
+    names = {"bench or origin": "Bench", "cylinder size": "Areas of piston and rod side"}
+    return tuple(
+        (
+            names.get(name, capital(name)),
+            at_pressure("; ".join(values)).removeprefix("simulated, "),
+        )
+        for name, values in parts.items()
+        if values
+    )
+
+
+def fleet_tiles(fleet: Fleet) -> Iterator[Tile]:
+    """Yield the tiles: campaigns, outliers, steps, drifts, capability; or ranges of a few."""
+    yield _campaigns(fleet)
+    if fleet.compared >= FEWEST_CAMPAIGNS and fleet.spreads:
+        value = f"{fleet.outliers} of {fleet.compared}"
+        yield Tile(value, "outliers", "campaigns that deviate significantly", "method-outliers")
+    if fleet.charts:
+        steps = [chart.step for chart in fleet.charts if chart.step and chart.step.real]
+        names = named(tuple(dict.fromkeys(step.name for step in steps))[:2], 0)
+        since = f"of the mean, from {names} on" if steps else "of the mean is significant"
+        value = f"{len(steps)} of {len(fleet.charts)}"
+        yield Tile(value, "numbers with a step", since, "method-change-points")
+    if trends := steady_spreads(fleet):
+        drifting = sum(trend.real for _, trend in trends)
+        value, unit = f"{drifting} of {len(trends)}", "numbers with a drift"
+        most = f" {unseen_drift(trends)}" if not drifting else ""
+        others = "of those without a step" if stepped_numbers(fleet) else "over the campaigns"
+        yield Tile(value, unit, f"{others}{';' * bool(most)}{most}", "method-trends")
+    if fleet.capabilities:
+        least = min(fleet.capabilities, key=lambda each: each.ppk.value)
+        words = check_words(least.requirement, least.series)
+        count = len(fleet.capabilities)
+        of = f"smallest of {count} limits: " if count > 1 else ""
+        caption = f"{of}{words[0].lower()}{words[1:]}"
+        yield Tile(significant(least.ppk.value, 2), "Ppk", caption, "method-capability")
+    if not fleet.charts:
+        yield from _ranges(fleet)
+
+
+def _campaigns(fleet: Fleet) -> Tile:
+    good = fleet.campaigns - fleet.failed
+    about = [f"analysed, {fleet.failed} failed" if fleet.failed else "analysed"]
+    if fleet.decisions:
+        about.append(f"decisions: {decision_words(fleet)}")
+    if fleet.qualities:
+        grades = ", ".join(f"{count} {grade}" for grade, count in fleet.qualities)
+        why = ", ".join(
+            name if count == good else f"{name} in {count}" for name, count in fleet.weak_checks
+        )
+        about.append(f"data: {grades}{f' (because of {why})' if why else ''}")
+    return Tile(f"{good} of {fleet.campaigns}", "campaigns", "; ".join(about))
+
+
+def _ranges(fleet: Fleet) -> Iterator[Tile]:
+    for spread in main_spreads(fleet):
+        if spread.quantity.name in _RANGES:
+            scale = spread.quantity.scale
+            value = alike((scale * spread.low, scale * spread.high))
+            words = f"{without_condition(spread.quantity)}{of_side(spread.direction)}"
+            caption = f"{words[0].lower()}{words[1:]}: {range_words(spread.n)}"
+            yield Tile(value, spread.quantity.unit, caption, "method-spread")
+
+
+def unseen_drift(trends: list[tuple[Spread, Trend]]) -> str:
+    """Write the largest change, as a share of its median, that the trends do not exclude."""
+    shares = [
+        (max(abs(trend.low), abs(trend.high)) / abs(spread.median), spread, trend)
+        for spread, trend in trends
+        if spread.median
+    ]
+    if not shares:
+        return ""
+    share, spread, trend = max(shares, key=lambda each: each[0])
+    change = spread.quantity.scale * max(abs(trend.low), abs(trend.high))
+    size = f"{half_width(change)} {spread.quantity.unit}"
+    size += f" ({half_width(100 * share)} %)" if spread.quantity.unit != "%" else ""
+    number = f"{in_sentence(spread.quantity)}{of_side(spread.direction)}"
+    return f"a change of up to {size} is not excluded, in {number}"
+
+
+def overview_table(fleet: Fleet) -> WordTable:
+    """Return a row for each number: its middle, its spread, and its change over time."""
+    charts = {(chart.quantity, chart.direction): chart for chart in fleet.charts}
+    trends = {(s.quantity, s.direction): trend for s, trend in steady_spreads(fleet)}
+    rows = []
+    for spread in fleet.spreads:
+        if spread.n < min(FEWEST_CAMPAIGNS, fleet.compared):
+            continue  # the table of their spread has it
+        key = spread.quantity, spread.direction
+        rows.append(
+            (
+                name_of(spread),
+                str(spread.n),
+                resolved(spread, spread.median),
+                f"{resolved(spread, spread.low)} to {resolved(spread, spread.high)}",
+                _change(spread, charts.get(key), trends.get(key)),
+                _beyond(charts.get(key)),
+            )
+        )
+    ends = "Smallest to largest" if fleet.compared < FEWEST_CAMPAIGNS else "5 to 95 %"
+    change = "Change over time (95 %)"
+    head = ("Quantity", "Campaigns", "Median", ends, change, "Beyond control limits")
+    of_all = {str(fleet.compared)}
+    kept = [i for i in range(len(head)) if {row[i] for row in rows} not in ({NONE}, of_all)]
+    return WordTable(
+        "Numbers of the fleet",
+        tuple(head[i] for i in kept),
+        tuple(tuple(row[i] for i in kept) for row in rows),
+    )
+
+
+def _change(spread: Spread, chart: ControlChart | None, trend: Trend | None) -> str:
+    if chart is not None and chart.step is not None and chart.step.real:
+        return f"step at {chart.step.name}: {step_size(chart.step, chart.quantity.scale)}"
+    if trend is None:
+        return NONE
+    change = change_words(spread, trend)
+    return f"drift: {change}" if trend.real else f"not significant: {change}"
+
+
+def _beyond(chart: ControlChart | None) -> str:
+    return NONE if chart is None else named(chart.outside, chart.beyond)

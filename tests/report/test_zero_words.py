@@ -1,0 +1,54 @@
+"""Zero errors that U does not contain: tolerances of the reading, and zeros that nobody checked."""
+
+from dataclasses import replace
+
+import pytest
+
+from hbench.records.motions import Zero, ZeroCheck
+from hbench.report.campaign.page import report_document
+from hbench.report.zero_words import zero_reserve
+
+READING = {"tolerance": "1.0 %", "of": "reading", "full_scale": "12 kN"}
+SCALE = {"tolerance": "0.8 %", "full_scale": "250 bar"}
+
+
+def with_instruments(results, force, pressure, channels=()):
+    settings = {
+        **results.provenance.settings,
+        "instruments": {"force": force, "pressure": pressure},
+    }
+    zeros = tuple(Zero(channel, 0.0, 1.0) for channel in channels)
+    checks = (ZeroCheck("0001", 0.0, 0.0, 0.0, zeros),) if zeros else ()
+    return replace(
+        results,
+        provenance=replace(results.provenance, settings=settings),
+        motions=replace(results.motions, zero_checks=checks),
+    )
+
+
+@pytest.mark.parametrize(
+    ("force", "pressure", "channels", "names"),
+    [
+        (READING, READING, (), "the load cell and the pressure transducers: their tolerances are"),
+        (READING, READING, ("p_tp_pa",), "the load cell: its tolerance is"),
+        (READING, SCALE, (), "the load cell: its tolerance is"),
+        (READING, READING, ("p_tp_pa", "f_applied_n"), ""),
+        (SCALE, SCALE, (), ""),
+        ({**READING, "further": {"zero": {"tolerance": "0.1 %"}}}, SCALE, (), ""),
+    ],
+)
+def test_sensors_whose_zero_errors_are_not_in_u_are_named(small, force, pressure, channels, names):
+    results = with_instruments(small, force, pressure, channels)
+    assert names in zero_reserve(results) and bool(names) == bool(zero_reserve(results))
+    curve = results.curves[0]
+    points = tuple(replace(point, sigma_instruments_n=10.0) for point in curve.points)
+    known = replace(results, curves=(replace(curve, points=points), *results.curves[1:]))
+    facts = dict(report_document(known, ()).sections[0].facts)
+    assert zero_reserve(results) in facts["Uncertainty"]
+
+
+def test_the_identity_states_what_the_tolerances_are_of(small):
+    facts = dict(report_document(with_instruments(small, READING, SCALE), ()).identity)
+    assert facts["Instruments"] == (
+        "no calibration recorded; tolerances: force 1.0 % of reading, pressure 0.8 % of full scale"
+    )
