@@ -203,7 +203,7 @@ def derive(
     checks: tuple[str, ...] = ()
     if monte_carlo:
         steady, efficiencies, checks = checked_by_monte_carlo(steady, efficiencies, instruments)
-    clock = RunClock.of(screened, times_s)
+    clock = RunClock.of(screened, times_s, campaign.source_files())
     temperature = oil_temperature(steady, screened, setup, how, clock)
     drift = friction_drift(steady, screened, clock)
     steady = with_drift(steady, drift, clock, how.weights)

@@ -158,6 +158,10 @@ class StoredCampaign:
             return {}
         return start_times_s({entry.plan.run: entry.started for entry in self.latest})
 
+    def source_files(self) -> dict[str, str]:
+        """Return the file that each imported run was cut from; empty for hbench's own runs."""
+        return {e.plan.run: str(e.origin.get("file")) for e in self.latest if e.origin}
+
     def ended_at(self) -> datetime | None:
         """Return when the last run ended; None before the first has."""
         times = [moment(entry.stop.at) for entry in self.entries if entry.stop]
