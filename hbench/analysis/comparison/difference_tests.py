@@ -6,9 +6,10 @@ Trials are independent, so a difference d = sum_i w_i m_i of means over trials h
 
 (Welch, Satterthwaite). For the instruments: if both campaigns were measured with the same ones,
 their errors are in both, and only the difference of the contributions counts; with different ones
-both contributions count. Their degrees of freedom are those of the uncertainty budget, combined
-with those of the trials by the same formula (JCGM 100, G.2b). A significant drift within a campaign
-has an independent part, ``sigma_drift_n`` of its points, with their weights and signs.
+both contributions count, as do those of a log's resolution in any case. Their degrees of freedom
+are those of the uncertainty budget, combined with those of the trials by the same formula (JCGM
+100, G.2b). A significant drift within a campaign has an independent part, ``sigma_drift_n`` of its
+points, with their weights and signs.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -21,6 +22,7 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import satterthwaite, student_factor
 from hbench.analysis.uncertainty.budget import StandardUncertainty, combined
+from hbench.analysis.uncertainty.input_errors import is_resolution
 from hbench.records import Difference
 
 Contributions = dict[str, StandardUncertainty]  # of the instruments' errors, with their signs
@@ -135,5 +137,8 @@ def weighted(terms: Iterable[tuple[float, Contributions]]) -> Contributions:
 
 def _of_instruments(a: Contributions, b: Contributions, same: bool) -> list[StandardUncertainty]:
     """Return the independent parts of the instruments' errors in a difference."""
-    of_both = [weighted([(-1.0, a), (1.0, b)])] if same else [a, b]
-    return [part for parts in of_both for part in parts.values()]
+    if not same:
+        return [*a.values(), *b.values()]
+    own = [part for side in (a, b) for name, part in side.items() if is_resolution(name)]
+    common = weighted([(-1.0, a), (1.0, b)])
+    return [*own, *(part for name, part in common.items() if not is_resolution(name))]

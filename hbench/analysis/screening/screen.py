@@ -14,6 +14,7 @@ from hbench.analysis.screening.friction_channels import (
     required,
     test_force,
 )
+from hbench.analysis.screening.log_steps import rounding_errors
 from hbench.analysis.screening.saturation import saturated_sensors, with_valves
 from hbench.analysis.screening.steadiness import drift, load_step, speed_ripple
 from hbench.analysis.screening.steady_window import (
@@ -290,6 +291,7 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
         p_tr_pa=p_tr,
         efficiency=efficiency,
         v_ripple_m_s=speed_ripple(t, run.x_m[window]).total_m_s or None,
+        u_steps={} if friction is None else rounding_errors(run, window, friction),
         **{name: _known_mean(getattr(run, name), window) for name in TEMPERATURES},
     )
 
