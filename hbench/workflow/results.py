@@ -29,6 +29,7 @@ from hbench.analysis.summary.drift import (
     friction_drift,
     with_drift,
 )
+from hbench.analysis.summary.force_checks import constant_force
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.temperature.hersey import with_hersey
@@ -214,6 +215,7 @@ def derive(
         *overdue(instruments, _measured_on(provenance)),
         *checks,
         *not_computed(screened, efficiencies, instruments),
+        *constant_force(steady),
     )
     bands = friction_bands(steady)
     planned, unknown = planned_runs(campaign, screened)

@@ -17,7 +17,8 @@ both directions leaves m as it is; if it grows in one alone, by 6 % of the load,
 
 A force that is not measured, such as a weight on an upright cylinder, an error of a zero or one of
 an area under a single load is in m too. Seals have more friction in one direction, but rarely twice
-that of the other, which is |m| = h / 3 with h = (F_extend - F_retract) / 2.
+that of the other, which is |m| = h / 3 with h = (F_extend - F_retract) / 2. A smaller m is reported
+if it is beyond its uncertainty and the same at all speeds and loads: a force is, friction rarely.
 """
 
 from collections import defaultdict
@@ -33,6 +34,7 @@ _SUPPLIED_GOOD = 5.0  # of the friction by the load, %
 _CHANGE_GOOD, _CHANGE_POOR = 3.0, 10.0  # of the mean of both directions, % of the load
 _SMALL = 5.0  # such a change, % of friction: it does not matter
 _DIFFERENCE_GOOD = 100 / 3  # half the difference of the directions, % of their mean
+_SAME_FORCE = 0.2  # largest distance of an m from their mean, as a share of it
 _SAME_SPEED = 0.05  # relative difference of speeds with the same reference
 
 
@@ -112,6 +114,26 @@ def equal_directions(curves: Iterable[Curve], loops: Iterable[Loop] = ()) -> Ite
         counts = len(beyond), len(found)
         grade: Grade = "poor" if 2 * driven > len(found) else "with care"
         yield QualityCheck("equal_directions", grade, largest, "%", _DIFFERENCE_GOOD, None, *counts)
+
+
+def constant_force(curves: Iterable[Curve]) -> Iterator[str]:
+    """Yield a note on a mean of both directions that is the same at all speeds and loads."""
+    found = [both for of_speed in _both_directions(curves) for both in of_speed]
+    if not found:
+        return
+    middle = fmean(both.middle_n for both in found)
+    half = fmean(abs(both.half_n) for both in found)
+    u = fmean(both.u_all_n for both in found)  # of the instruments: common to all
+    furthest = max(abs(both.middle_n - middle) for both in found)
+    beyond = abs(middle) > max(u, _SMALL / 100 * half)
+    if beyond and furthest <= _SAME_FORCE * abs(middle):
+        at = "the one speed and load" if len(found) == 1 else f"all {len(found)} speeds and loads"
+        yield (
+            f"directions: the mean friction of both directions is {middle:.3g} N (U {u:.2g} N) at "
+            f"{at}, as by a constant force that is not measured: the weight of an upright "
+            "piston and rod, a zero offset, absolute pressures. It is part of the friction of each "
+            f"direction; half the difference of both, {half:.3g} N, is free of it"
+        )
 
 
 def _over_strokes(loop: Loop) -> _Both:
