@@ -16,7 +16,7 @@ from hbench.analysis.screening.friction_channels import (
 )
 from hbench.analysis.screening.log_steps import rounding_errors
 from hbench.analysis.screening.saturation import saturated_sensors, with_valves
-from hbench.analysis.screening.steadiness import drift, load_step, speed_ripple
+from hbench.analysis.screening.steadiness import drift, load_step, outliers, speed_ripple
 from hbench.analysis.screening.steady_window import (
     at_reference,
     standstill_s,
@@ -223,8 +223,15 @@ def _steadiness(
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(np.mean(f_applied)))
     if exceeds(abs(step), limit):
         yield f"not_steady: the load changes by {step:+.0f} N in the window; limit {limit:.0f} N"
-    change = drift(t, test_force(run, window) - f_applied)
+    friction = test_force(run, window) - f_applied
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
+    far = outliers(friction)
+    if exceeds(abs(far.shift), limit):
+        yield (
+            f"not_steady: {far.samples} of {len(friction)} samples are far from all others and "
+            f"change mean friction by {far.shift:+.0f} N; limit {limit:.0f} N"
+        )
+    change = drift(t, friction)
     if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
         yield (
             f"not_steady: friction drifts by {change.value:+.0f} N (standard error "
