@@ -147,14 +147,23 @@ def test_directions_that_differ_by_less_are_no_reason_for_care(analysed):
 
 def test_a_force_that_is_the_same_at_all_speeds_and_loads_is_named(analysed):
     """The weight of an upright piston and rod, 40 N, adds to the friction of one direction."""
-    (note,) = [n for n in analysed(offset_n=-40.0).notes if n.startswith("directions")]
+    results = analysed(offset_n=-40.0)
+    (note,) = [n for n in results.notes if n.startswith("directions")]
     assert "the mean friction of both directions is 40" in note
-    assert "at all 4 speeds and loads, as by a constant force that is not measured" in note
+    assert "at all speeds and loads, as by a constant force that is not measured" in note
     assert "half the difference of both, 177 N, is free of it" in note
+    check = check_of(results, "constant_force")
+    assert (check.grade, check.value) == ("with care", pytest.approx(100 * 40 / 177, abs=0.5))
+    assert "of friction, as by a constant force that is not measured" in quality_verdict(
+        results.quality
+    )
+    assert "the weight of an upright piston" in next_step(results.quality, "", imported=True)
 
 
 def test_friction_without_such_a_force_has_no_such_note(analysed):
-    assert not [n for n in analysed().notes if n.startswith("directions")]
+    results = analysed()
+    assert not [n for n in results.notes if n.startswith("directions")]
+    assert check_of(results, "constant_force") is None
 
 
 def test_a_force_within_the_tolerance_of_the_instruments_is_not_named(analysed):

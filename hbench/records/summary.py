@@ -191,6 +191,7 @@ class QualityCheck:
         "load_direction",
         "load_balance",
         "equal_directions",
+        "constant_force",
         "instruments",
     ]
     grade: Grade

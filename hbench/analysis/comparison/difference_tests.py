@@ -12,8 +12,8 @@ are those of the uncertainty budget, combined with those of the trials by the sa
 points, with their weights and signs.
 
 In a mean over several curves, trials that were cut from one file, such as strokes out and back
-(``summary/setups.py``), are not independent: of points that have the same set-ups, the weighted sums
-of each trial count as one mean.
+(``summary/setups.py``), are not independent: of points that have the same set-ups, the weighted
+sums of each trial count as one mean.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -116,24 +116,35 @@ def equal_directions(curves: Iterable[Curve], loops: Iterable[Loop] = ()) -> Ite
         yield QualityCheck("equal_directions", grade, largest, "%", _DIFFERENCE_GOOD, None, *counts)
 
 
-def constant_force(curves: Iterable[Curve]) -> Iterator[str]:
-    """Yield a note on a mean of both directions that is the same at all speeds and loads."""
-    found = [both for of_speed in _both_directions(curves) for both in of_speed]
-    if not found:
-        return
-    middle = fmean(both.middle_n for both in found)
-    half = fmean(abs(both.half_n) for both in found)
-    u = fmean(both.u_all_n for both in found)  # of the instruments: common to all
-    furthest = max(abs(both.middle_n - middle) for both in found)
-    beyond = abs(middle) > max(u, _SMALL / 100 * half)
-    if beyond and furthest <= _SAME_FORCE * abs(middle):
-        at = "the one speed and load" if len(found) == 1 else f"all {len(found)} speeds and loads"
+def constant_force(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
+    """Yield a mean of both directions that is the same at all speeds and loads, % of friction."""
+    if (both := _constant_force(curves)) is not None:
+        share = 100 * abs(both.middle_n) / both.half_n
+        yield QualityCheck("constant_force", "with care", share, "%", _SMALL, None)
+
+
+def constant_force_note(curves: Iterable[Curve]) -> Iterator[str]:
+    """Yield the size of that force, and the friction that is free of it."""
+    if (both := _constant_force(curves)) is not None:
         yield (
-            f"directions: the mean friction of both directions is {middle:.3g} N (U {u:.2g} N) at "
-            f"{at}, as by a constant force that is not measured: the weight of an upright "
-            "piston and rod, a zero offset, absolute pressures. It is part of the friction of each "
-            f"direction; half the difference of both, {half:.3g} N, is free of it"
+            f"directions: the mean friction of both directions is {both.middle_n:.3g} N (U "
+            f"{both.u_all_n:.2g} N) at all speeds and loads, as by a constant force that is not "
+            "measured: the weight of an upright piston and rod, a zero offset, absolute pressures. "
+            "It is part of the friction of each direction; half the difference of both, "
+            f"{both.half_n:.3g} N, is free of it"
         )
+
+
+def _constant_force(curves: Iterable[Curve]) -> _Both | None:
+    """Return the mean of all speeds and loads if their m is the same, and beyond its U."""
+    found = [both for of_speed in _both_directions(curves) for both in of_speed]
+    if len(found) < 2:
+        return None
+    mean = _Both(*map(fmean, zip(*found, strict=True)))
+    mean = mean._replace(half_n=fmean(abs(both.half_n) for both in found))
+    furthest = max(abs(both.middle_n - mean.middle_n) for both in found)
+    beyond = abs(mean.middle_n) > max(mean.u_all_n, _SMALL / 100 * mean.half_n)
+    return mean if beyond and furthest <= _SAME_FORCE * abs(mean.middle_n) else None
 
 
 def _over_strokes(loop: Loop) -> _Both:
