@@ -166,6 +166,12 @@ def test_friction_without_such_a_force_has_no_such_note(analysed):
     assert check_of(results, "constant_force") is None
 
 
+def test_a_campaign_of_one_direction_states_what_no_check_shows(analysed):
+    results = analysed(loads_n=(1500.0,), cut="none")
+    (note,) = [n for n in results.notes if n.startswith("directions")]
+    assert note.startswith("directions: only extending runs. A wrong diameter")
+
+
 def test_a_force_within_the_tolerance_of_the_instruments_is_not_named(analysed):
     results = analysed(offset_n=-10.0, instruments=INSTRUMENTS)
     assert not [n for n in results.notes if n.startswith("directions")]

@@ -29,7 +29,7 @@ from hbench.analysis.summary.drift import (
     friction_drift,
     with_drift,
 )
-from hbench.analysis.summary.force_checks import constant_force_note
+from hbench.analysis.summary.force_checks import direction_notes
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.temperature.hersey import with_hersey
@@ -215,7 +215,7 @@ def derive(
         *overdue(instruments, _measured_on(provenance)),
         *checks,
         *not_computed(screened, efficiencies, instruments),
-        *constant_force_note(steady),
+        *direction_notes(steady),
     )
     bands = friction_bands(steady)
     planned, unknown = planned_runs(campaign, screened)

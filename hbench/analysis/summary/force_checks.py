@@ -28,8 +28,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.records import Curve, CurvePoint, Grade, Loop, QualityCheck
+from hbench.records import Curve, CurvePoint, Direction, Grade, Loop, QualityCheck
 
+_WORDS: dict[Direction, str] = {"extend": "extending", "retract": "retracting"}
 _SUPPLIED_GOOD = 5.0  # of the friction by the load, %
 _CHANGE_GOOD, _CHANGE_POOR = 3.0, 10.0  # of the mean of both directions, % of the load
 _SMALL = 5.0  # such a change, % of friction: it does not matter
@@ -123,9 +124,17 @@ def constant_force(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
         yield QualityCheck("constant_force", "with care", share, "%", _SMALL, None)
 
 
-def constant_force_note(curves: Iterable[Curve]) -> Iterator[str]:
-    """Yield the size of that force, and the friction that is free of it."""
-    if (both := _constant_force(curves)) is not None:
+def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
+    """Yield the size of that force with the friction that is free of it, or why none is known."""
+    curves = tuple(curves)
+    directions = {curve.direction for curve in curves if curve.points}
+    if len(directions) == 1:
+        yield (
+            f"directions: only {_WORDS[directions.pop()]} runs. A wrong diameter, a zero "
+            "offset or a weight that is not measured is then a part of friction that no check "
+            "shows. Measure both directions"
+        )
+    elif (both := _constant_force(curves)) is not None:
         yield (
             f"directions: the mean friction of both directions is {both.middle_n:.3g} N (U "
             f"{both.u_all_n:.2g} N) at all speeds and loads, as by a constant force that is not "
