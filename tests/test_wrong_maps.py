@@ -145,6 +145,38 @@ def test_directions_that_differ_by_less_are_no_reason_for_care(analysed):
     assert check_of(analysed(loads_n=(0.0,), offset_n=-40.0), "equal_directions") is None
 
 
+def test_a_force_that_is_the_same_at_all_speeds_and_loads_is_named(analysed):
+    """The weight of an upright piston and rod, 40 N, adds to the friction of one direction."""
+    results = analysed(offset_n=-40.0)
+    (note,) = [n for n in results.notes if n.startswith("directions")]
+    assert "the mean friction of both directions is 40" in note
+    assert "at all speeds and loads, as by a constant force that is not measured" in note
+    assert "half the difference of both, 177 N, is free of it" in note
+    check = check_of(results, "constant_force")
+    assert (check.grade, check.value) == ("with care", pytest.approx(100 * 40 / 177, abs=0.5))
+    assert "of friction, as by a constant force that is not measured" in quality_verdict(
+        results.quality
+    )
+    assert "the weight of an upright piston" in next_step(results.quality, "", imported=True)
+
+
+def test_friction_without_such_a_force_has_no_such_note(analysed):
+    results = analysed()
+    assert not [n for n in results.notes if n.startswith("directions")]
+    assert check_of(results, "constant_force") is None
+
+
+def test_a_campaign_of_one_direction_states_what_no_check_shows(analysed):
+    results = analysed(loads_n=(1500.0,), cut="none")
+    (note,) = [n for n in results.notes if n.startswith("directions")]
+    assert note.startswith("directions: only extending runs. A wrong diameter")
+
+
+def test_a_force_within_the_tolerance_of_the_instruments_is_not_named(analysed):
+    results = analysed(offset_n=-10.0, instruments=INSTRUMENTS)
+    assert not [n for n in results.notes if n.startswith("directions")]
+
+
 @pytest.mark.parametrize("known", [True, False])
 def test_u_is_stated_to_be_without_the_instruments_where_their_tolerances_are_not_known(
     analysed, tmp_path, undrawn, known

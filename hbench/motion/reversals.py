@@ -13,6 +13,8 @@ from hbench.motion.speeds import noise_over_motion
 _TURN = 0.1
 _NOISE_SIGMAS = 10.0  # of the position's noise: a smaller return is no reversal
 _REST_S = 0.2  # shorter ones at the ends of a log are no rest
+LONGEST_STEP_S = BLOCK_S  # between the samples of a rest
+_ROUNDING_S = 1e-6  # of times that are written in decimals
 _SAME_LENGTH, _SAME_DURATION = 0.10, 0.25  # relative differences of settled strokes
 # Relative difference of the speeds of strokes that count as the same speed: often it is not
 # controlled.
@@ -104,7 +106,10 @@ def _rest_length(t_s: np.ndarray, x_m: np.ndarray) -> int:
     t = t_s[rest]
     if len(t) < 2 or rest.stop == len(x_m):
         return 0
-    whole = t[-1] - t[0] >= _REST_S - BLOCK_S and np.diff(t).max() <= BLOCK_S
+    gap_s = np.diff(t).max()
+    whole = (
+        t[-1] - t[0] >= _REST_S - BLOCK_S - _ROUNDING_S and gap_s <= LONGEST_STEP_S + _ROUNDING_S
+    )
     return rest.stop if whole else 0
 
 

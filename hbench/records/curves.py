@@ -51,6 +51,8 @@ class CurvePoint:
     trials_temp_k: tuple[float, ...] = ()  # of each trial; empty where one is not known
     hersey_m: float | None = None  # eta |v| / p, see analysis/temperature/hersey.py
     trials_hersey_m: tuple[float, ...] = ()  # of each trial, at its temperature
+    # Standard uncertainty by the steps of the log, in SI by channel, where it matters.
+    u_steps: dict[str, float] = field(default_factory=dict)
 
 
 FitVerdict = Literal[Determination, "not converged"]

@@ -215,6 +215,8 @@ class SteadyMeans:
     temp_seal_k: float | None = None
     # Standard deviation of the mean speeds over 0.1 s, noise included; None: window too short.
     v_ripple_m_s: float | None = None
+    # Standard uncertainty of the means by the steps of the log, in SI by channel, where it matters.
+    u_steps: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

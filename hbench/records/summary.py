@@ -77,6 +77,7 @@ class Drift:
     p: float  # of no drift, two-sided
     points: Count  # with two trials or more
     trials: Count  # of these points
+    dof: Count  # degrees of freedom of the interval: trials of one file count once
     speed_vif: float  # variance inflation of run time by the speeds of a curve; 1: independent
     # Mean difference in run time between the fastest and the slowest speed of a curve, as a share
     # of the span: so much of the drift appears as an effect of speed.
@@ -190,6 +191,7 @@ class QualityCheck:
         "load_direction",
         "load_balance",
         "equal_directions",
+        "constant_force",
         "instruments",
     ]
     grade: Grade

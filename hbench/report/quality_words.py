@@ -18,6 +18,7 @@ NAMES = {
     "load_direction": "Direction of the load",
     "load_balance": "Balance over load",
     "equal_directions": "Both directions",
+    "constant_force": "Constant force",
     "instruments": "Instruments",
 }
 LIMITS = {
@@ -39,6 +40,8 @@ LIMITS = {
     "% of friction",
     "load_balance": "good to {good:g} % of the load, poor above {poor:g} %, less the interval",
     "equal_directions": "good if no direction has more than twice the friction of the other",
+    "constant_force": "good if the mean friction of both directions is within U or {good:g} % of "
+    "friction, or differs between speeds or loads",
     "instruments": "good to {good:g} %; above, rely on differences rather than on the level",
 }
 STEPS = {
@@ -64,6 +67,8 @@ STEPS = {
     "and of the load cell",
     "equal_directions": "look for a force that is not measured, such as a weight on an upright "
     "cylinder, for a zero offset, and for a wrong diameter",
+    "constant_force": "look for a force that is not measured, such as the weight of an upright "
+    "piston and rod, for a zero offset, and for absolute pressures",
     "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
     "and state the new tolerances in the {file}",
 }

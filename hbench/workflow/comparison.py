@@ -51,8 +51,8 @@ def compare(
     tolerance = matching.speed_tolerance(*both) if speed_tolerance is None else speed_tolerance
     curves, notes = campaign_differences(*both, instruments, same_instruments, tolerance)
     clocks = (
-        RunClock.of(results_a.runs, campaign_a.start_times_s()),
-        RunClock.of(results_b.runs, campaign_b.start_times_s()),
+        RunClock.of(results_a.runs, campaign_a.start_times_s(), campaign_a.source_files()),
+        RunClock.of(results_b.runs, campaign_b.start_times_s(), campaign_b.source_files()),
     )
     curves, mean_of_curves = with_drift_effects(curves, both, clocks, tolerance)
     bands = band_differences(*both, instruments, same_instruments, tolerance)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from hbench.errors import ConfigError
 from hbench.report.first_sheet import about_rows
-from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.folder import NOT_INTO_A_CAMPAIGN, load_campaign, refuse_existing
 from hbench.store.exporting.mat_curves import mat_curves
 from hbench.store.exporting.modelica import modelica_tables
 from hbench.store.exporting.runs import FORMATS
@@ -42,6 +42,7 @@ def export(
                 f"{option}: is for --format {' and '.join(kinds)}; the format is {kind}",
                 "Other formats contain SI numbers.",
             )
+    refuse_existing(destination, NOT_INTO_A_CAMPAIGN)
     changes = [in_practical_units] * practical_units + [with_decimal_comma] * decimal_comma
 
     def changed(text: str) -> str:

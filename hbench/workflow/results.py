@@ -29,6 +29,7 @@ from hbench.analysis.summary.drift import (
     friction_drift,
     with_drift,
 )
+from hbench.analysis.summary.force_checks import direction_notes
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.temperature.hersey import with_hersey
@@ -203,7 +204,7 @@ def derive(
     checks: tuple[str, ...] = ()
     if monte_carlo:
         steady, efficiencies, checks = checked_by_monte_carlo(steady, efficiencies, instruments)
-    clock = RunClock.of(screened, times_s)
+    clock = RunClock.of(screened, times_s, campaign.source_files())
     temperature = oil_temperature(steady, screened, setup, how, clock)
     drift = friction_drift(steady, screened, clock)
     steady = with_drift(steady, drift, clock, how.weights)
@@ -214,6 +215,7 @@ def derive(
         *overdue(instruments, _measured_on(provenance)),
         *checks,
         *not_computed(screened, efficiencies, instruments),
+        *direction_notes(steady),
     )
     bands = friction_bands(steady)
     planned, unknown = planned_runs(campaign, screened)

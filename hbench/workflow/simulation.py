@@ -10,7 +10,12 @@ from hbench.report.render.figures import figure_files
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
 from hbench.report.simulation.replay_text import replay_json
-from hbench.store.campaign.folder import ADD_A_BENCH, load_campaign
+from hbench.store.campaign.folder import (
+    ADD_A_BENCH,
+    NOT_INTO_A_CAMPAIGN,
+    load_campaign,
+    refuse_existing,
+)
 from hbench.store.exporting.runs import csv_files
 from hbench.store.files.atomic import write_files
 from hbench.workflow.board import physics_of
@@ -81,6 +86,10 @@ def _labelled(run: Run, addition: str) -> Run:
 
 
 def write_replay(destination: Path, replay: Replay) -> None:
-    """Write the runs as ``hbench export`` does, each labelled as simulated, and the numbers."""
+    """Write the runs as ``hbench export`` does, each labelled as simulated, and the numbers.
+
+    Raises ``ConfigError`` if ``destination`` contains a campaign.
+    """
+    refuse_existing(destination, NOT_INTO_A_CAMPAIGN)
     files = dict(csv_files(((run, "") for run in replay.runs), {"bench.yaml": replay.bench}))
     write_files(destination, files | {"replay.json": replay_json(replay).encode()})

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.comparison.difference_tests import mean_with_test
 from hbench.analysis.comparison.differences import campaign_differences, welch
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.summary.headline import headline
@@ -14,32 +13,8 @@ from hbench.analysis.summary.quality import quality
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.config.sensors import Instruments
-from hbench.records import Difference, FitParameter, Provenance, Results
+from hbench.records import FitParameter, Provenance, Results
 from tests.support.analysis.fits import fit_tustin
-
-
-def test_the_mean_of_independent_differences_is_tested_by_welch_and_satterthwaite():
-    """One difference is scipy's Welch test; of several, the standard errors add as squares."""
-    rng = np.random.default_rng(4)
-    a, b = rng.normal(400.0, 5.0, (2, 12)), rng.normal(404.0, 5.0, (2, 12))
-    differences = []
-    for of_a, of_b in zip(a, b, strict=True):
-        test = stats.ttest_ind(of_b, of_a, equal_var=False)
-        se = (of_b.mean() - of_a.mean()) / test.statistic
-        one = Difference(of_a.mean(), of_b.mean(), se, None, None, test.pvalue, dof=test.df)
-        differences.append(one)
-        half, p = mean_with_test([one])
-        low, high = test.confidence_interval()
-        assert half == pytest.approx((high - low) / 2) and p == pytest.approx(test.pvalue)
-    half, p = mean_with_test(differences)
-    squares = np.array([one.se**2 for one in differences])
-    dof = squares.sum() ** 2 / np.sum(squares**2 / [one.dof for one in differences])
-    se = np.sqrt(squares.sum()) / 2
-    assert half == pytest.approx(stats.t.ppf(0.975, dof) * se)
-    mean = np.mean([one.value for one in differences])
-    assert p == pytest.approx(2 * stats.t.sf(abs(mean) / se, dof))
-    assert mean_with_test([*differences, replace(differences[0], se=None)]) is None
-
 
 SPEEDS = np.array([0.005, 0.02, 0.05, 0.1, 0.19])
 INSTRUMENTS = Instruments.model_validate(

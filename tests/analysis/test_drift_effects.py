@@ -18,7 +18,7 @@ DURATION_S = 110.0
 
 def drift(change, change_ci95=0.0, scale="absolute"):
     return Drift(
-        "time", scale, change, change_ci95, 0.0, 0.0, None, None, DURATION_S, 0.5, 4, 12, 72.0,
+        "time", scale, change, change_ci95, 0.0, 0.0, None, None, DURATION_S, 0.5, 4, 12, 7, 72.0,
         0.3, False,
     )  # fmt: skip
 

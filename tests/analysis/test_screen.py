@@ -160,6 +160,22 @@ def test_friction_drift_from_its_relative_limit_on(make_run, rules, drift_n, rej
     assert codes(screen(run, rules)) == (["not_steady"] if rejected else [])
 
 
+@pytest.mark.parametrize(("dropouts", "rejected"), [(0, False), (1, False), (2, True)])
+def test_dropouts_of_a_pressure_that_change_mean_friction_are_not_steady(
+    make_run, rules, dropouts, rejected
+):
+    """One of 160 samples at 0 bar takes F_T / 160 = 24 N from the mean; the limit is 40 N."""
+    run = make_run(v_m_s=0.1, noise=1.0)
+    p_tp = run.p_tp_pa.copy()
+    p_tp[np.arange(100, 100 + 10 * dropouts, 10)] = 0.0
+    screened = screen(replace(run, p_tp_pa=p_tp), rules)
+    assert codes(screened) == (["not_steady"] if rejected else [])
+    if rejected:
+        assert (
+            "2 of 160 samples are far from all others and change mean friction" in screened.reason
+        )
+
+
 # ---- the log -------------------------------------------------------------------------------------
 
 

@@ -33,6 +33,7 @@ MEASURED = {
     "p": 3e-9,
     "points": 12,
     "trials": 36,
+    "dof": 23,
     "speed_vif": 1.04,
     "speed_share": -0.01,
     "separated": True,

@@ -63,7 +63,8 @@ def texts(table):
 
 
 def known(means):
-    return {name: value for name, value in vars(means).items() if value is not None}
+    numbers = vars(means) | {f"u of {name}": u for name, u in means.u_steps.items()}
+    return {name: value for name, value in numbers.items() if isinstance(value, int | float)}
 
 
 def test_its_runs_are_those_of_the_import(make, tmp_path, clock):

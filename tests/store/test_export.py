@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from hbench import workflow
 from hbench.cli.main import app
+from hbench.errors import ConfigError
 from hbench.store.campaign.folder import load_campaign
 from tests.support import shared
 from tests.support.seal_strokes import stroke_campaign, write_strokes
@@ -268,3 +269,25 @@ def test_an_export_is_told_in_one_line(tmp_path):
     arguments = ["export", str(SAMPLES / "stribeck-small"), "--format", "modelica"]
     result = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path)])
     assert result.stdout == f"{tmp_path}: 1 file\n"
+
+
+def test_an_export_into_a_campaign_is_refused_and_no_log_is_replaced(tmp_path, exported):
+    campaign = tmp_path / "imported"
+    CliRunner().invoke(app, ["import", str(exported("csv")), "-o", str(campaign)])
+    log = campaign / "runs" / "0001.csv"
+    before = log.read_bytes()
+    for source in (SAMPLES / "stribeck-small", campaign):
+        with pytest.raises(ConfigError, match="imported: contains a campaign already"):
+            workflow.export(source, campaign, "csv")
+    assert log.read_bytes() == before
+
+
+def test_an_import_into_the_imported_folder_replaces_none_of_its_logs(tmp_path, exported, clock):
+    logs = tmp_path / "logs"
+    shutil.copytree(exported("csv"), logs)
+    log = next((logs / "runs").iterdir())
+    log.write_text(log.read_text().replace("\n", ",\n"))  # a column more, which an import drops
+    before = log.read_bytes()
+    with pytest.raises(ConfigError, match="runs: is a part of the imported folder"):
+        workflow.import_runs(logs, logs, None, clock)
+    assert log.read_bytes() == before and not (logs / "campaign.yaml").exists()

@@ -7,7 +7,9 @@ import pytest
 import yaml
 
 from hbench import workflow
+from hbench.errors import DataError
 from hbench.store.importing.sections import _top_speed
+from tests.support.strokes import there_and_back
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
@@ -90,3 +92,32 @@ def test_a_stroke_that_covers_few_positions_is_left_out(half_bands):
     """The next stroke out takes its place beside the stroke back; a sample is 0.3 mm, 24 N."""
     found = half_bands([0.003, 0.19, 0.01, 0.004])
     assert len(found) == 3 and found == pytest.approx([240.0] * 3, abs=12.0)
+
+
+def slow_log(folder, rate_hz, clock, cycles=3):
+    """Import strokes at 20 mm/s whose times are written with one decimal."""
+    log = there_and_back(0.02, 500.0, rate_hz=rate_hz, cycles=cycles)
+    log["t_s"] = np.round(log["t_s"], 1)
+    (folder / "logs").mkdir()
+    rows = np.stack(list(log.values()), axis=1)
+    np.savetxt(folder / "logs/1.csv", rows, "%.8g", ",", header=",".join(log), comments="")
+    cylinder = {"piston_diameter": "40 mm", "rod_diameter": "25 mm"}
+    rules = {
+        "name": "slow",
+        "cut": "reversals",
+        "columns": {name: {"column": name} for name in log},
+        "series": [{"label": "A", "files": "{trial}.csv", "cylinder": cylinder}],
+    }
+    (folder / "map.yaml").write_text(yaml.safe_dump(rules))
+    return workflow.import_runs(folder / "logs", folder / "out", folder / "map.yaml", clock)
+
+
+def test_a_log_of_10_hz_is_cut_from_its_rest_on(tmp_path, clock):
+    assert slow_log(tmp_path, 10.0, clock).runs == 6
+
+
+def test_a_log_too_slow_to_show_a_rest_is_refused_with_its_rate(tmp_path, clock):
+    with pytest.raises(DataError) as caught:
+        slow_log(tmp_path, 5.0, clock, cycles=1)
+    assert "no stroke" in caught.value.message
+    assert "The log has 5 Hz, and a rest is found from 10 Hz on" in caught.value.hint

@@ -6,22 +6,30 @@ Trials are independent, so a difference d = sum_i w_i m_i of means over trials h
 
 (Welch, Satterthwaite). For the instruments: if both campaigns were measured with the same ones,
 their errors are in both, and only the difference of the contributions counts; with different ones
-both contributions count. Their degrees of freedom are those of the uncertainty budget, combined
-with those of the trials by the same formula (JCGM 100, G.2b). A significant drift within a campaign
-has an independent part, ``sigma_drift_n`` of its points, with their weights and signs.
+both contributions count, as do those of a log's resolution in any case. Their degrees of freedom
+are those of the uncertainty budget, combined with those of the trials by the same formula (JCGM
+100, G.2b). A significant drift within a campaign has an independent part, ``sigma_drift_n`` of its
+points, with their weights and signs.
+
+In a mean over several curves, trials that were cut from one file, such as strokes out and back
+(``summary/setups.py``), are not independent: of points that have the same set-ups, the weighted
+sums of each trial count as one mean.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import stdtr
 
+from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import satterthwaite, student_factor
 from hbench.analysis.uncertainty.budget import StandardUncertainty, combined
-from hbench.records import Difference
+from hbench.analysis.uncertainty.input_errors import is_resolution
+from hbench.records import Curve, Difference
 
 Contributions = dict[str, StandardUncertainty]  # of the instruments' errors, with their signs
 Terms = Sequence[tuple[float, Sequence[float]]]  # weight of a mean, and its trials
@@ -92,18 +100,33 @@ def _own_u95(
     return combined(parts).expanded()
 
 
-def mean_with_test(differences: Sequence[Difference]) -> tuple[float, float] | None:
-    """Return the half-width of the mean of independent differences, and its p value.
+class WeightedCurve(NamedTuple):
+    """A curve of one campaign, with the weights of its points in a mean difference."""
 
-    Half-width of its 95 % interval, and p of no difference: both by the trials alone. None where a
-    difference has no standard error.
+    factor: float  # of all weights: negative for A, positive for B
+    curve: Curve
+    weights: Mapping[int, float]
+    setups: Mapping[str, str]  # of the campaign's runs; a run without one has its own
+
+
+def mean_with_test(value: float, curves: Iterable[WeightedCurve]) -> tuple[float, float] | None:
+    """Return the half-width of the 95 % interval of a mean difference ``value``, and its p value.
+
+    Both are those of the trials alone. None where a point has a single trial, or no scatter.
     """
-    known = [(each.se, each.dof) for each in differences if each.se and each.dof]
-    if len(known) < len(differences):
+    sums: dict[tuple, np.ndarray] = {}
+    for factor, curve, weights, setups in curves:
+        for i, weight in weights.items():
+            point = curve.points[i]
+            order = np.argsort(point.trials)
+            shared = frozenset(setups.get(run, f"run {run}") for run in point.runs)
+            key = (factor > 0, shared, tuple(sorted(point.trials)))
+            trials = factor * weight * sign(curve) * np.array(point.trials_n)[order]
+            sums[key] = sums.get(key, 0.0) + trials
+    error = welch([(1.0, trials.tolist()) for trials in sums.values()])
+    if error is None:
         return None
-    variances = [(se / len(known)) ** 2 for se, _ in known]
-    se, dof = satterthwaite(variances, [dof for _, dof in known])
-    value = sum(each.value for each in differences) / len(differences)
+    se, dof = error
     return float(student_factor(dof) * se), float(2 * stdtr(dof, -abs(value) / se))
 
 
@@ -135,5 +158,8 @@ def weighted(terms: Iterable[tuple[float, Contributions]]) -> Contributions:
 
 def _of_instruments(a: Contributions, b: Contributions, same: bool) -> list[StandardUncertainty]:
     """Return the independent parts of the instruments' errors in a difference."""
-    of_both = [weighted([(-1.0, a), (1.0, b)])] if same else [a, b]
-    return [part for parts in of_both for part in parts.values()]
+    if not same:
+        return [*a.values(), *b.values()]
+    own = [part for side in (a, b) for name, part in side.items() if is_resolution(name)]
+    common = weighted([(-1.0, a), (1.0, b)])
+    return [*own, *(part for name, part in common.items() if not is_resolution(name))]

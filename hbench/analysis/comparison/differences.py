@@ -136,7 +136,7 @@ def _curves(
     same: bool,
     tolerance: float,
 ) -> CurveDifference:
-    weights = _paired(a, b, tolerance)
+    weights = paired_weights(a, b, tolerance)
     points = tuple(
         FrictionDifference(
             v_m_s=a.points[next(iter(weights_a))].v_m_s,
@@ -156,7 +156,7 @@ def _curves(
     )
 
 
-def _paired(a: Curve, b: Curve, tolerance: float) -> list[tuple[Weights, Weights]]:
+def paired_weights(a: Curve, b: Curve, tolerance: float) -> list[tuple[Weights, Weights]]:
     """Return the weights of A's and B's points at each speed of A that B has too."""
     speeds = [abs(point.v_m_s) for point in a.points]
     weights = [({i: 1.0}, _weights(speed, b, tolerance)) for i, speed in enumerate(speeds)]
@@ -165,7 +165,7 @@ def _paired(a: Curve, b: Curve, tolerance: float) -> list[tuple[Weights, Weights
 
 def mean_weights(a: Curve, b: Curve, tolerance: float) -> tuple[Weights, Weights]:
     """Return the weights of A's and of B's points in the means over the speeds of both."""
-    pairs = _paired(a, b, tolerance)
+    pairs = paired_weights(a, b, tolerance)
     of_a, of_b = (_mean_weights([pair[side] for pair in pairs]) for side in (0, 1))
     return of_a, of_b
 

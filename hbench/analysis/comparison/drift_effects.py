@@ -17,8 +17,8 @@ from dataclasses import replace
 from math import hypot
 from statistics import fmean
 
-from hbench.analysis.comparison.difference_tests import mean_with_test
-from hbench.analysis.comparison.differences import Weights, mean_weights
+from hbench.analysis.comparison.difference_tests import WeightedCurve, mean_with_test
+from hbench.analysis.comparison.differences import Weights, mean_weights, paired_weights
 from hbench.analysis.summary.drift import RunClock, campaign_place
 from hbench.records import (
     KINDS,
@@ -52,7 +52,7 @@ def with_drift_effects(
     if not steady:
         return tuple(curves), None
     if drift_a is None or drift_b is None or drift_a.of_unknown_size or drift_b.of_unknown_size:
-        return tuple(curves), _mean_of_curves(steady, None)
+        return tuple(curves), _mean_of_curves(steady, None, clocks, tolerance)
     places = [
         campaign_place(filter(_is_steady, each.curves), clock)
         for each, clock in zip(results, clocks, strict=True)
@@ -76,11 +76,14 @@ def with_drift_effects(
     changed = tuple(
         replace(curve, drift_n=effect([curve])) if curve in steady else curve for curve in curves
     )
-    return changed, _mean_of_curves(steady, effect(steady))
+    return changed, _mean_of_curves(steady, effect(steady), clocks, tolerance)
 
 
 def _mean_of_curves(
-    curves: Sequence[CurveDifference], drift_n: DriftEffect | None
+    curves: Sequence[CurveDifference],
+    drift_n: DriftEffect | None,
+    clocks: tuple[RunClock, RunClock],
+    tolerance: float,
 ) -> MeanOfCurves | None:
     """Return the mean difference; None for one curve, or where one has no interval."""
     means = [curve.mean_n for curve in curves if curve.mean_n is not None]
@@ -89,21 +92,38 @@ def _mean_of_curves(
     if len(means) < 2 or len(known) < len(means):
         return None
     value, a_n = fmean(mean.value for mean in means), fmean(mean.a for mean in means)
-    ci95_n, p_value = mean_with_test(means) or (None, None)
-    speeds = tuple(_at_speeds(curves))
+    members = [mean_weights(curve.a, curve.b, tolerance) for curve in curves]
+    ci95_n, p_value = mean_with_test(value, _both(curves, members, clocks)) or (None, None)
+    speeds = tuple(_at_speeds(curves, clocks, tolerance))
     return MeanOfCurves(value, fmean(known), a_n, len(means), drift_n, ci95_n, p_value, speeds)
 
 
-def _at_speeds(curves: Sequence[CurveDifference]) -> Iterator[MeanAtSpeed]:
+def _both(
+    curves: Sequence[CurveDifference],
+    members: Sequence[tuple[Weights, Weights]],
+    clocks: tuple[RunClock, RunClock],
+) -> Iterator[WeightedCurve]:
+    """Yield the curves of A and of B with their weights in the mean difference over all."""
+    for curve, (of_a, of_b) in zip(curves, members, strict=True):
+        yield WeightedCurve(-1 / len(curves), curve.a, of_a, clocks[0].setups)
+        yield WeightedCurve(1 / len(curves), curve.b, of_b, clocks[1].setups)
+
+
+def _at_speeds(
+    curves: Sequence[CurveDifference], clocks: tuple[RunClock, RunClock], tolerance: float
+) -> Iterator[MeanAtSpeed]:
     """Yield the mean over the curves at each speed; none where their speeds are not the same."""
     if len({len(curve.points) for curve in curves}) > 1:
         return
-    for points in zip(*(curve.points for curve in curves), strict=True):
+    weights = (paired_weights(curve.a, curve.b, tolerance) for curve in curves)
+    of_speeds = zip(*weights, strict=True)
+    all_points = zip(*(curve.points for curve in curves), strict=True)
+    for points, members in zip(all_points, of_speeds, strict=False):
         speeds = [abs(point.v_m_s) for point in points]
-        mean = mean_with_test([point.friction_n for point in points])
+        value = fmean(point.friction_n.value for point in points)
+        mean = mean_with_test(value, _both(curves, members, clocks))
         if mean is None or max(speeds) > (1 + _SAME_SPEED) * min(speeds):
             return
-        value = fmean(point.friction_n.value for point in points)
         yield MeanAtSpeed(fmean(speeds), value, mean[0])
 
 

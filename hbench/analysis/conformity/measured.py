@@ -176,7 +176,7 @@ def _drift(results: Results, requirement: Requirement) -> Iterable[Measurement]:
         yield Measurement(
             value=drift.change_percent / 100,
             u95=drift.change_percent_ci95 / 100,
-            dof=drift.trials - drift.points - 1,
+            dof=drift.dof,
         )
 
 

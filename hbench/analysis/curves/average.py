@@ -138,7 +138,17 @@ def _point(runs: list[ScreenedRun], temperature: str | None) -> CurvePoint:
         trials_work_j=_works(trials),
         temp_k=float(temps_k.mean()) if measured else None,
         trials_temp_k=tuple(temps_k.tolist()),
+        u_steps=_largest_steps(runs),
     )
+
+
+def _largest_steps(runs: Iterable[ScreenedRun]) -> dict[str, float]:
+    """Return the largest uncertainty of each channel: runs alike are rounded alike."""
+    largest: dict[str, float] = {}
+    for run in runs:
+        for name, u in run.means.u_steps.items() if run.means else ():
+            largest[name] = max(u, largest.get(name, 0.0))
+    return largest
 
 
 def _works(trials: Iterable[Iterable[ScreenedRun]]) -> tuple[float | None, ...]:

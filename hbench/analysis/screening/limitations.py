@@ -21,7 +21,12 @@ def not_computed(
     instruments: Instruments | None,
 ) -> tuple[str, ...]:
     """Return notes on the quantities that the measurement does not permit."""
-    return (*_friction(screened), *_efficiency(curves), *_tolerances(curves, instruments))
+    return (
+        *_friction(screened),
+        *_efficiency(curves),
+        *_tolerances(curves, instruments),
+        *_steps(screened, instruments),
+    )
 
 
 def overdue(instruments: Instruments | None, started: str) -> tuple[str, ...]:
@@ -54,6 +59,28 @@ def _friction(screened: Sequence[ScreenedRun]) -> list[str]:
                 "runs.csv contains their speeds and measured values"
             )
     return notes
+
+
+def _steps(screened: Sequence[ScreenedRun], instruments: Instruments | None) -> list[str]:
+    """Report channels whose values are logged in steps that matter for friction."""
+    found = [run for run in screened if run.accepted and run.means and run.means.u_steps]
+    if not found:
+        return []
+    channels = dict.fromkeys(name for run in found if run.means for name in run.means.u_steps)
+    most = max(map(_half_step_n, found))
+    contained = "is part of U" if instruments else "is not part of the intervals"
+    return [
+        f"resolution: {', '.join(channels)} logged in steps that change friction by up to "
+        f"+-{most:.3g} N in {len(found)} of {len(screened)} runs; this {contained}. Log more digits"
+    ]
+
+
+def _half_step_n(run: ScreenedRun) -> float:
+    """Return the largest error of friction [N] by the steps of all channels together."""
+    specimen = run.run.plan.specimen
+    areas = {"p_tp_pa": specimen.area_piston_m2, "p_tr_pa": specimen.area_rod_m2}
+    u_steps = run.means.u_steps if run.means else {}
+    return float(3**0.5 * sum(areas.get(name, 1.0) * u for name, u in u_steps.items()))
 
 
 def _moves(run: Run) -> bool:

@@ -14,8 +14,9 @@ from hbench.analysis.screening.friction_channels import (
     required,
     test_force,
 )
+from hbench.analysis.screening.log_steps import rounding_errors
 from hbench.analysis.screening.saturation import saturated_sensors, with_valves
-from hbench.analysis.screening.steadiness import drift, load_step, speed_ripple
+from hbench.analysis.screening.steadiness import drift, load_step, outliers, speed_ripple
 from hbench.analysis.screening.steady_window import (
     at_reference,
     standstill_s,
@@ -222,8 +223,15 @@ def _steadiness(
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(np.mean(f_applied)))
     if exceeds(abs(step), limit):
         yield f"not_steady: the load changes by {step:+.0f} N in the window; limit {limit:.0f} N"
-    change = drift(t, test_force(run, window) - f_applied)
+    friction = test_force(run, window) - f_applied
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
+    far = outliers(friction)
+    if exceeds(abs(far.shift), limit):
+        yield (
+            f"not_steady: {far.samples} of {len(friction)} samples are far from all others and "
+            f"change mean friction by {far.shift:+.0f} N; limit {limit:.0f} N"
+        )
+    change = drift(t, friction)
     if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
         yield (
             f"not_steady: friction drifts by {change.value:+.0f} N (standard error "
@@ -290,6 +298,7 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
         p_tr_pa=p_tr,
         efficiency=efficiency,
         v_ripple_m_s=speed_ripple(t, run.x_m[window]).total_m_s or None,
+        u_steps={} if friction is None else rounding_errors(run, window, friction),
         **{name: _known_mean(getattr(run, name), window) for name in TEMPERATURES},
     )
 

@@ -16,6 +16,8 @@ BLOCK_S = 0.1
 _STEP_BLOCKS = 12  # of a window, between which a load may step
 _MAD_TO_SIGMA = 1.4826  # of a normal distribution
 _MEDIAN_TO_MEAN = 1.2533  # standard error of a normal sample's median against its mean's
+_FAR = 10.0  # robust standard deviations of a window; farther samples are faults of the log ...
+_FEW = 0.05  # ... if they are few: a motion that sticks and slips has more
 _LEVEL = 0.9999  # of the chi-square law; with correlated speeds, noise exceeds it in 0.2 % at most
 
 
@@ -31,6 +33,13 @@ class Drift(NamedTuple):
 
     value: float
     se: float
+
+
+class Outliers(NamedTuple):
+    """Samples far from all others, such as dropouts of a sensor."""
+
+    samples: int
+    shift: float  # of the mean of all samples by them
 
 
 def speeds_over_tenths(t_s: np.ndarray, x_m: np.ndarray) -> BlockSpeeds:
@@ -71,6 +80,15 @@ def drift(t_s: np.ndarray, y: np.ndarray) -> Drift:
     scatter = _MAD_TO_SIGMA * np.median(np.abs(slopes - slope))
     window = t_s[-1] - t_s[0]
     return Drift(float(window * slope), float(window * _MEDIAN_TO_MEAN * scatter / np.sqrt(h)))
+
+
+def outliers(y: np.ndarray) -> Outliers:
+    """Return the samples of ``y`` (n,), n > 0, that are far from the median; none if many are."""
+    distance = np.abs(y - np.median(y))
+    far = distance > _FAR * _MAD_TO_SIGMA * np.median(distance)
+    if not 0 < far.mean() <= _FEW:
+        return Outliers(0, 0.0)
+    return Outliers(int(far.sum()), float(np.mean(y) - np.mean(y[~far])))
 
 
 def load_step(y: np.ndarray) -> float:

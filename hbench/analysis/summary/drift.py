@@ -10,7 +10,9 @@ count (within estimator; W. H. Greene, Econometric Analysis, 7th ed., 11.4.1):
     d = sum tau_ij (y_ij - y_i) / S,   tau_ij = t_ij - t_i,   S = sum tau_ij^2
     se^2 = sum (y_ij - y_i - d tau_ij)^2 / (N - G - 1) / S
 
-for N trials of G points, with Student's t for N - G - 1 degrees of freedom. y is |F| in N, or its
+for N trials of G points, with Student's t for N - G - 1 degrees of freedom. Of trials with a common
+set-up (``setups.py``) tau and y - y_i are the means, with their number as the weight; N and G are
+then the numbers of set-ups and of sets of points that they link. y is |F| in N, or its
 share of the point's mean if the scatter of the trials is proportional to friction rather than the
 same everywhere: of these two models without drift, the one with the larger likelihood.
 
@@ -33,7 +35,7 @@ described by its mean rate, and friction that wanders slowly appears as drift to
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from statistics import fmean
 
 import numpy as np
@@ -41,8 +43,10 @@ from scipy.special import stdtr
 
 from hbench.analysis.fitting.fit import CURVE_LAWS, typical_sizes
 from hbench.analysis.fitting.fit_data import fit_points
+from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import too_wide
 from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.summary.setups import means_of_setups, setups_of, sizes_and_sets
 from hbench.records import (
     Curve,
     CurvePoint,
@@ -69,13 +73,24 @@ class RunClock:
 
     times: Mapping[str, float]
     known: bool  # whether these are start times
+    setups: Mapping[str, str] = field(default_factory=dict)  # of runs that are not independent
 
     @classmethod
-    def of(cls, runs: Iterable[ScreenedRun], start_times_s: Mapping[str, float]) -> "RunClock":
-        """Return a clock of start times [s], or of the order of ``runs`` if there are none."""
+    def of(
+        cls,
+        runs: Iterable[ScreenedRun],
+        start_times_s: Mapping[str, float],
+        files: Mapping[str, str] | None = None,
+    ) -> "RunClock":
+        """Return a clock of start times [s], or of the order of ``runs`` if there are none.
+
+        ``files`` are those that imported runs were cut from.
+        """
+        runs = tuple(runs)
         order = {run.run.plan.run: float(place) for place, run in enumerate(runs)}
         known = bool(order) and order.keys() <= start_times_s.keys()
-        return cls({run: start_times_s[run] for run in order} if known else order, known)
+        times = {run: start_times_s[run] for run in order} if known else order
+        return cls(times, known, setups_of(runs, files or {}))
 
     def of_point(self, point: CurvePoint) -> float:
         """Return the mean time of a point's runs."""
@@ -92,6 +107,7 @@ class _Trials:
     t: np.ndarray
     friction_n: np.ndarray  # positive against the motion
     temp_k: np.ndarray  # NaN where it was not measured
+    setup: np.ndarray  # number of the set-up
 
 
 def friction_drift(
@@ -108,7 +124,8 @@ def friction_drift(
         return None
     tau = within(trials.t, trials.point)
     spread, points = float(tau @ tau), len(np.unique(trials.point))
-    dof = len(tau) - points - 1
+    size, sets = sizes_and_sets(trials.setup, trials.point)
+    dof = len(size) - sets - 1
     if dof < _LEAST_DOF or spread == 0.0:
         return None
     mean_n = np.abs(_means(trials.friction_n, trials.point))
@@ -117,9 +134,13 @@ def friction_drift(
     deviation = within(trials.friction_n, trials.point)
     relative = _is_relative(deviation, mean_n)
     y = deviation / mean_n if relative else deviation
-    rate = float(tau @ y) / spread
-    residual = y - rate * tau
-    se = float(np.sqrt(residual @ residual / dof / spread))
+    tau_k, y_k = (means_of_setups(values, trials.setup) for values in (tau, y))
+    of_setups = float(size @ tau_k**2)
+    if of_setups <= ROUNDING * spread:
+        return None
+    rate = float((size * tau_k) @ y_k) / of_setups
+    residual = y_k - rate * tau_k
+    se = float(np.sqrt(size @ residual**2 / dof / of_setups))
     half = student_factor(dof) * se
     span = _span(curves, clock)
     percent = 100.0 if relative else 100.0 / float(np.median(mean_n))
@@ -141,6 +162,7 @@ def friction_drift(
         p=_p_value(rate, se, dof),
         points=points,
         trials=len(tau),
+        dof=dof,
         speed_vif=vif,
         speed_share=share,
         separated=vif <= SEPARATED_VIF and abs(share) <= LARGEST_SHARE,
@@ -176,7 +198,7 @@ def with_drift(
     if drift.of_unknown_size:
         return tuple(curves)
     place = campaign_place(curves, clock)
-    se = drift.change_ci95 / student_factor(drift.trials - drift.points - 1)
+    se = drift.change_ci95 / student_factor(drift.dof)
     per_span = float(np.hypot(drift.change, se))
 
     def deviation(point: CurvePoint) -> float:
@@ -282,20 +304,24 @@ def drift_checks(drift: Drift | None) -> tuple[QualityCheck, ...]:
 
 def _trials(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunClock) -> _Trials:
     rows = []
+    setups: dict[str, int] = {}
     number = 0
     for i, curve in enumerate(curves):
         for point in curve.points:
             number += 1
             if point.n < 2:
                 continue
-            times = defaultdict(list)
+            times, setup = defaultdict(list), {}
             for run in point.runs:
                 times[trial_of[run]].append(clock.times[run])
+                setup[trial_of[run]] = clock.setups.get(run, f"run {run}")
             sign = 1.0 if point.v_m_s >= 0 else -1.0
             temps = point.trials_temp_k or (np.nan,) * point.n
             for trial, friction, temp in zip(point.trials, point.trials_n, temps, strict=True):
                 speed = abs(point.v_m_s)
-                rows.append((i, number, speed, fmean(times[trial]), sign * friction, temp))
+                of_trial = setups.setdefault(setup[trial], len(setups))
+                at = fmean(times[trial])
+                rows.append((i, number, speed, at, sign * friction, temp, of_trial))
     return _Trials(*np.array(rows, dtype=float).reshape(-1, len(fields(_Trials))).T)
 
 

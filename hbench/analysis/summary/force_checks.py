@@ -17,7 +17,8 @@ both directions leaves m as it is; if it grows in one alone, by 6 % of the load,
 
 A force that is not measured, such as a weight on an upright cylinder, an error of a zero or one of
 an area under a single load is in m too. Seals have more friction in one direction, but rarely twice
-that of the other, which is |m| = h / 3 with h = (F_extend - F_retract) / 2.
+that of the other, which is |m| = h / 3 with h = (F_extend - F_retract) / 2. A smaller m is reported
+if it is beyond its uncertainty and the same at all speeds and loads: a force is, friction rarely.
 """
 
 from collections import defaultdict
@@ -27,12 +28,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.records import Curve, CurvePoint, Grade, Loop, QualityCheck
+from hbench.records import Curve, CurvePoint, Direction, Grade, Loop, QualityCheck
 
+_WORDS: dict[Direction, str] = {"extend": "extending", "retract": "retracting"}
 _SUPPLIED_GOOD = 5.0  # of the friction by the load, %
 _CHANGE_GOOD, _CHANGE_POOR = 3.0, 10.0  # of the mean of both directions, % of the load
 _SMALL = 5.0  # such a change, % of friction: it does not matter
 _DIFFERENCE_GOOD = 100 / 3  # half the difference of the directions, % of their mean
+_SAME_FORCE = 0.2  # largest distance of an m from their mean, as a share of it
 _SAME_SPEED = 0.05  # relative difference of speeds with the same reference
 
 
@@ -112,6 +115,45 @@ def equal_directions(curves: Iterable[Curve], loops: Iterable[Loop] = ()) -> Ite
         counts = len(beyond), len(found)
         grade: Grade = "poor" if 2 * driven > len(found) else "with care"
         yield QualityCheck("equal_directions", grade, largest, "%", _DIFFERENCE_GOOD, None, *counts)
+
+
+def constant_force(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
+    """Yield a mean of both directions that is the same at all speeds and loads, % of friction."""
+    if (both := _constant_force(curves)) is not None:
+        share = 100 * abs(both.middle_n) / both.half_n
+        yield QualityCheck("constant_force", "with care", share, "%", _SMALL, None)
+
+
+def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
+    """Yield the size of that force with the friction that is free of it, or why none is known."""
+    curves = tuple(curves)
+    directions = {curve.direction for curve in curves if curve.points}
+    if len(directions) == 1:
+        yield (
+            f"directions: only {_WORDS[directions.pop()]} runs. A wrong diameter, a zero "
+            "offset or a weight that is not measured is then a part of friction that no check "
+            "shows. Measure both directions"
+        )
+    elif (both := _constant_force(curves)) is not None:
+        yield (
+            f"directions: the mean friction of both directions is {both.middle_n:.3g} N (U "
+            f"{both.u_all_n:.2g} N) at all speeds and loads, as by a constant force that is not "
+            "measured: the weight of an upright piston and rod, a zero offset, absolute pressures. "
+            "It is part of the friction of each direction; half the difference of both, "
+            f"{both.half_n:.3g} N, is free of it"
+        )
+
+
+def _constant_force(curves: Iterable[Curve]) -> _Both | None:
+    """Return the mean of all speeds and loads if their m is the same, and beyond its U."""
+    found = [both for of_speed in _both_directions(curves) for both in of_speed]
+    if len(found) < 2:
+        return None
+    mean = _Both(*map(fmean, zip(*found, strict=True)))
+    mean = mean._replace(half_n=fmean(abs(both.half_n) for both in found))
+    furthest = max(abs(both.middle_n - mean.middle_n) for both in found)
+    beyond = abs(mean.middle_n) > max(mean.u_all_n, _SMALL / 100 * mean.half_n)
+    return mean if beyond and furthest <= _SAME_FORCE * abs(mean.middle_n) else None
 
 
 def _over_strokes(loop: Loop) -> _Both:

@@ -10,7 +10,12 @@ from statistics import median
 from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.summary.completeness import PlannedRuns, completeness
 from hbench.analysis.summary.drift import drift_checks
-from hbench.analysis.summary.force_checks import equal_directions, load_balance, load_direction
+from hbench.analysis.summary.force_checks import (
+    constant_force,
+    equal_directions,
+    load_balance,
+    load_direction,
+)
 from hbench.analysis.summary.plausibility import implausible_points
 from hbench.analysis.uncertainty.budget import of_instruments
 from hbench.records import (
@@ -94,7 +99,8 @@ def _checks(
     moving = [*map(sliding, curves)]
     yield from load_direction(moving)
     yield from load_balance(moving)
-    yield from equal_directions(moving)
+    found = [*equal_directions(moving)]
+    yield from found or constant_force(moving)
     yield _instruments(points)
 
 

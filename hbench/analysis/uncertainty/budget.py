@@ -18,7 +18,12 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.analysis.statistics.student import satterthwaite, student_factor
-from hbench.analysis.uncertainty.input_errors import InputError, MeasuredForces, input_errors
+from hbench.analysis.uncertainty.input_errors import (
+    InputError,
+    MeasuredForces,
+    input_errors,
+    step_errors,
+)
 from hbench.config.sensors import Instruments
 from hbench.records import Curve, CurvePoint, Specimen
 
@@ -45,14 +50,15 @@ def combined(parts: Sequence[StandardUncertainty]) -> StandardUncertainty:
 def errors_of(
     point: CurvePoint, specimen: Specimen, instruments: Instruments
 ) -> tuple[InputError, ...]:
-    """Return the errors of a point's inputs.
+    """Return the errors of a point's inputs, those by the steps of the log included.
 
     None without hydraulics: the tolerance of the drive's force is not known.
     """
     if point.p_tp_pa is None:
         return ()
     forces = MeasuredForces(point.f_applied_n, point.p_tp_pa, point.p_tr_pa)
-    return input_errors(instruments, forces, specimen)
+    errors = input_errors(instruments, forces, specimen)
+    return (*errors, *step_errors(point.u_steps, specimen, errors))
 
 
 def friction_parts(errors: Sequence[InputError]) -> dict[str, float]:
@@ -88,7 +94,8 @@ def root_sum_square(contributions: Mapping[str, float]) -> float:
 
 def mean_contributions(points: Sequence[Mapping[str, float]]) -> dict[str, float]:
     """Return the contributions to a mean over points measured with the same instruments."""
-    return {name: float(np.mean([point[name] for point in points])) for name in points[0]}
+    names = dict.fromkeys(name for point in points for name in point)
+    return {name: float(np.mean([point.get(name, 0.0) for point in points])) for name in names}
 
 
 def with_instruments(curve: Curve, instruments: Instruments | None) -> Curve:

@@ -4,13 +4,15 @@
     dF_T / dP_Tp = A_p,  dF_T / dP_Tr = -A_r
     dF_T / dD = (P_Tp - P_Tr) pi D / 2,  dF_T / dd = P_Tr pi d / 2      bore D, rod d
 
+The steps of a log round each reading; the same reading is rounded alike.
+
 A load cell that is off the motion's axis by an angle a reads F cos a: at most 1 - cos a too little.
 An input's error is the same at all points of a campaign: a gain that is 1 % high is so at every
 speed. So changes have signs. An error that all transducers share, by the standard of their
 calibration, is one input: their changes are added (JCGM 100, 5.2.2, correlation 1).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from math import cos, inf, pi, sqrt
 from typing import NamedTuple
 
@@ -20,6 +22,7 @@ from hbench.records import Specimen
 LOAD_CELL = "load cell"
 PISTON_SIDE, ROD_SIDE = "piston-side pressure", "rod-side pressure"
 _ALL_PRESSURES = "pressures"
+_STEPS = ", resolution"
 
 
 class MeasuredForces(NamedTuple):
@@ -59,6 +62,31 @@ def input_errors(
             )
         merged[error.name] = error
     return tuple(merged.values())
+
+
+def step_errors(
+    u_steps: Mapping[str, float], specimen: Specimen, stated: Sequence[InputError]
+) -> Iterator[InputError]:
+    """Yield the errors by the steps of the log, of standard uncertainties by channel in SI.
+
+    A resolution that the instruments' file has among ``stated`` replaces them.
+    """
+    slopes = {
+        "f_applied_n": (LOAD_CELL, 0.0, 1.0),
+        "p_tp_pa": (PISTON_SIDE, specimen.area_piston_m2, 0.0),
+        "p_tr_pa": (ROD_SIDE, -specimen.area_rod_m2, 0.0),
+    }
+    names = {error.name for error in stated}
+    for channel, u in u_steps.items():
+        whose, by_test, by_applied = slopes[channel]
+        name = f"{whose}{_STEPS}"
+        if name not in names:
+            yield InputError(name, by_test * u, by_applied * u, "rectangular", inf, "the log")
+
+
+def is_resolution(name: str) -> bool:
+    """Return whether an input is the resolution of a reading, which no two campaigns share."""
+    return name.endswith(_STEPS)
 
 
 def _of_pressures(

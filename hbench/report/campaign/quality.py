@@ -306,6 +306,11 @@ def _value(check: QualityCheck) -> str:
             f"at {check.count} of {check.of} speeds and loads one direction has more than twice "
             "the friction of the other"
         )
+    if check.name == "constant_force":
+        return (
+            "the mean friction of both directions is the same at all speeds and loads, "
+            f"{number(check.value)} % of friction, as by a constant force that is not measured"
+        )
     if check.name == "load_spread":
         return (
             f"at {check.count} of {check.of} points runs of different loads are averaged: no "

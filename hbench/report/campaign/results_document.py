@@ -14,6 +14,7 @@ from hbench.records import (
     Breakaway,
     Comparison,
     Curve,
+    CurvePoint,
     Decay,
     DistanceTrend,
     Drift,
@@ -93,6 +94,7 @@ LAYOUTS: Layouts = {
         "temp_range_k": "temp_range_k",
         **keys("specimen", "points", "fits", "selection"),
     },
+    CurvePoint: all_fields(CurvePoint, without=("u_steps",)),
     Fit: all_fields(
         Fit,
         without=("line", "beyond", "covariance", "held_out_n"),

@@ -38,6 +38,7 @@ ADD_A_BENCH = (
     "Export the campaign with `hbench export`, add a bench file 'bench.yaml' to the exported "
     "folder, and import that folder."
 )
+NOT_INTO_A_CAMPAIGN = "Choose another folder with -o: the files could replace raw logs."
 _CAMPAIGN = "Give a folder written by `hbench run` or `hbench import`; it contains campaign.yaml."
 _KNOWN = (  # sections of the header that are no details
     *"name source created software bench firmware log schedule schema map settings notes".split(),
@@ -157,6 +158,10 @@ class StoredCampaign:
         if clock_fault(self.entries):
             return {}
         return start_times_s({entry.plan.run: entry.started for entry in self.latest})
+
+    def source_files(self) -> dict[str, str]:
+        """Return the file that each imported run was cut from; empty for hbench's own runs."""
+        return {e.plan.run: str(e.origin.get("file")) for e in self.latest if e.origin}
 
     def ended_at(self) -> datetime | None:
         """Return when the last run ended; None before the first has."""

@@ -61,6 +61,7 @@ def import_folder(
             destination, "Give another folder with -o: an import does not add to a campaign."
         )
         check_inside(destination, destination / "runs")
+        _refuse_own_files(source, destination / "runs")
         with temporary_folder(destination / _PART):
             return _import(source, destination, map_path, software, at)
 
@@ -101,6 +102,15 @@ def check_source(source: Path) -> None:
         if source.exists():
             raise ConfigError(f"{source}: is a file", "Give the folder that contains it.")
         raise ConfigError(f"{source}: does not exist", "Give an existing folder.")
+
+
+def _refuse_own_files(source: Path, runs: Path) -> None:
+    """Raise ``ConfigError`` if the import would replace files of the imported folder."""
+    if runs.exists() and runs.resolve().is_relative_to(source.resolve()):
+        raise ConfigError(
+            f"{runs}: is a part of the imported folder, whose files are never replaced",
+            "Choose another folder with -o.",
+        )
 
 
 def _store_log(folder: Path, name: str, run: str, channels: Mapping[str, np.ndarray]) -> StoredLog:

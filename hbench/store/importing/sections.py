@@ -7,7 +7,12 @@ import numpy as np
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.plateaus import Plateau, plateau_at, plateaus, settled
-from hbench.motion.reversals import cut_at_reversals, settled_strokes, stroke_speed
+from hbench.motion.reversals import (
+    LONGEST_STEP_S,
+    cut_at_reversals,
+    settled_strokes,
+    stroke_speed,
+)
 from hbench.motion.speeds import block_speeds
 from hbench.records import KINDS
 from hbench.store.importing.file_notes import FileNote
@@ -121,7 +126,9 @@ def _at_reversals(
             f"{source}: no stroke between two reversals, or from or to a rest, is longer than "
             f"min_stroke = {1e3 * rules.min_stroke:g} mm; the file has positions from {low:.4g} to "
             f"{high:.4g} mm in {t_s[-1] - t_s[0]:.4g} s",
-            _CUT_OFF if found.partial and 1e-3 * (high - low) > rules.min_stroke else _TOO_SHORT,
+            _no_stroke_hint(
+                t_s, cut_off=bool(found.partial) and high - low > 1e3 * rules.min_stroke
+            ),
         )
     pieces = settled_strokes(t_s, x_m, found.pieces)
     left_out = {
@@ -160,6 +167,16 @@ def _at_reversals(
         notes.append(FileNote(name, text, {"count": few}))
     kept = (Section(p, v, shared) for p, v, k in zip(pieces, speeds, whole, strict=True) if k)
     return Sections(tuple(kept), tuple(notes))
+
+
+def _no_stroke_hint(t_s: np.ndarray, *, cut_off: bool) -> str:
+    step_s = float(np.median(np.diff(t_s)))
+    if step_s > 1.01 * LONGEST_STEP_S:
+        return (
+            f"The log has {1 / step_s:.3g} Hz, and a rest is found from {1 / LONGEST_STEP_S:g} Hz "
+            "on: log faster, or check the unit of t_s in the map."
+        )
+    return _CUT_OFF if cut_off else _TOO_SHORT
 
 
 def _shared_positions(

@@ -1,4 +1,4 @@
-"""Signs of channels that contradict each other, or the file's name."""
+"""Signs and scales of channels that contradict each other, or the file's name."""
 
 from collections.abc import Iterator, Mapping
 
@@ -9,28 +9,46 @@ from hbench.store.importing.file_notes import FileNote
 
 _WRONG_SIGN = 0.2  # of the nominal load: a measured load beyond it has a sign
 _OPPOSITE = -0.5  # correlation of velocity and motion: below it their signs differ
+_BLOCKS = 50  # of a run, over which the velocity is integrated
+_SAME_SCALE = 1.25  # largest ratio of the velocity to that of the position, and 1 over the least
 
 
 def contradicting_signs(match: FileMatch, channels: Mapping[str, np.ndarray]) -> Iterator[FileNote]:
     """Yield a note on each sign in a run's channels (n,) that contradicts another one."""
     yield from _load_sign(match, channels.get("f_applied_n"))
-    yield from _velocity_sign(match, channels)
+    yield from _velocity(match, channels)
 
 
-def _velocity_sign(match: FileMatch, channels: Mapping[str, np.ndarray]) -> Iterator[FileNote]:
-    """Yield a note if the velocity has the sign opposite to that of the position's motion."""
+def _velocity(match: FileMatch, channels: Mapping[str, np.ndarray]) -> Iterator[FileNote]:
+    """Yield a note if the velocity has another sign or scale than the position's motion.
+
+    Its distances over blocks of the run are compared with those of the position: noise counts less.
+    """
     v, t, x = channels.get("v_m_s"), channels["t_s"], channels["x_m"]
     if v is None or len(t) < 3:
         return
     moved, way = np.diff(x), np.diff(t) * (v[1:] + v[:-1]) / 2
     known = np.isfinite(way)
-    square = float(np.sum(moved[known] ** 2) * np.sum(way[known] ** 2))
-    if square > 0 and float(moved[known] @ way[known]) < _OPPOSITE * np.sqrt(square):
+    if not known.any():
+        return
+    blocks = np.linspace(0, known.sum(), min(_BLOCKS, known.sum()), endpoint=False).astype(int)
+    moved, way = (np.add.reduceat(each[known], blocks) for each in (moved, way))
+    square, common = float(moved @ moved) * float(way @ way), float(moved @ way)
+    if square == 0:
+        return
+    ratio = float(np.sqrt((way @ way) / (moved @ moved)))
+    if common < _OPPOSITE * np.sqrt(square):
         text = (
             "v_m_s has the sign opposite to that of the motion of x_m: turn the one that is not "
             "positive when the cylinder extends (scale: -1)"
         )
         yield FileNote(match.name, text)
+    elif not 1 / _SAME_SCALE <= ratio <= _SAME_SCALE:
+        text = (
+            "v_m_s is {ratio} times the speed of x_m: check its column, its unit and its scale in "
+            "the map"
+        )
+        yield FileNote(match.name, text, {"ratio": ratio})
 
 
 def _load_sign(match: FileMatch, f_applied_n: np.ndarray | None) -> Iterator[FileNote]:

@@ -161,7 +161,7 @@ def _named_choice(column: SampleColumn, channel: str, points: float, equals: int
     if column.meaning.channel != channel and column.name != channel:
         certainty, reason = GUESS, f"{reason}, in the order of the columns"
     elif column.meaning.by_unit and _QUANTITIES[channel] == "pressure":
-        certainty, reason = GUESS, "by its unit and the number in its name"
+        certainty, reason = GUESS, "by its unit and the side in its name"
     elif not column.meaning.is_sure and column.name != channel:
         certainty = LIKELY if column.unit is not None else GUESS
     elif equals > 1:

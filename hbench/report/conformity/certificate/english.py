@@ -218,6 +218,7 @@ ENGLISH = {
     "check_load_direction": "direction of the load",
     "check_load_balance": "balance of forces over the load",
     "check_equal_directions": "difference of the directions",
+    "check_constant_force": "constant force in both directions",
     "check_instruments": "uncertainty of the instruments",
     "no_deviations": "No deviations from the schedule.",
     "run_remarks": "Remarks on accepted runs: {remarks}.",

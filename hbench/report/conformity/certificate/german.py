@@ -221,6 +221,7 @@ GERMAN = {
     "check_load_direction": "Richtung der Last",
     "check_load_balance": "Kräftebilanz über der Last",
     "check_equal_directions": "Unterschied der Richtungen",
+    "check_constant_force": "gleichbleibende Kraft in beiden Richtungen",
     "check_instruments": "Unsicherheit der Messmittel",
     "no_deviations": "Keine Abweichungen vom Prüfplan.",
     "run_remarks": "Bemerkungen zu verwendeten Läufen (englisch): {remarks}.",
