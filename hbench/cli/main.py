@@ -35,7 +35,7 @@ from hbench.untrusted_text import printable
 # Flags of the group that are not given: typer takes 0.05 s to convert their None to a bool.
 _NOT_GIVEN = dict.fromkeys(("help", "install_completion", "show_completion"), False)
 
-_NEW_OBJECTS = 20_000  # between two collections: some megabytes
+_NEW_OBJECTS = 200_000  # between two collections: at most some tens of megabytes
 
 app = typer.Typer(
     name="hbench",
@@ -97,7 +97,7 @@ def _limit_threads() -> None:
 def _limit_garbage_collection() -> None:
     """Collect cyclic garbage less often, and not at exit.
 
-    A collection traverses all that was imported, which took a tenth of a short command's time.
+    A collection traverses all that was imported, which takes a tenth of a short command's time.
     """
     gc.set_threshold(_NEW_OBJECTS)
     atexit.register(gc.freeze)
