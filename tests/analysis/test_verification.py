@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hbench.analysis.curves.ramp_fits import curve_error
+from hbench.analysis.curves.ramps import ramp_curve
 from hbench.analysis.fitting.tustin import PARAMETER_NAMES
 from hbench.analysis.identification.verification import (
     SETTLE_S,
-    curve_error,
     model_errors,
-    ramp_curve,
     steady_parts,
     trial_scatter,
     unchanged,

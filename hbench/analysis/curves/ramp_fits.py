@@ -5,8 +5,11 @@ The source finds that they differ: friction during acceleration is not the stead
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from hbench.analysis.curves.ramps import sliding
-from hbench.analysis.identification.verification import curve_error
+from hbench.analysis.fitting.fit_data import sign
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, tustin_friction
 from hbench.records import KINDS, Curve, Fit, RampComparison
 
 
@@ -24,6 +27,14 @@ def compare_fits(curves: Sequence[Curve]) -> tuple[RampComparison, ...]:
                 if steady_fit and ramp_fit:
                     comparisons.append(_compared(steady, steady_fit, sliding(ramp), ramp_fit))
     return tuple(comparisons)
+
+
+def curve_error(fit: Fit, curve: Curve) -> float:
+    """Return the root mean square [N] of a Tustin fit's differences from a curve's points."""
+    p = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
+    v = np.abs([point.v_m_s for point in curve.points])
+    measured = sign(curve) * np.array([point.friction_n for point in curve.points])
+    return float(np.sqrt(np.mean((tustin_friction(v, p) - measured) ** 2)))
 
 
 def _load(curve: Curve) -> tuple:

@@ -7,13 +7,13 @@ trials. The first bins contain presliding friction, which ``sliding`` cuts off.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from hbench.analysis.curves.average import student_interval
-from hbench.analysis.identification.verification import ramp_curve
+from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
 from hbench.records import Curve, CurvePoint, RunPlan, ScreenedRun
@@ -71,10 +71,31 @@ def sliding(curve: Curve) -> Curve:
     """
     if not curve.a_ref_m_s2:
         return curve
-    sign = 1.0 if curve.direction == "extend" else -1.0
     travel = np.array([point.v_m_s**2 / (2 * curve.a_ref_m_s2) for point in curve.points])
-    early = [sign * point.friction_n for point in curve.points][: int(np.sum(travel < _MEMORY_M))]
+    friction = [sign(curve) * point.friction_n for point in curve.points]
+    early = friction[: int(np.sum(travel < _MEMORY_M))]
     return replace(curve, points=curve.points[int(np.argmax(early)) :]) if early else curve
+
+
+def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndarray) -> Curve:
+    """Return friction over velocity of ramps: means of the samples between ``speeds_m_s`` (k,).
+
+    Samples below the lowest of these speeds, thus breakaway itself, and empty bins are left out.
+    Kind, load, direction and cylinder are those of ``like``.
+    """
+    v = np.concatenate([m.v_m_s for m in motions])
+    friction = np.concatenate([m.friction_n for m in motions])
+    p_p = np.concatenate([m.p_p_pa for m in motions])
+    p_r = np.concatenate([m.p_r_pa for m in motions])
+    applied = np.concatenate([m.f_applied_n for m in motions])
+    bins = np.digitize(np.abs(v), speeds_m_s)
+    points = []
+    for i in range(1, len(speeds_m_s)):
+        chosen = (bins == i) & (sign(like) * v > 0)
+        if chosen.any():
+            means = [float(values[chosen].mean()) for values in (v, friction, p_p, p_r, applied)]
+            points.append(_point(like, tuple(m.run for m in motions), *means))
+    return replace(like, points=tuple(points), fits=())
 
 
 def _curve(template: Curve, runs: list[tuple[int, LoggedMotion]], top_m_s: float) -> Curve:
@@ -92,6 +113,32 @@ def _curve(template: Curve, runs: list[tuple[int, LoggedMotion]], top_m_s: float
         if len(by_trial) == len(trials):  # else a ramp has stopped before this bin
             points.append(_mean(by_trial))
     return replace(template, points=tuple(points))
+
+
+def _point(
+    like: Curve,
+    runs: tuple[str, ...],
+    v: float,
+    friction: float,
+    p_p: float,
+    p_r: float,
+    applied: float,
+) -> CurvePoint:
+    f_test = p_p * like.specimen.area_piston_m2 - p_r * like.specimen.area_rod_m2
+    return CurvePoint(
+        v_m_s=v,
+        friction_n=friction,
+        ci95_n=None,
+        n=len(runs),
+        f_test_n=f_test,
+        f_applied_n=applied,
+        p_tp_pa=p_p,
+        p_tr_pa=p_r if like.specimen.area_rod_m2 > 0 else None,
+        trials=(),
+        trials_n=(),
+        trials_f_test_n=(),
+        runs=runs,
+    )
 
 
 def _mean(trials: dict[int, CurvePoint]) -> CurvePoint:

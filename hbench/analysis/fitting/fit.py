@@ -194,8 +194,9 @@ def estimate_parameters(
 ) -> ParameterEstimate:
     """Estimate a law's parameters from points; ``bounds`` replace those of ``how``.
 
-    The search begins at the law's starts, or, for lower accuracy, at ``start``. With a robust loss
-    the problem is that of the pseudo-values, which has the same solution.
+    The search begins at the law's starts, or, for lower accuracy and without intervals, at
+    ``start``. With a robust loss the problem is that of the pseudo-values, which has the same
+    solution.
     """
     inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
     chosen = {name: value for name, value in how.bounds if name in law.names and value is not None}
@@ -207,9 +208,9 @@ def estimate_parameters(
         upper=upper,
         scale=scale,
         jacobian=lambda p: law.jacobian(inputs, p) / sigma[:, None],
-        uneven=law.uneven(inputs, friction, sigma, lower, upper),
     )
     if start is None:
+        problem = problem._replace(uneven=law.uneven(inputs, friction, sigma, lower, upper))
         solution = solve(problem, law.starts(inputs, friction, sigma, lower, upper))
     else:
         solution = descend(problem, start, (), NEAR_TOLERANCE)

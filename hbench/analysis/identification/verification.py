@@ -1,4 +1,4 @@
-"""Verification of friction laws: errors of a law's model on measured runs, and of fits on curves.
+"""Verification of friction laws: errors of a law's model on measured runs.
 
 A model of the bench with the identified law follows the same profile under the same controller
 (sections 5.4 and 5.5). Its log is compared with the measured one sample by sample. Samples are
@@ -8,16 +8,13 @@ steady if the reference has been constant for 0.3 s, at rest if it has been zero
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from hbench.analysis.fitting.fit_data import sign
-from hbench.analysis.fitting.tustin import PARAMETER_NAMES, tustin_friction
 from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
-from hbench.records import Curve, CurvePoint, Fit, ModelErrors, Run
+from hbench.records import ModelErrors, Run
 from hbench.records.identification import PARTS, SteadyParts
 
 SETTLE_S = 0.3  # as in the steady window
@@ -108,35 +105,6 @@ def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErr
     return scatter.rms() if scatter else {}
 
 
-def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndarray) -> Curve:
-    """Return friction over velocity of ramps: means of the samples between ``speeds_m_s`` (k,).
-
-    Samples below the lowest of these speeds, thus breakaway itself, and empty bins are left out.
-    Kind, load, direction and cylinder are those of ``like``.
-    """
-    v = np.concatenate([m.v_m_s for m in motions])
-    friction = np.concatenate([m.friction_n for m in motions])
-    p_p = np.concatenate([m.p_p_pa for m in motions])
-    p_r = np.concatenate([m.p_r_pa for m in motions])
-    applied = np.concatenate([m.f_applied_n for m in motions])
-    bins = np.digitize(np.abs(v), speeds_m_s)
-    points = []
-    for i in range(1, len(speeds_m_s)):
-        chosen = (bins == i) & (sign(like) * v > 0)
-        if chosen.any():
-            means = [float(values[chosen].mean()) for values in (v, friction, p_p, p_r, applied)]
-            points.append(_point(like, tuple(m.run for m in motions), *means))
-    return replace(like, points=tuple(points), fits=())
-
-
-def curve_error(fit: Fit, curve: Curve) -> float:
-    """Return the root mean square [N] of a Tustin fit's differences from a curve's points."""
-    p = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
-    v = np.abs([point.v_m_s for point in curve.points])
-    measured = sign(curve) * np.array([point.friction_n for point in curve.points])
-    return float(np.sqrt(np.mean((tustin_friction(v, p) - measured) ** 2)))
-
-
 def _signals(motion: LoggedMotion, n: int) -> np.ndarray:
     signals = motion.friction_n, motion.v_m_s, motion.p_p_pa, motion.p_r_pa
     return np.array([signal[:n] for signal in signals])
@@ -163,29 +131,3 @@ def _rms(pieces: Sequence[np.ndarray]) -> ModelErrors:
     means = np.sqrt(np.mean(d**2, axis=0)).tolist() if len(d) else [float("nan")] * 4
     friction, v, p_p, p_r = means
     return ModelErrors(friction, v, p_p, p_r, samples=len(d))
-
-
-def _point(
-    like: Curve,
-    runs: tuple[str, ...],
-    v: float,
-    friction: float,
-    p_p: float,
-    p_r: float,
-    applied: float,
-) -> CurvePoint:
-    f_test = p_p * like.specimen.area_piston_m2 - p_r * like.specimen.area_rod_m2
-    return CurvePoint(
-        v_m_s=v,
-        friction_n=friction,
-        ci95_n=None,
-        n=len(runs),
-        f_test_n=f_test,
-        f_applied_n=applied,
-        p_tp_pa=p_p,
-        p_tr_pa=p_r if like.specimen.area_rod_m2 > 0 else None,
-        trials=(),
-        trials_n=(),
-        trials_f_test_n=(),
-        runs=runs,
-    )

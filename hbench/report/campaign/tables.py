@@ -5,7 +5,6 @@ What else was varied, the factors of imported runs, has a column each.
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict
 from statistics import stdev
 from typing import Any
 
@@ -46,7 +45,7 @@ def _points_csv(curves: Iterable[Curve], more: CsvRow | None = None) -> str:
     rows = (
         (
             curve.factors,
-            {**_series(curve), **asdict(point), "runs": " ".join(point.runs), **(more or {})},
+            {**_series(curve), **vars(point), "runs": " ".join(point.runs), **(more or {})},
         )
         for curve in curves
         for point in curve.points
@@ -145,7 +144,7 @@ def _fit_rows(series: CsvRow, fit: Fit) -> list[CsvRow]:
 def _covariance_rows(series: CsvRow, fit: Fit) -> Iterator[CsvRow]:
     for pair in fit.covariances:
         units = [fit.parameters[name].unit for name in (pair.parameter, pair.with_parameter)]
-        yield series | asdict(pair) | {"law": fit.law, "unit": " * ".join(units), "dof": fit.dof}
+        yield series | vars(pair) | {"law": fit.law, "unit": " * ".join(units), "dof": fit.dof}
 
 
 def budget_csv(results: Results) -> str:
@@ -172,7 +171,7 @@ def _budget(point: CurvePoint) -> dict[str, float]:
 def efficiency_csv(results: Results) -> str:
     """Return one row a point of an efficiency curve."""
     rows = (
-        (curve.factors, {**_series(curve), **asdict(point)})
+        (curve.factors, {**_series(curve), **vars(point)})
         for curve in results.efficiency
         for point in curve.points
     )
@@ -191,7 +190,7 @@ def band_trends_csv(results: Results) -> str:
         series = {name: getattr(trend, name) for name in ("kind", "label", "p_lr_ref_pa")}
         series |= {"p_low_pa": trend.pressures_pa[0], "p_high_pa": trend.pressures_pa[-1]}
         for name, line in (("half", trend.half), ("middle", trend.middle)):
-            rows.append((trend.bands[0].factors, {**series, "quantity": name, **asdict(line)}))
+            rows.append((trend.bands[0].factors, {**series, "quantity": name, **vars(line)}))
     return _csv(_TREND_COLUMNS, rows)
 
 

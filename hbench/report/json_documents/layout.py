@@ -8,9 +8,10 @@ which becomes an object of its own.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
 from typing import Any, TypeAlias
 
-from hbench.report.json_documents.values import json_value
+from hbench.report.json_documents.values import SCALARS, json_value
 
 
 @dataclass(frozen=True)
@@ -51,12 +52,15 @@ def all_fields(record: type, without: tuple[str, ...] = (), **changed: Source) -
     return row | changed
 
 
+_row_of = cache(all_fields)
+
+
 def json_document(value: Any, layouts: Layouts) -> Any:
     """Return a record, or a container of records, as JSON values."""
-    if isinstance(value, float):  # first: documents are mostly numbers
+    if type(value) in SCALARS:
         return json_value(value)
     if is_dataclass(value) and not isinstance(value, type):
-        return _object(value, layouts.get(type(value)) or all_fields(type(value)), layouts)
+        return _object(value, layouts.get(type(value)) or _row_of(type(value)), layouts)
     if isinstance(value, Mapping):
         return {str(key): json_document(item, layouts) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -6,15 +6,20 @@ from typing import Any
 
 import numpy as np
 
+# Documents consist mostly of these: a look at the type is faster than at base classes.
+SCALARS = frozenset((bool, int, float, str, type(None)))
+
 
 def json_value(value: Any) -> Any:
     """Return a value as JSON types; NaN and infinities become null."""
-    if isinstance(value, float):  # first: documents are mostly numbers
+    if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
+    if type(value) in SCALARS:
+        return value
     if isinstance(value, Mapping):
         return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
         return json_value(value.tolist())
     if isinstance(value, list | tuple):
         return [json_value(item) for item in value]
-    return value if value is None or isinstance(value, bool | int | str) else str(value)
+    return value if isinstance(value, bool | int | str) else str(value)

@@ -6,6 +6,7 @@ channels of a record. ``ccs_text`` reads files of any other program; both give t
 """
 
 import re
+from binascii import hexlify, unhexlify
 
 import numpy as np
 
@@ -16,18 +17,13 @@ LARGEST_OTHER = 16_000_000  # bytes; reading line by line takes 25 times the mem
 
 _OWN_FORMAT = re.compile(rb"1651 1 0 0 ([0-9a-f]{1,8})\n")
 _NEWLINE = ord("\n")
-_DIGITS = np.frombuffer(b"0123456789abcdef", np.uint8)
-_NOT_A_DIGIT = 0xFF
-_NIBBLES = np.full(256, _NOT_A_DIGIT, np.uint8)
-_NIBBLES[_DIGITS] = np.arange(16)
 
 
 def format_words(words: np.ndarray) -> bytes:
     """Return ``words`` (any shape, uint16) as a data file, in C order."""
-    flat = np.ascontiguousarray(words, np.uint16).ravel()
+    flat = np.ascontiguousarray(words, ">u2").ravel()
     lines = np.full((len(flat), 5), _NEWLINE, np.uint8)
-    for position, shift in enumerate((12, 8, 4, 0)):
-        lines[:, position] = _DIGITS[(flat >> shift) & 0xF]
+    lines[:, :4] = np.frombuffer(hexlify(flat.tobytes()), np.uint8).reshape(-1, 4)
     return b"1651 1 0 0 %x\n" % len(flat) + lines.tobytes()
 
 
@@ -60,16 +56,18 @@ def parse_records(data: bytes, channels: int, source: str) -> tuple[np.ndarray, 
 
 
 def _parse_own_format(data: bytes) -> CcsData | None:
-    """Read a file exactly as ``format_words`` makes it; None for any other."""
+    """Read a file as ``format_words`` makes it, or with upper-case digits; None for any other."""
     header = _OWN_FORMAT.match(data)
     if header is None or (len(data) - header.end()) % 5:
         return None
     lines = np.frombuffer(data[header.end() :], np.uint8).reshape(-1, 5)
-    nibbles = _NIBBLES[lines[:, :4]]
-    if (lines[:, 4] != _NEWLINE).any() or (nibbles == _NOT_A_DIGIT).any():
+    if (lines[:, 4] != _NEWLINE).any():
         return None
-    high, low = (nibbles[:, 0] << 4) | nibbles[:, 1], (nibbles[:, 2] << 4) | nibbles[:, 3]
-    values = (high.astype(np.uint16) << 8) | low
+    try:
+        octets = unhexlify(lines[:, :4].tobytes())
+    except ValueError:  # not a digit
+        return None
+    values = np.frombuffer(octets, ">u2").astype(np.uint16)
     return CcsData(values, count_warnings(int(header[1], 16), len(values), 1))
 
 

@@ -44,6 +44,15 @@ def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bo
 @contextmanager
 def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
     """Open a temporary file that replaces ``path`` after the last write, as ``write_atomic``."""
+    with _replacement(path, lasting=lasting) as file:
+        yield file
+    if lasting:
+        _flush_entries(path.parent)
+
+
+@contextmanager
+def _replacement(path: Path, *, lasting: bool) -> Iterator[IO[bytes]]:
+    """Open a temporary file that then replaces ``path``; the folder's entry is not flushed."""
     part = path.with_name(f".{path.name}.part")
     try:
         make_folder(path.parent)
@@ -53,8 +62,6 @@ def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
             if lasting:
                 _flush(file)
         os.replace(part, path)
-        if lasting:
-            _flush_folder(path.parent)
     except OSError as error:
         raise _refused(path, error) from error
     finally:
@@ -112,13 +119,16 @@ def move_files(source: Path, destination: Path) -> None:
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write files, named by their paths below ``folder``, each atomically.
 
-    Waits while another process does this in the same folder. Raises ``DataError``, also for a path
-    that leads out of ``folder``.
+    The folders' entries are flushed to disk once, after the last file. Waits while another process
+    does this in the same folder. Raises ``DataError``, also for a path out of ``folder``.
     """
     with _only_writer(folder):
         for name, data in files.items():
             check_inside(folder, (folder / name).parent)
-            write_atomic(folder / name, data)
+            with _replacement(folder / name, lasting=True) as file:
+                file.write(data)
+        for parent in {(folder / name).parent for name in files}:
+            _flush_entries(parent)
 
 
 @contextmanager
@@ -198,6 +208,14 @@ def _refused(path: Path, error: OSError) -> DataError:
         f"{path}: can't be written: {error.strerror or error}",
         "Check the free space and the folder's permissions.",
     )
+
+
+def _flush_entries(folder: Path) -> None:
+    """Flush the names of a folder's files to disk. Raises ``DataError``."""
+    try:
+        _flush_folder(folder)
+    except OSError as error:
+        raise _refused(folder, error) from error
 
 
 def _flush_folder(folder: Path) -> None:

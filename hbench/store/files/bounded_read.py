@@ -14,7 +14,7 @@ from hbench.errors import DataError
 LARGEST_LOG = 40_000_000  # an hour and a half of a board's log at 100 Hz
 LARGEST_UNPACKED = 200_000_000  # what a compressed file may take in memory
 LARGEST_JOURNAL = 8_000_000  # some nine thousand runs
-
+_PART = 65_536
 
 _TOO_LARGE = "Check that it is the right file; split a longer log."
 
@@ -45,11 +45,17 @@ def check_size(file: BinaryIO, source: str, largest: int, hint: str = _TOO_LARGE
 
 
 def read_whole(file: BinaryIO, source: str, largest: int = LARGEST_LOG) -> bytes:
-    """Return the bytes of an open file. Raises ``DataError`` for more than ``largest``."""
-    data = file.read(largest + 1)  # some grow meanwhile, or report no size
-    if len(data) > largest:
-        raise DataError(f"{source}: is larger than {largest / 1e6:g} MB", _TOO_LARGE)
-    return data
+    """Return the bytes of an open file. Raises ``DataError`` for more than ``largest``.
+
+    Some files grow meanwhile, or report no size, so the limit is checked while reading. One read
+    of up to ``largest`` bytes would reserve them first: ten times the time of reading a run's log.
+    """
+    data = bytearray()
+    while part := file.read(_PART):
+        data += part
+        if len(data) > largest:
+            raise DataError(f"{source}: is larger than {largest / 1e6:g} MB", _TOO_LARGE)
+    return bytes(data)
 
 
 def check_inside(folder: Path, path: Path) -> None:
