@@ -29,6 +29,7 @@ from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import OF_LOAD_CYLINDER, balance_model
 from hbench.reconcile.measured.comparable_runs import comparable_runs, log_remarks
+from hbench.reconcile.measured.contradictions import refuse_contradictions
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
@@ -91,10 +92,14 @@ class ReconcileTask:
 def run_search(
     task: ReconcileTask, names: Sequence[str]
 ) -> tuple[MeasuredCampaign, SearchResult, np.ndarray]:
-    """Return the measured campaign, the result of the search, and indices of held-out points."""
+    """Return the measured campaign, the result of the search, and indices of held-out points.
+
+    Raises ``DataError`` for logs that contradict the model's areas or the valves' signs.
+    """
     measured = MeasuredCampaign(
         task.bench, task.plant, task.instruments, sessions(task.runs), task.material
     )
+    refuse_contradictions(measured.logs, measured.balance_model(measured.start))
     train, held_out = divided_points(len({point_of(run.plan) for run in task.runs}))
     search = CampaignSearch(measured, train, tuple(names), task.stage)
     result = without_unconfirmed(search, search.run(), held_out)

@@ -1,0 +1,161 @@
+"""Contradictions between logs and model that no physical effect explains.
+
+A command that opens its valve the wrong way, or pressures whose forces do not fit the cylinder's
+areas, are faults of the import map or of the model file. A search would take them for an effect,
+so they are looked for first, in windows of steady motion:
+
+- **Commands.** The oil that the motion needs flows into a chamber while the command of its valve
+  empties it.
+- **Areas.** The applied force is A_p P_p - A_r P_r less friction (2.12), at the load cylinder plus
+  friction. A fit of the areas with dry and viscous friction and an offset gives their ratio. An
+  error of the load cell's gain changes both alike, so the ratio is free of it.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+
+from hbench.analysis.statistics.intervals import covariance_over_runs
+from hbench.errors import DataError
+from hbench.model.parameters import CylinderParameters
+from hbench.reconcile.measured.balances import BalanceModel, driving_signals
+from hbench.reconcile.measured.session import COMMANDS, Session
+from hbench.records.diagnosis import REST_M_S
+
+_STEADY = 0.1  # relative change of the velocity over a window
+_OPEN_V = 0.1  # a smaller command may be within the null of its valve
+_FEWEST = 20  # windows
+_WRONG = 0.9  # share of windows in which a command has the wrong sign
+_AREAS = 0.05  # relative error of the areas' ratio, several times that of usual transducers
+_SIGMAS = 4.0  # of its standard error, at least
+_LEAST_SHARE = 0.5  # of the piston's area by the fit
+_FEEDS = {"u_t_v": ("T", 1), "u_l1_v": ("L1", 1), "u_l2_v": ("L2", -1)}  # sign of v it drives
+
+
+@dataclass(frozen=True)
+class _Steady:
+    """Windows (w,) of steady motion: their means, and their runs."""
+
+    v_m_s: np.ndarray
+    pressures_pa: np.ndarray  # (4, w) Tp, Tr, Lp, Lr
+    force_n: np.ndarray  # applied
+    commands_v: dict[str, np.ndarray]  # nan where not measured
+    run: np.ndarray
+
+
+def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
+    """Raise ``DataError`` where commands or areas contradict the logs."""
+    steady = _steady(logs, model)
+    if wrong := dict(_wrong_commands(steady)):
+        raise DataError("; ".join(wrong.values()), _command_hint(list(wrong)))
+    p_tp, p_tr, p_lp, p_lr = steady.pressures_pa
+    for name, cylinder, pressures, sense in (
+        ("test_cylinder", model.par.test, (p_tp, p_tr), 1.0),
+        ("load_cylinder", model.par.load, (p_lp, p_lr), -1.0),
+    ):
+        _refuse_areas(name, cylinder, *pressures, sense, steady)
+
+
+def _steady(logs: Sequence[Session], model: BalanceModel) -> _Steady:
+    parts, first = [], 0
+    for log in logs:
+        signals = driving_signals(log, model)
+        v = log.rate(signals[0])
+        change = np.abs(log.second(signals[0])) * log.window.dt_s * len(log.window.value)
+        at = (np.abs(v) > REST_M_S) & (change < _STEADY * np.abs(v))
+        has = {name: log.measured[name][log.run_of_window] for name in COMMANDS}
+        parts.append(
+            _Steady(
+                v[at],
+                log.mean(signals[2:6])[:, at],
+                log.mean(log.channels["f_applied_n"])[at],
+                {
+                    name: np.where(own, log.mean(log.channels[name]), np.nan)[at]
+                    for name, own in has.items()
+                },
+                log.run_of_window[at] + first,
+            )
+        )
+        first += len(log.runs)
+    return _Steady(
+        np.concatenate([part.v_m_s for part in parts]),
+        np.concatenate([part.pressures_pa for part in parts], axis=1),
+        np.concatenate([part.force_n for part in parts]),
+        {name: np.concatenate([part.commands_v[name] for part in parts]) for name in COMMANDS},
+        np.concatenate([part.run for part in parts]),
+    )
+
+
+def _wrong_commands(steady: _Steady) -> Iterator[tuple[str, str]]:
+    """Yield commands that empty the chambers which the motion fills, with a sentence on each."""
+    for name, (valve, sense) in _FEEDS.items():
+        u = steady.commands_v[name]
+        opened = np.abs(u) > _OPEN_V
+        wrong = np.sign(u[opened]) != sense * np.sign(steady.v_m_s[opened])
+        if len(wrong) >= _FEWEST and wrong.mean() > _WRONG:
+            yield (
+                name,
+                f"{name}: valve {valve} is commanded against the motion in {100 * wrong.mean():.0f}"
+                f" % of {len(wrong)} steady windows (limit: {100 * _WRONG:.0f} %)",
+            )
+
+
+def _command_hint(names: Sequence[str]) -> str:
+    if set(names) == {"u_l1_v", "u_l2_v"}:
+        return (
+            "Exchange the columns of u_l1_v (feeds the rod side of the load cylinder) and u_l2_v "
+            "(feeds its piston side) in the import map, or give both scale: -1."
+        )
+    return (
+        "Give each of them scale: -1 in the import map. Positive commands feed: u_t_v the piston "
+        "side of the test cylinder, u_l1_v the rod side and u_l2_v the piston side of the load "
+        "cylinder."
+    )
+
+
+def _refuse_areas(
+    name: str,
+    cylinder: CylinderParameters,
+    p_p: np.ndarray,
+    p_r: np.ndarray,
+    sense: float,
+    steady: _Steady,
+) -> None:
+    """Raise ``DataError`` for areas that do not fit; ``sense`` is -1 where friction adds to 2.12.
+
+    The standard error of the ratio leaves out the correlation of both areas.
+    """
+    v, piston_m2, rod_m2 = steady.v_m_s, cylinder.area_piston_m2, cylinder.area_rod_m2
+    friction = -sense * np.sign(v), -sense * v
+    columns = np.column_stack([p_p * piston_m2, -p_r * rod_m2, *friction, np.ones_like(v)])
+    size = np.linalg.norm(columns, axis=0)
+    if len(v) < _FEWEST or not size.all():
+        return
+    columns = columns / size
+    fit = np.linalg.lstsq(columns, steady.force_n, rcond=None)[0]
+    covariance, _ = covariance_over_runs(columns, steady.force_n - columns @ fit, steady.run)
+    (piston, rod), se = fit[:2] / size[:2], np.sqrt(np.diag(covariance)[:2]) / size[:2]
+    if not piston > max(_LEAST_SHARE, _SIGMAS * se[0]):  # the force does not follow the pressures
+        return
+    off, error = rod / piston - 1, np.hypot(*se) / piston
+    if abs(off) > max(_AREAS, _SIGMAS * error):
+        given, found = rod_m2 / piston_m2, rod_m2 / piston_m2 * (1 + off)
+        raise DataError(
+            f"{name}: pressures and force give a ratio of rod side to piston side area of "
+            f"{found:.3f}, the model file {given:.3f} ({100 * off:+.0f} %, limit: "
+            f"{100 * _AREAS:.0f} %){_fitting_rod(piston_m2, found)}",
+            "Correct the cylinder's diameters in the model file, or the scale of a pressure in the "
+            "import map.",
+        )
+
+
+def _fitting_rod(piston_m2: float, ratio: float) -> str:
+    """Return which rod would have an area ratio; empty for a ratio that no rod has."""
+    if not 0 < ratio < 1:
+        return ""
+    bore_mm = 1e3 * sqrt(4 * piston_m2 / pi)
+    return (
+        f"; with the bore of {bore_mm:.4g} mm a rod of {bore_mm * sqrt(1 - ratio):.3g} mm would fit"
+    )

@@ -1,0 +1,112 @@
+"""Logs that contradict the model: commands of the wrong sign, cylinders of another size.
+
+The strokes are written down by hand, with friction that is not hbench's: its dry part falls with
+the square root of the velocity, and a part of it grows with the pressure on the rod side.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hbench.config.bench import parse_plant
+from hbench.errors import DataError
+from hbench.reconcile.measured.balances import balance_model
+from hbench.reconcile.measured.contradictions import refuse_contradictions
+from hbench.reconcile.measured.session import sessions
+from hbench.records import Run, RunPlan
+from tests.support.reconcile.exact_logs import SPECIMEN
+
+BAR = 1e5
+
+
+@pytest.fixture(scope="module")
+def model(bench_data):
+    return balance_model(None, parse_plant(bench_data, {}, ""))
+
+
+@pytest.fixture(scope="module")
+def runs(model):
+    """36 steady strokes at three speeds, three loads and two pressures, in both directions."""
+    test, load = model.par.test, model.par.load
+    rng, made = np.random.default_rng(3), []
+    for v in (-0.12, -0.05, -0.02, 0.02, 0.05, 0.12):
+        for force in (-3e3, 500.0, 4e3):
+            for p_back in (20 * BAR, 60 * BAR):
+                t = np.arange(150) * 0.01
+                dry = (300 - 200 * np.sqrt(abs(v))) * (1 + 0.03 * rng.standard_normal())
+                friction = np.sign(v) * (dry + 0.4 * p_back / BAR) + 1500 * v
+                p_tp = (force + friction + p_back * test.area_rod_m2) / test.area_piston_m2
+                p_lr = p_back + 10 * BAR
+                p_lp = (force - friction + p_lr * load.area_rod_m2) / load.area_piston_m2
+                pressures = {"p_tp_pa": p_tp, "p_tr_pa": p_back, "p_lp_pa": p_lp, "p_lr_pa": p_lr}
+                channels = {
+                    name: mean + 0.05 * BAR * rng.standard_normal(len(t))
+                    for name, mean in pressures.items()
+                }
+                plan = RunPlan(f"{len(made):04d}", "steady", 1, v, SPECIMEN, f_load_n=force)
+                commands = {"u_t_v": 12 * v, "u_l1_v": 9 * v, "u_l2_v": -11 * v}
+                made.append(
+                    Run(
+                        plan,
+                        t,
+                        0.2 - v * 0.75 + v * t + 2e-6 * rng.standard_normal(len(t)),
+                        f_applied_n=force + 3 * rng.standard_normal(len(t)),
+                        p_s_pa=np.full(len(t), 150 * BAR),
+                        **channels,
+                        **{name: np.full(len(t), u) for name, u in commands.items()},
+                    )
+                )
+    return tuple(made)
+
+
+def refused(runs, model):
+    with pytest.raises(DataError) as caught:
+        refuse_contradictions(sessions(runs), model)
+    return caught.value
+
+
+def test_consistent_logs_are_not_refused(runs, model):
+    refuse_contradictions(sessions(runs), model)
+
+
+def test_a_load_cell_whose_gain_is_wrong_is_left_to_the_search(runs, model):
+    wrong = [replace(run, f_applied_n=1.08 * run.f_applied_n) for run in runs]
+    refuse_contradictions(sessions(wrong), model)
+
+
+def test_a_reversed_test_valve_is_named_with_its_channel(runs, model):
+    error = refused([replace(run, u_t_v=-run.u_t_v) for run in runs], model)
+    assert "u_t_v" in error.message and "u_l" not in error.message
+    assert "100 % of" in error.message and "scale: -1" in error.hint
+
+
+def test_exchanged_load_valves_are_named_together(runs, model):
+    exchanged = [replace(run, u_l1_v=run.u_l2_v, u_l2_v=run.u_l1_v) for run in runs]
+    error = refused(exchanged, model)
+    assert "u_l1_v" in error.message and "u_l2_v" in error.message
+    assert "Exchange" in error.hint
+
+
+def test_a_small_command_against_the_motion_may_be_a_null(runs, model):
+    refuse_contradictions(sessions([replace(run, u_t_v=-0.05 * run.u_t_v) for run in runs]), model)
+
+
+@pytest.mark.parametrize("name, part", [("test_cylinder", "test"), ("load_cylinder", "load")])
+def test_a_wrong_rod_in_the_model_is_refused_with_the_rod_that_would_fit(runs, model, name, part):
+    own = getattr(model.par, part)
+    rod_m = np.sqrt((own.area_piston_m2 - own.area_rod_m2) * 4 / np.pi)
+    thinner = own.area_piston_m2 - np.pi / 4 * (rod_m - 5e-3) ** 2
+    par = model.par._replace(**{part: own._replace(area_rod_m2=thinner)})
+    error = refused(runs, replace(model, par=par))
+    assert error.message.startswith(f"{name}: ") and "limit: 5 %" in error.message
+    found = float(error.message.split(" a rod of ")[1].split(" mm")[0])
+    assert found == pytest.approx(1e3 * rod_m, abs=0.3)
+
+
+def test_logs_without_load_cylinder_or_force_sensor_are_not_refused(runs, model):
+    alone = [
+        replace(run, p_lp_pa=None, p_lr_pa=None, u_l1_v=None, u_l2_v=None, f_applied_n=0 * run.t_s)
+        for run in runs
+    ]
+    refuse_contradictions(sessions(alone), model)
