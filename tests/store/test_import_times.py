@@ -255,4 +255,4 @@ def test_a_time_in_a_wrong_unit_is_visible_where_no_stroke_is_found(bring_in, ru
     x = np.interp(t, [1, 3, 4, 6], [20, 120, 120, 20])
     with pytest.raises(DataError, match="positions from 20 to 120 mm in 6980 s") as caught:
         bring_in(1e3 * t, x, 0 * t, 0 * t)  # ms taken as s
-    assert "a unit of x_m or t_s in the map is wrong" in caught.value.hint
+    assert "check the unit of t_s in the map" in caught.value.hint
