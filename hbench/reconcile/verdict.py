@@ -16,6 +16,7 @@ from hbench.records.diagnosis import UNEXPLAINED_GAP
 
 FEWEST_POINTS = 8  # operating points
 _OTHER_LOAD = 0.2  # of the largest mean force: a smaller difference may be that of friction
+_SAME_LOAD = 0.02  # of the largest load: friction and the pressures' control change it by as much
 _SAME_SPEED = 0.1  # speeds that differ by this share have nearly the same friction
 NO_RESIDUALS = (
     "No quantity has residuals that are significant, large enough to matter and more than "
@@ -177,6 +178,34 @@ def _has_second_load(runs: Sequence[Run]) -> bool:
     )
 
 
+def _has_second_pressure(runs: Sequence[Run]) -> bool:
+    """Return whether steady runs have one load at two rod-side pressures of the load cylinder.
+
+    Both are the nominal ones, or the measured ones at nearly one speed where none are stated.
+    """
+    steady = [run for run in runs if KINDS[run.plan.kind].has_constant_speed]
+    loads = [_stated(run.plan.f_load_n, run.f_applied_n) for run in steady]
+    levels = [_stated(run.plan.p_lr_ref_pa, run.p_lr_pa) for run in steady]
+    speeds = [run.plan.v_ref_m_s for run in steady]
+    same = _SAME_LOAD * np.nanmax(np.abs([*loads, 0.0]))
+    other = _OTHER_LOAD * np.nanmax(np.abs([*levels, 0.0]))
+    return any(
+        abs(v - v_2) <= _SAME_SPEED * min(abs(v), abs(v_2))
+        and abs(load - load_2) <= same
+        and abs(level - level_2) > other
+        for (v, load, level), (v_2, load_2, level_2) in combinations(
+            zip(speeds, loads, levels, strict=True), 2
+        )
+    )
+
+
+def _stated(nominal: float | None, measured: np.ndarray | None) -> float:
+    """Return a nominal value, or else the median of the measured ones; NaN without either."""
+    if nominal is not None:
+        return nominal
+    return float("nan") if measured is None else float(np.median(measured))
+
+
 def missing_experiments(runs: Sequence[Run]) -> dict[str, str]:
     """Return by code which experiments would make more effects distinguishable."""
     plans = [run.plan for run in runs]
@@ -197,9 +226,6 @@ def missing_experiments(runs: Sequence[Run]) -> dict[str, str]:
         codes.append("steps")
     if not any(kind.analysis == "leakage" for kind in kinds):
         codes.append("hold")
-    by_load: dict[float | None, set[float | None]] = {}
-    for plan in steady:
-        by_load.setdefault(plan.f_load_n, set()).add(plan.p_lr_ref_pa)
-    if all(len(levels) < 2 for levels in by_load.values()):
+    if not _has_second_pressure(runs):
         codes.append("pressures")
     return {code: MISSING[code] for code in codes}

@@ -168,6 +168,22 @@ def test_the_same_load_at_two_pressures_is_asked_for(bench):
     assert list(missing_experiments(repeated(level))) == ["pressures"]
 
 
+def test_pressures_that_no_plan_states_are_those_measured(bench):
+    """An imported campaign has no reference of the rod-side pressure."""
+
+    def imported(*levels_pa):
+        return [
+            replace(run, plan=replace(run.plan, p_lr_ref_pa=None), p_lr_pa=np.full(3, p))
+            for run in repeated(plans_of(bench))
+            for p in levels_pa
+        ]
+
+    assert "pressures" not in missing_experiments(imported(20e5, 55e5))
+    assert "pressures" in missing_experiments(imported(20e5, 21e5))
+    unknown = [replace(run, p_lr_pa=None) for run in imported(20e5)]
+    assert "pressures" in missing_experiments(unknown)
+
+
 def repeated(plans):
     """Return runs with all channels, two of each plan."""
     at = np.zeros(3)
