@@ -29,6 +29,21 @@ from tests.support.report.summarised import CELL, LEAK, added, summary
 OVERLAY = Overlay("0001", "x", "m", *(np.array([0.0, 0.1]),) * 4)
 
 
+def test_a_quantity_of_another_cause_does_not_hide_what_an_effect_improves(named):
+    """A supply that sags a little has a large gap, since its sensor is quiet."""
+    (effect,) = named.effects
+
+    def words(after):
+        total = BeforeAfter(20.0, 12.0, after, 1.3)
+        table = replace(named.gap_heldout, total=total)
+        return ordinary_spaces(verdict_words(replace(named, gap_heldout=table, unnamed=())))
+
+    own = "the deviation of the quantities that it changes falls from 16.7 to 1.60 times"
+    assert own in words(10.4) and "12.0" not in words(10.4)
+    assert "the deviation in runs outside the fit falls from 12.0 to 1.50 times" in words(1.5)
+    assert effect.gap_after == pytest.approx(1.6)
+
+
 def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(named):
     text = summary(named)
     verdict = ordinary_spaces(verdict_words(named))

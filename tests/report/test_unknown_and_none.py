@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from hbench.records import (
     BeforeAfter,
@@ -274,6 +275,29 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "the model deviates by 1.25 times the repeatability; a correct model with" in text
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
+
+
+@pytest.mark.parametrize(
+    "path, value, ci95, told",
+    [
+        ("moving_mass.test", 1.47, (1.2, 1.82), "1.47 (1.20 to 1.82)"),
+        ("test_cylinder.dead_volume_piston", 2.19, (1.65, 2.91), "2.19 (1.65 to 2.91)"),
+        ("moving_mass.test", 1.15, (1.05, 1.26), ""),  # within its assumed accuracy
+        ("moving_mass.test", 1.47, (0.9, 2.4), ""),  # hardly determined
+        ("friction.test.coulomb", 8.0, (7.0, 9.0), ""),  # no drawing tells it
+    ],
+)
+def test_an_agreement_by_a_volume_or_mass_that_is_far_off_asks_to_check_it(
+    compared, path, value, ci95, told
+):
+    factor = FitParameter(value, None, ci95, None, "1")
+    none = replace(
+        compared, verdict="none", rest=(), refitted={path: factor}, refit_priors={path: 0.2}
+    )
+    text = ordinary_spaces(verdict_words(none))
+    assert ("no reason to inspect" in text) is not bool(told)
+    assert ("Check with drawings and scales" in text) is bool(told) and told in text
+    assert ("Check with drawings and scales" in short_summary(none)) is bool(told)
 
 
 def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(compared):

@@ -78,9 +78,14 @@ class LawSearch:
         return model, tuple(laws)
 
     def _worst(self, model: LinearisedModel, refused: set[str]) -> str | None:
-        """Return the balance with the largest material gap at training points, if any."""
+        """Return the balance with the largest material gap at training points, if any.
+
+        A law explains what the verdict calls unexplained, so there must be a gap at all points too.
+        """
         gaps = unexplained_at(model.gap_map, self.evaluator.train)
+        everywhere = unexplained_at(model.gap_map, np.arange(len(model.gap_map.points)))
         known = {name for family in self._families for name in family}
+        known &= {gap.name for gap in everywhere}
         names = [gap.name for gap in gaps if gap.name in known - refused]
         return names[0] if names else None
 

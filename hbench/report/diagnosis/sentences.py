@@ -34,6 +34,8 @@ _DEAD_VOLUMES = {
     "flow_lp": "load_cylinder.dead_volume_piston",
     "flow_lr": "load_cylinder.dead_volume_rod",
 }  # values of the model file, by the balance of their chamber
+_KNOWN_SECTIONS = ("moving_mass.",)  # of values that a scale or a drawing tells, beside volumes
+_DOUBTFUL = 1.5  # assumed standard deviations
 _MOST_FACTORS = 3  # refitted values in a sentence
 
 
@@ -271,6 +273,27 @@ def doubtful_volume(diagnosis: Diagnosis) -> str:
     return (
         f"A hint: the refit gives a dead volume {listed(parts)} that of the model file; compare it "
         "with the hoses, fittings and blocks there."
+    )
+
+
+def doubtful_values(diagnosis: Diagnosis) -> str:
+    """Return the volumes and masses that the refit moves far beyond their assumed accuracy.
+
+    Empty without any. Drawings and scales tell them: a value that is right in the model file has
+    taken the part of something that the model does not contain.
+    """
+    parts = [
+        f"{value_words(path)} {parameter_text(factor)}"
+        for path, factor in diagnosis.refitted.items()
+        if path.startswith(_KNOWN_SECTIONS) or path in _DEAD_VOLUMES.values()
+        if factor.ci95 is not None and not factor.ci95[0] <= 1 <= factor.ci95[1]
+        if _priors_off(diagnosis, path) > _DOUBTFUL
+    ]
+    if not parts or diagnosis.refit_refused:
+        return ""
+    return (
+        "Check with drawings and scales what the refit makes of the model file's values, with the "
+        f"factor: {'; '.join(parts)}. Where the file is right, the model lacks something there."
     )
 
 

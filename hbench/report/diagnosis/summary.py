@@ -16,6 +16,7 @@ from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
 from hbench.report.diagnosis.sentences import (
     best_candidate,
     closeness,
+    doubtful_values,
     doubtful_volume,
     gap_change,
     hint,
@@ -202,6 +203,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             if not diagnosis.next_experiment:
                 yield narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
         else:
+            yield doubtful_values(diagnosis)
             yield best_candidate(diagnosis) if hint(diagnosis) else ""
             yield diagnosis.next_experiment or ""
 

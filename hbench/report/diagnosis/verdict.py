@@ -17,7 +17,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     p_equation,
 )
-from hbench.report.diagnosis.sentences import favoured, least_odds
+from hbench.report.diagnosis.sentences import doubtful_values, favoured, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.diagnosis.words.action import first_step, next_step
@@ -37,6 +37,7 @@ from hbench.report.diagnosis.words.coefficient import (
     parts_words,
 )
 from hbench.report.diagnosis.words.deviation import (
+    CLEARLY_WORSE,
     beyond_balances,
     deviations,
     exceeding,
@@ -179,7 +180,8 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect does to the deviation of the model, without the page's own terms."""
     total, alone = diagnosis.gap_heldout.total, len(diagnosis.effects) == 1
     alone = alone and not (diagnosis.unnamed or diagnosis.alternatives)
-    if alone and total.after < total.refitted:  # the pair that the section of the gaps has
+    typical = total.after <= CLEARLY_WORSE * effect.gap_after  # no other quantity dominates
+    if alone and typical and total.after < total.refitted:  # the pair that the gaps' section has
         return (
             f"With it, the deviation in runs outside the fit falls from "
             f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability."
@@ -262,7 +264,8 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     else:
         yield f"No missing effect is found: {agreement}{dot}".rstrip()
     yield beyond_balances(diagnosis)
-    yield "These runs give no reason to inspect or to repair anything."
+    doubtful = doubtful_values(diagnosis)
+    yield doubtful or "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
     yield "" if diagnosis.errors else sizes
