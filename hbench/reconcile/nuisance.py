@@ -16,7 +16,7 @@ from hbench.config.scaling import value_paths
 from hbench.config.sensors import Instrument, Instruments
 from hbench.errors import ConfigError
 from hbench.reconcile.hypothesis import CoefficientKey
-from hbench.units import from_si
+from hbench.units import from_si, to_si
 
 _FRICTION = {  # a first guess of a seal's friction may be off by a factor of 5
     "coulomb": 0.8,
@@ -49,8 +49,9 @@ FACTORS: Mapping[str, float] = {
 BOUND = 3.0  # priors
 # Effects that state the same as a factor: beside one the value is the model file's.
 REPLACED: Mapping[str, str] = {"valve_lag": "valve.bandwidth"}
-# Of valves of one type: 10 %, 2 % of 10 V, 3 % at 3 V, an orifice's 1/2 to 0.6.
-_VALVE = {"curvature": 0.01, "exponent": 0.1}
+# Of valves of one type: 10 %, 2 % of 10 V, 3 % at 3 V, an orifice's 1/2 to 0.6, and of each line
+# between valve and transducer 0.5 bar at 10 l/min.
+_VALVE = {"curvature": 0.01, "exponent": 0.1, "hose": to_si("0.05 bar min/l", "bar min/l")}
 _EACH_VALVE = {"gain": 0.1, "null": 0.2}
 # Of the edges of a valve: data sheets allow 10 % between the flows of both directions, twice this.
 _UNEVEN = 0.03

@@ -40,6 +40,7 @@ CASES = [
     ({"valve_trim": {"gain_test": "5 %", "null_load_1": "0.05 V", "null_load_2": "0.1 V"}}, FLOWS),
     ({"valve_trim": {"exponent": "0.05 1", "curvature": "0.02 1/V"}}, FLOWS),
     ({"valve_trim": {"ports": "2 %", "inlets": "-4 %"}}, ("flow_tp", "flow_tr")),
+    ({"valve_trim": {"hose": "0.2 bar min/l"}}, FLOWS),
 ]
 
 

@@ -19,11 +19,13 @@ ROWS = {
             "exponent": Coefficient("1", 0.02, -0.2, 0.5),
             "ports": Coefficient("%", 5, -50, 50),
             "inlets": Coefficient("%", 5, -50, 50),
+            "hose": Coefficient("bar min/l", 0.02, -1, 10),
         },
         balances=FLOWS,
         laws={"openings": flows.valve_trim, "flows": flows.uneven_ports},
         law="opening = u (1 + gain + curvature |u|) + null; Q grows with dP^(1/2 + exponent), and "
-        "by 1 +- ports +- inlets at the test valve: + at the port to the piston side and at inlets",
+        "by 1 +- ports +- inlets at the test valve: + at the port to the piston side, + at inlets; "
+        "hose Q is lost of each drop dP",
         signals="Commands at a given speed, by a share or by a constant voltage; each valve alone.",
         confused_with={
             "valve_asymmetry": Separation(

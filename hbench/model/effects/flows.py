@@ -16,6 +16,7 @@ from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
 FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
 PRESSURE_PA = 50e5
 LEAST_LAG_S = 5e-5  # that the steps of the virtual rig, of 0.1 ms, can follow
+LEAST_DROP_PA = 1e3  # across a port
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
 
 
@@ -24,11 +25,11 @@ def valve_trim(
     par: PlantParameters,
 ) -> Openings:  # fmt: skip
     """Valves of one type are not equal: u (1 + g + k |u|) + u_0. c: g [1], then u_0 [V], of T, L1,
-    L2, the curvature k [1/V] of all, and three coefficients for ``uneven_ports``.
+    L2, the curvature k [1/V] of all, and four coefficients for ``uneven_ports``.
 
     g is the deviation from the gain of the bench file, u_0 the null bias.
     """
-    g_t, g_1, g_2, null_t, null_1, null_2, k, _, _, _ = c
+    g_t, g_1, g_2, null_t, null_1, null_2, k, _, _, _, _ = c
     return Openings(
         trimmed(u.test, g_t, null_t, k),
         trimmed(u.load_1, g_1, null_1, k),
@@ -46,22 +47,23 @@ def uneven_ports(
     q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
 ) -> ChamberFlows:  # fmt: skip
-    """Ports are no sharp orifices, and not equal. c: see above; the last three are used here.
+    """Ports are no sharp orifices, not equal, and behind hoses. c: see above; the last four.
 
     Q grows with dP^(1/2 + n), the same at 50 bar: the edges of a real spool are rounded, and small
     drops laminar (Merritt 1967, section 3.4). The test valve's port to the piston side lets a share
-    more through and the other one less, and its inlets a share more than its outlets.
+    more through and the other one less, and its inlets a share more than its outlets. A hose takes
+    R Q of the drop across its port.
     """
-    n, ports, inlets = c[7], c[8], c[9]
-    if n == 0.0 and ports == 0.0 and inlets == 0.0:
+    n, ports, inlets, hose = c[7], c[8], c[9], c[10]
+    if n == 0.0 and ports == 0.0 and inlets == 0.0 and hose == 0.0:
         return q
     p_s, p_t = state[P_S], par.supply.tank_pa
-    of_tp = ports + (inlets if q.tp > 0.0 else -inlets)
-    of_tr = -ports + (inlets if q.tr > 0.0 else -inlets)
-    tp = q.tp * port_factor(q.tp, state[P_TP], p_s, p_t, n) * (1.0 + of_tp)
-    tr = q.tr * port_factor(q.tr, state[P_TR], p_s, p_t, n) * (1.0 + of_tr)
-    lp = q.lp * port_factor(q.lp, state[P_LP], p_s, p_t, n)
-    lr = q.lr * port_factor(q.lr, state[P_LR], p_s, p_t, n)
+    of_tp = 1.0 + ports + (inlets if q.tp > 0.0 else -inlets)
+    of_tr = 1.0 - ports + (inlets if q.tr > 0.0 else -inlets)
+    tp = port_flow_behind_hose(q.tp * of_tp, state[P_TP], p_s, p_t, n, hose)
+    tr = port_flow_behind_hose(q.tr * of_tr, state[P_TR], p_s, p_t, n, hose)
+    lp = port_flow_behind_hose(q.lp, state[P_LP], p_s, p_t, n, hose)
+    lr = port_flow_behind_hose(q.lr, state[P_LR], p_s, p_t, n, hose)
     more = max(tp, 0.0) + max(tr, 0.0) + max(lp, 0.0) + max(lr, 0.0)
     more -= max(q.tp, 0.0) + max(q.tr, 0.0) + max(q.lp, 0.0) + max(q.lr, 0.0)
     total = (tp + tr + lp + lr) - (q.tp + q.tr + q.lp + q.lr)
@@ -69,10 +71,17 @@ def uneven_ports(
 
 
 @inlined
-def port_factor(q: float, p: float, p_supply: float, p_tank: float, n: float) -> float:
-    """Factor on the flow of a port, from the drop across it."""
-    drop = abs(p_supply - p if q > 0.0 else p - p_tank)
-    return (max(drop, 1e3) / PRESSURE_PA) ** n
+def port_flow_behind_hose(
+    q: float, p: float, p_supply: float, p_tank: float, n: float, hose: float
+) -> float:
+    """Flow of a port with the flow ``q`` of a sharp one, from the drop across it and its hose.
+
+    The hose's share of the drop is that of a sharp port: Q^2 = q^2 (1 - R Q / dP).
+    """
+    drop = max(abs(p_supply - p if q > 0.0 else p - p_tank), LEAST_DROP_PA)
+    q *= (drop / PRESSURE_PA) ** n
+    lost = 0.5 * hose * abs(q) / drop
+    return q * ((1.0 + lost * lost) ** 0.5 - lost)
 
 
 def valve_lag(
