@@ -32,7 +32,7 @@ from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.page import certificate_page
 from hbench.report.conformity.certificate.pdf import certificate_pdf, sheets
 from hbench.report.conformity.certificate.words import WORDS
-from hbench.report.conformity.text import LEAKAGE_ASSUMES, U_OF_LEAKAGE
+from hbench.report.conformity.text import NOT_IN_U_OF_LEAKAGE, U_OF_LEAKAGE
 from hbench.report.render.pdf_pen import LEFT, SHEET_WIDTH, wrapped
 from tests.support import ROOT
 from tests.support.certificates import FILE, HOSTILE, PNG
@@ -237,23 +237,19 @@ def test_each_result_has_the_number_of_its_runs_in_both_languages(certificate):
         assert counts == ["3", "2"]
 
 
-def leak(name, by_resolution):
-    return LeakCoefficient(name, 1e-20, 1e-19, (-8.4e-18, 8.4e-18), by_resolution)
-
-
 def test_u_of_leakage_is_stated_alike_in_certificate_and_acceptance(certificate):
-    """Whether the fit or a code of the converter decides, the one sentence holds."""
     names = ("across_piston", "rod_side_out")
-    leaks = tuple(map(leak, names, (False, True)))
+    leaks = tuple(LeakCoefficient(name, 1e-20, 1e-19, (-8.4e-18, 8.4e-18)) for name in names)
     motions = Motions(leakages=(Leakage("", leaks, (), 7.0e7, "", step_pa=360.0),))
     values = tuple(Certified("leakage", Measurement(0.0, 8.4e-18), None, leak=n) for n in names)
-    for language, temperature in (("en", "0.01 K changes"), ("de", "0,01 K ändern")):
+    for language, temperature in (("en", "0.2 K/min"), ("de", "0,2 K/min")):
         made = certificate(language=language)
         results = replace(made.results, motions=motions)
         text = page_text(replace(made, values=values, results=results))
         assert temperature in text
         words = U_OF_LEAKAGE.format(step=" (0.0036 bar)")
-        assert (f"U of leakage is {words}. {LEAKAGE_ASSUMES}." in text) == (language == "en")
+        assert (f"U of leakage is {words}. It has no factor k" in text) == (language == "en")
+        assert (f"{NOT_IN_U_OF_LEAKAGE}." in text) == (language == "en")
         assert "(0.0036 bar)" in text or "(0,0036 bar)" in text
 
 
@@ -273,7 +269,7 @@ def test_a_leak_that_is_not_laminar_is_certified_at_the_pressure_of_its_holds(sm
 
 def test_what_a_probability_of_conformity_rests_on_is_beside_it(certificate):
     plain = page_text(checks(certificate(), ("breakaway", "PASS", None)))
-    assert "by the Student distribution of U" in plain
+    assert "for a Student distribution with the 95 % interval of measured value ± U" in plain
     begin = plain.index("Statement of conformity")
     assert "no calibration certificate is recorded for" in plain[begin:][:600]
     ripple = page_text(checks(certificate(), ("speed_ripple", "PASS", 0.02)))

@@ -1,7 +1,7 @@
 """The certificate's words in English, by their keys."""
 
 from hbench.report.campaign.motion_rows import LEAKS
-from hbench.report.conformity.text import LEAKAGE_ASSUMES, U_OF_LEAKAGE
+from hbench.report.conformity.text import NOT_IN_U_OF_LEAKAGE, U_OF_LEAKAGE
 from hbench.report.quality_words import LOAD_CELL_ZERO
 
 ENGLISH = {
@@ -155,8 +155,8 @@ ENGLISH = {
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
     "of_trials": "U of speed ripple and of drift is that of the trials alone (95 %).",
-    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}. Where the step decides, "
-    "U is a limit of error and has no factor k.",
+    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. It has no factor k, since the assumed parts "
+    f"are limits of error. {NOT_IN_U_OF_LEAKAGE}.",
     "load_cell_zero": f"{LOAD_CELL_ZERO[:1].upper()}{LOAD_CELL_ZERO[1:]}.",
     # Conformity
     "of_limits": "Limits: {limits}.",
@@ -168,7 +168,8 @@ ENGLISH = {
     "rule_guard_band": "guard band (JCGM 106, 8.3.2; ILAC-G8): a value passes if it is inside "
     "the limit by at least U.",
     "applies": "The statement applies to the quantities in the table. “Conforms” is the "
-    "probability of conformity (JCGM 106, 7), by the Student distribution of U.",
+    "probability of conformity (JCGM 106, 7), for a Student distribution with the 95 % interval of "
+    "measured value ± U; where U has no factor k, this distribution is an assumption.",
     "not_calibrated": "U rests on stated tolerances: no calibration certificate is recorded for "
     "{instruments}.",
     "worst_speed": "Where a limit states no speed, each series is decided at the speed with "

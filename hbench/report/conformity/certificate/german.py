@@ -1,5 +1,9 @@
 """The certificate's words in German, by their keys."""
 
+from hbench.records.motions import BULK_MODULUS_ERROR, TEMPERATURE_RATE_K_S
+
+_RATE = f"{60 * TEMPERATURE_RATE_K_S:g}".replace(".", ",")
+
 GERMAN = {
     "title": "Prüfzertifikat",
     "number": "Zertifikat Nr.",
@@ -151,15 +155,13 @@ GERMAN = {
     "of_trials": "U der Ungleichförmigkeit und der Drift ist das der Wiederholungen allein (95 %).",
     "load_cell_zero": "Der Nullpunkt des Kraftaufnehmers wurde nicht geprüft: U enthält seine "
     "Abweichung nur, soweit eine Toleranz vom Endwert sie enthält.",
-    "leak_interval": "U der Leckage ist die halbe Breite des 95-%-Intervalls der Anpassung an "
-    "alle Halteversuche, mindestens aber die Leckage, die einen Druck während des Haltens um die "
-    "kleinste Stufe seiner aufgezeichneten Werte{step} ändert; Wert und U wachsen mit dem Druck, "
-    "für den die Leckage angegeben ist. Wo diese Stufe maßgebend ist, ist U eine Fehlergrenze und "
-    "hat keinen Faktor k. Angenommen ist, dass der effektive Kompressionsmodul und die "
-    "Totvolumina der Prüfstandsdatei genau sind (ein um 10 % zu niedriger Kompressionsmodul macht "
-    "die Leckage um 11 % zu hoch), dass das Öl während des Haltens seine Temperatur behält "
-    "(0,01 K ändern 100 ml Öl um 0,0007 ml), dass die Druckaufnehmer nicht driften und dass die "
-    "Ventile dicht schließen.",
+    "leak_interval": "U der Leckage ist die Wurzel der Quadratsumme dreier Anteile: des "
+    "95-%-Intervalls der Anpassung an alle Halteversuche, mindestens aber der Leckage, die einen "
+    "Druck während des Haltens um die kleinste Stufe seiner aufgezeichneten Werte{step} ändert; "
+    f"einer angenommenen Änderung der Öltemperatur um {_RATE} K/min; eines "
+    f"angenommenen Fehlers des effektiven Kompressionsmoduls von {100 * BULK_MODULUS_ERROR:.0f} %. "
+    "U hat keinen Faktor k, weil die angenommenen Anteile Fehlergrenzen sind. Nicht enthalten: "
+    "Fehler der Totvolumina, Drift der Druckaufnehmer, Leckage der geschlossenen Ventile.",
     "of_limits": "Grenzwerte: {limits}.",
     "of_product": "Produkt: {product}.",
     "decision_rule": "Entscheidungsregel: {rule}",
@@ -169,7 +171,8 @@ GERMAN = {
     "rule_guard_band": "Schutzabstand (JCGM 106, 8.3.2; ILAC-G8): Ein Wert besteht, wenn er "
     "mindestens um U innerhalb liegt.",
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
-    "Wahrscheinlichkeit der Konformität (JCGM 106, 7), nach der Studentverteilung von U.",
+    "Wahrscheinlichkeit der Konformität (JCGM 106, 7), für eine Studentverteilung mit dem "
+    "95-%-Intervall Messwert ± U; wo U keinen Faktor k hat, ist diese Verteilung angenommen.",
     "not_calibrated": "U beruht auf angegebenen Toleranzen: Ein Kalibrierschein ist nicht "
     "verzeichnet für {instruments}.",
     "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "
