@@ -31,10 +31,10 @@ from hbench.records import (
 from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
-from hbench.report.campaign.page_motions import creep_facts
 from hbench.report.campaign.page_tables import point_table
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.terminal import summary_text
+from hbench.report.creep_words import creep_facts
 from hbench.report.render.figures import Drawing
 from hbench.report.render.style import QUIET, RC
 from tests.support.report.made_page import page_html

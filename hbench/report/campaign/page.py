@@ -17,6 +17,7 @@ from hbench.report.campaign.summary import (
     next_step_words,
     summary_section,
 )
+from hbench.report.creep_words import creep_facts
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
@@ -165,7 +166,7 @@ def _decided(results: Results, decision: Section) -> Section:
 
     It explains a breakaway below the friction of a slow run, which a reader would doubt.
     """
-    creep = page_motions.creep_facts(results)
+    creep = creep_facts(results)
     return replace(decision, paragraphs=(), facts=(*creep, *decision.facts))
 
 
@@ -195,7 +196,7 @@ def _moving(
             "Breakaway",
             (_BREAKAWAY,),
             drawings=drawings,
-            facts=() if decided else page_motions.creep_facts(results),
+            facts=() if decided else creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
                 *titled(page_motions.dwell_table(results), "Laws over the time at rest"),

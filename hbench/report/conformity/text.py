@@ -251,6 +251,8 @@ def rule_words(rule: Rule, largest_uncertainty: float | None) -> str:
 def requirement_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write the quantity, after the name that the file gives it."""
     words = QUANTITIES[requirement.quantity]
+    if requirement.quantity == "breakaway":
+        words += " (largest friction of the force ramp)"
     if requirement.leak is not None and requirement.pressure_pa is not None:
         at = short(from_si(requirement.pressure_pa, "bar"))
         words += f" {LEAKS[requirement.leak]} at {at} bar"

@@ -131,6 +131,8 @@ def quantity_words(certificate: Certificate, check: ConformityCheck) -> str:
     """Write the limited quantity, after the name that the file of limits gives it."""
     word, requirement, measured = certificate.word, check.requirement, check.measurement
     parts = [word(f"q_{requirement.quantity}")]
+    if requirement.quantity == "breakaway":
+        parts.append(word("of_ramp"))
     if requirement.leak is not None and requirement.pressure_pa is not None:
         pressure = short(from_si(requirement.pressure_pa, "bar"))
         leak = word(requirement.leak)

@@ -102,8 +102,9 @@ ENGLISH = {
     "method_efficiency": "The hydro-mechanical efficiency is the mechanical power delivered "
     "divided by that taken up; leakage is not part of it.",
     "method_breakaway": "Breakaway is the largest friction while a slowly rising force{rate} "
-    "pushes the piston after the longest rest under load. The piston creeps meanwhile: where "
-    "friction falls with speed, breakaway can be below the friction at a lower steady speed.",
+    "pushes the piston after the longest rest under load. It is not a friction at rest: the piston "
+    "creeps up to then{creep}. Friction takes some travel to build up, and falls as the piston "
+    "becomes faster; breakaway can therefore be below the friction of slow steady motion.",
     "method_leakage": "Leakage follows from the decay of the chamber pressures with all valves "
     "closed, with the effective bulk modulus of the bench file{bulk_modulus}, air in the oil and "
     "hoses included. {leak_law}",
@@ -186,6 +187,7 @@ ENGLISH = {
     "NOT TESTED": "NOT TESTED",
     "q_friction": "friction",
     "q_breakaway": "breakaway",
+    "of_ramp": "(largest friction of the force ramp)",
     "q_efficiency": "efficiency",
     "q_leakage": "leakage",
     "q_speed_ripple": "speed ripple",

@@ -98,9 +98,10 @@ GERMAN = {
     "method_efficiency": "Der hydraulisch-mechanische Wirkungsgrad ist die abgegebene "
     "mechanische Leistung geteilt durch die aufgenommene, ohne Leckage.",
     "method_breakaway": "Die Losbrechkraft ist die größte Reibung, während nach der "
-    "längsten Ruhezeit unter Last eine langsam steigende Kraft{rate} den Kolben schiebt. Der "
-    "Kolben kriecht dabei: Wo die Reibung mit der Geschwindigkeit fällt, kann die Losbrechkraft "
-    "unter der Reibung bei einer kleineren konstanten Geschwindigkeit liegen.",
+    "längsten Ruhezeit unter Last eine langsam steigende Kraft{rate} den Kolben schiebt. Sie "
+    "ist keine Reibung in Ruhe: Bis dahin kriecht der Kolben{creep}. Die Reibung baut sich erst "
+    "über einen Weg auf und fällt, wenn der Kolben schneller wird; die Losbrechkraft kann daher "
+    "unter der Reibung langsamer gleichförmiger Bewegung liegen.",
     "method_leakage": "Die Leckage folgt aus dem Abfall der Kammerdrücke bei geschlossenen "
     "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}, "
     "einschließlich Luft im Öl und Schläuchen. {leak_law}",
@@ -189,6 +190,7 @@ GERMAN = {
     "NOT TESTED": "NICHT GEPRÜFT",
     "q_friction": "Reibung",
     "q_breakaway": "Losbrechen",
+    "of_ramp": "(größte Reibung der Kraftrampe)",
     "q_efficiency": "Wirkungsgrad",
     "q_leakage": "Leckage",
     "q_speed_ripple": "Ungleichförmigkeit",

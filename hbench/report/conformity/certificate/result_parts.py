@@ -50,6 +50,7 @@ def _settings(certificate: Certificate) -> dict[str, str]:
     motions = certificate.results.motions
     values = {
         "rate": ([each.rate_n_s for each in motions.breakaways], "N/s"),
+        "creep": ([1e3 * each.displacement_m for each in motions.breakaways], "mm"),
         "bulk_modulus": (
             [from_si(each.bulk_modulus_pa, "bar") for each in motions.leakages],
             "bar",
