@@ -511,7 +511,7 @@ def test_decided_ripple_has_its_results_with_its_factor(certificate):
         part = content(made).parts["speed_ripple"]
         shown = [cell.replace(",", ".") for cell in part.tables[0].rows[0]]
         assert part.title.startswith(title) and shown[-3:] == ["2", "0.470 ± 0.073", "4.30"]
-    assert "U of speed ripple and of drift is that of the trials alone" in page_text(
+    assert "U of speed ripple is that of the trials alone" in page_text(
         replace(certificate(), values=(value,))
     )
 
@@ -524,11 +524,12 @@ def test_remarks_on_accepted_runs_and_an_unchecked_load_cell_are_stated(certific
     results = replace(made.results, runs=(noted, *others), motions=Motions(zero_checks=(zeros,)))
     text = page_text(replace(made, results=results))
     remark = f"{first.run.plan.run}: a valve was at its limit in 863 of 8048 records."
-    assert remark in text and "The zero of the load cell was not checked" in text
+    assert remark in text and "U contains no zero error of the load cell: its tolerance is" in text
+    assert "0.1 % of its full scale (12 kN) would change friction by 12 N" in text
     assert "Remarks on accepted runs" not in page_text(made)
     cell = replace(zeros, zeros=(*zeros.zeros, Zero("f_applied_n", 1.0, 9.0)))
     checked = replace(made.results, motions=Motions(zero_checks=(cell,)))
-    assert "load cell was not checked" not in page_text(replace(made, results=checked))
+    assert "zero error of the load cell" not in page_text(replace(made, results=checked))
 
 
 def test_notes_of_the_record_are_on_the_certificate(certificate):

@@ -44,10 +44,9 @@ def conformity_part(certificate: Certificate) -> Part:
         "of_product", product=certificate.named(acceptance.product)
     )
     limits = word("of_limits", limits=_file(acceptance))
-    lead = " ".join(
-        filter(None, (product, limits, _reservation(certificate), _not_calibrated(certificate)))
-    )
-    verdict = word(acceptance.decision)
+    not_calibrated = _not_calibrated(certificate)
+    lead = " ".join(filter(None, (product, limits, _reservation(certificate), not_calibrated)))
+    verdict = word(acceptance.decision) + (word("by_tolerances") if not_calibrated else "")
     return Part(
         *("conformity", word("conformity")),
         tables=(table,),

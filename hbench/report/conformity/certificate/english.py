@@ -155,10 +155,13 @@ ENGLISH = {
     "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
-    "of_trials": "U of speed ripple and of drift is that of the trials alone (95 %).",
+    "of_trials": "U of {quantities} is that of the trials alone (95 %).",
     "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. It has no factor k, since the assumed parts "
     f"are limits of error. {NOT_IN_U_OF_LEAKAGE}.",
     "load_cell_zero": f"{LOAD_CELL_ZERO[:1].upper()}{LOAD_CELL_ZERO[1:]}.",
+    "load_cell_zero_of_reading": "U contains no zero error of the load cell: its tolerance is "
+    "relative to the reading, and its zero was not checked. A zero error of 0.1 % of its full "
+    "scale ({full_scale}) would change friction by {change}.",
     # Conformity
     "of_limits": "Limits: {limits}.",
     "of_product": "Product: {product}.",
@@ -171,6 +174,7 @@ ENGLISH = {
     "applies": "The statement applies to the quantities in the table. “Conforms” is the "
     "probability of conformity (JCGM 106, 7), for a Student distribution with the 95 % interval of "
     "measured value ± U; where U has no factor k, this distribution is an assumption.",
+    "by_tolerances": " on stated tolerances, no calibration certificate",
     "not_calibrated": "U rests on stated tolerances: no calibration certificate is recorded for "
     "{instruments}.",
     "worst_speed": "Where a limit states no speed, each series is decided at the speed with "

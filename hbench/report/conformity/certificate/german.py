@@ -153,9 +153,12 @@ GERMAN = {
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
-    "of_trials": "U der Ungleichförmigkeit und der Drift ist das der Wiederholungen allein (95 %).",
+    "of_trials": "U ({quantities}) ist das der Wiederholungen allein (95 %).",
     "load_cell_zero": "Der Nullpunkt des Kraftaufnehmers wurde nicht geprüft: U enthält seine "
     "Abweichung nur, soweit eine Toleranz vom Endwert sie enthält.",
+    "load_cell_zero_of_reading": "U enthält keine Nullpunktabweichung des Kraftaufnehmers: seine "
+    "Toleranz gilt vom Messwert, und sein Nullpunkt wurde nicht geprüft. Eine Abweichung von "
+    "0,1 % seines Endwerts ({full_scale}) würde die Reibung um {change} ändern.",
     "leak_interval": "U der Leckage ist die Wurzel der Quadratsumme dreier Anteile: des "
     "95-%-Intervalls der Anpassung an alle Halteversuche, mindestens aber der Leckage, die einen "
     "Druck während des Haltens um die kleinste Stufe seiner aufgezeichneten Werte{step} ändert; "
@@ -174,6 +177,7 @@ GERMAN = {
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
     "Wahrscheinlichkeit der Konformität (JCGM 106, 7), für eine Studentverteilung mit dem "
     "95-%-Intervall Messwert ± U; wo U keinen Faktor k hat, ist diese Verteilung angenommen.",
+    "by_tolerances": " nach angegebenen Toleranzen, ohne Kalibrierschein",
     "not_calibrated": "U beruht auf angegebenen Toleranzen: Ein Kalibrierschein ist nicht "
     "verzeichnet für {instruments}.",
     "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "
