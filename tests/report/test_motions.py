@@ -326,9 +326,9 @@ def test_a_fit_of_a_ramp_that_is_not_determined_is_grey_and_dashed_and_none_is_n
         lines = [
             line for line in figure.axes[0].lines if str(line.get_label()).startswith("_tustin")
         ]
-        drawn = [(line.get_linestyle(), line.get_color() == QUIET) for line in lines]
+        drawn = [(line.get_linestyle(), line.get_color() != QUIET) for line in lines]
         words = ordinary_spaces(figure.get_supxlabel())
-        looks.append((drawn, "Grey, dashed" in words, "No line" in words))
+        looks.append((drawn, "Dashed: a fit" in words, "No line" in words))
     assert looks == [([("--", True)], True, False), ([], False, True)]
 
 

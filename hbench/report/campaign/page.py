@@ -8,7 +8,7 @@ from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
-from hbench.report.campaign.quality import decision_reserve, quality_verdict
+from hbench.report.campaign.quality import decision_reserve, instruments_percent, quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
@@ -237,7 +237,14 @@ def _holds(results: Results) -> tuple[Section, ...]:
 def _loop_words(results: Results) -> str:
     loops = results.motions.loops
     energy = span([loop.area_j for loop in loops])
-    return f"{_count(len(loops), 'triangle')} with {energy} J of friction work a cycle."
+    share = instruments_percent(results.quality)
+    instruments = f", which make friction uncertain by ±{share} %" if share else ""
+    return (
+        f"{_count(len(loops), 'triangle')} with {energy} J of friction work a cycle. Intervals of "
+        f"energy and width do not contain the instruments{instruments}. Width is |F| while the "
+        "speed rises less |F| while it falls: it is negative where friction is larger while the "
+        "speed falls."
+    )
 
 
 def _step_words(results: Results) -> str:

@@ -41,8 +41,8 @@ def comparison_table(results: Results) -> Table:
 def loop_table(results: Results) -> Table:
     """Return energy and widths of the hysteresis loops."""
     head = (
-        *("Triangle", "Top speed (mm/s)", "Cycles", "Energy a cycle (J)", "At v (mm/s)"),
-        *("Width (N)", "Width by the board's velocity (N)"),
+        *("Triangle", "Top speed (mm/s)", "Cycles", "Energy a cycle ± trials (J)", "At v (mm/s)"),
+        *("Width ± trials (N)", "Width by the board's velocity (N)"),
     )
     rows = [
         (

@@ -11,6 +11,7 @@ from hbench.report.campaign.page_tables import LOAD_CELL, WHO, friction_budget_t
 from hbench.report.campaign.quality import (
     RULE,
     implausible_table,
+    instruments_percent,
     next_step,
     quality_count,
     quality_table,
@@ -74,10 +75,13 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     parts = "[[uncertainty]]" if budget.rows else ""
     load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
     zeros = zero_reserve(results) if known else ""
+    uncertainty = _uncertainty(series, parts, known)
+    share = instruments_percent(results.quality) if _ONE_TRIAL.strip() in uncertainty else ""
+    alone = f"The tolerances of the instruments alone give ±{share} %." if share else ""
     facts = (
         ("Measured", _measured(results)),
         ("Data", _data(results) if decided else ""),
-        ("Uncertainty", " ".join(filter(None, (_uncertainty(series, parts, known), zeros)))),
+        ("Uncertainty", " ".join(filter(None, (uncertainty, alone, zeros)))),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
         ("Breakaway", extrapolated_words(results)),
         ("Load", load if _differs_from_load(series, load_cell_n) else ""),

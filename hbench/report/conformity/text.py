@@ -53,9 +53,7 @@ U_OF_LEAKAGE = (
     f"a hold; an assumed change of the oil temperature at {60 * TEMPERATURE_RATE_K_S:g} K/min; "
     f"an assumed error of {100 * BULK_MODULUS_ERROR:.0f} % of the effective bulk modulus"
 )
-NOT_IN_U_OF_LEAKAGE = (
-    "Not in U: errors of the dead volumes, drift of the transducers, leakage of the closed valves"
-)
+NOT_IN_U_OF_LEAKAGE = "Not in U: errors of dead volumes, drift of transducers, leakage of valves"
 _STEPS: dict[Conformity, str] = {
     "FAIL": "check the zeros and the calibration of the instruments, then repeat the test; "
     "if it fails again, do not deliver the cylinder",
