@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 from hbench.records import KINDS, Curve, HeadlineNumber, HeadlineSeries, Results
+from hbench.records.curves import LEAST_HELD_OUT_SPEEDS
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.page_tables import LOAD_CELL, WHO, friction_budget_table, table, who
@@ -152,7 +153,10 @@ def _laws(results: Results) -> str:
     """State how many fits determine all parameters, and which table compares the laws."""
     selections = [curve.selection for curve in results.curves]
     selections += [joint.selection for joint in results.joint_fits]
-    compared = "[[laws]] compares the laws." if any(selections) else ""
+    speeds = [len(c.points) for c in results.curves if KINDS[c.kind].has_constant_speed and c.fits]
+    few = bool(speeds) and max(speeds) < LEAST_HELD_OUT_SPEEDS
+    not_compared = f"The laws are not compared: that takes {LEAST_HELD_OUT_SPEEDS} speeds." * few
+    compared = "[[laws]] compares the laws." if any(selections) else not_compared
     return " ".join(filter(None, (fits_verdict(results), compared)))
 
 

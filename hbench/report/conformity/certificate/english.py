@@ -109,6 +109,7 @@ ENGLISH = {
     "closed, with the effective bulk modulus of the bench file{bulk_modulus}, air in the oil and "
     "hoses included. {leak_law}",
     "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure{holds}.",
+    "leak_none": "; no leak was significant",
     "leak_holds": "; across the piston, the holds had {pressures} bar",
     "leak_power": "It was found to be proportional to the pressure to the power {exponent}; the "
     "values stated are those at {pressure} bar.",

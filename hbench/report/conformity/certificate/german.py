@@ -106,6 +106,7 @@ GERMAN = {
     "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}, "
     "einschließlich Luft im Öl und Schläuchen. {leak_law}",
     "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck{holds}.",
+    "leak_none": "; keine Leckage war signifikant",
     "leak_holds": "; am Kolben lagen während des Haltens {pressures} bar an",
     "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
     "die Werte bei {pressure} bar.",

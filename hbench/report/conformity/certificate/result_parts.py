@@ -73,6 +73,9 @@ def _leak_law(certificate: Certificate) -> str:
         across = [from_si(abs(decay.p_p_pa - decay.p_r_pa), "bar") for decay in decays]
         held = localized(certificate, span(across)) if across else ""
         holds = certificate.word("leak_holds", pressures=held) if held else ""
+        flows = [value.measurement for value in certificate.of("leakage")]
+        if all(flow.u95 is not None and flow.value <= flow.u95 for flow in flows):
+            holds += certificate.word("leak_none")
         return certificate.word("leak_laminar", holds=holds)
     exponents = span([leak.exponent for leak in powers])
     pressures = span([from_si(leak.reference_pa or 0.0, "bar") for leak in powers])
