@@ -162,7 +162,9 @@ def _band_tiles(results: Results) -> Iterable[Tile]:
         halves = [band.half_ci95_n for band in results.bands if band.half_ci95_n is not None]
         most = f"; 95 % interval ±{half_width(max(halves))} N at most" if halves else ""
         value = alike([band.half_n for band in results.bands])
-        caption = f"half of the friction band, all pressures{most}"
+        caption = (
+            f"half of the difference between extending and retracting friction, all pressures{most}"
+        )
         yield Tile(value, "N", caption, "method-half-band-and-middle")
     if results.band_trends:
         lines = [trend.half for trend in results.band_trends]

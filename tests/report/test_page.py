@@ -585,7 +585,7 @@ def test_bands_have_their_table_where_too_few_speeds_have_no_figure(seals):
     usable = replace(seals, quality=replace(seals.quality, grade="with care"))
     document = report_document(usable, ())
     text = Parsed(page_of(document)).text
-    assert any("half of the friction band" in tile.more for tile in document.sections[0].tiles)
+    assert any("half of the difference between" in tile.more for tile in document.sections[0].tiles)
     assert "Too few speeds for a curve" in text and "Half band (N)" in text
     assert all(with_interval(b.half_n, b.half_ci95_n) in text for b in seals.bands)
 

@@ -337,7 +337,7 @@ def _value(check: QualityCheck) -> str:
         what = "error" if check.name == "zeros" else "change"
         return (
             f"largest {what} {number(check.value)} % of the tolerance; {check.count} of {check.of} "
-            "sensors beyond it"
+            "checked sensors beyond it"
         )
     if check.value is None:
         return "tolerances are not known"
