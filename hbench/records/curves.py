@@ -18,6 +18,9 @@ from hbench.records.numbers import (
 )
 from hbench.records.runs import Direction, Factors, Specimen
 
+# Fewest speeds of which each is held out: five, and enough others for five parameters.
+LEAST_HELD_OUT_SPEEDS = 7
+
 
 @dataclass(frozen=True)
 class CurvePoint:

@@ -92,16 +92,20 @@ class Level:
 
 Leak = Literal["across_piston", "piston_side_out", "rod_side_out"]
 
+# Assumed errors (95 %) in the interval of a leak.
+TEMPERATURE_RATE_K_S = 0.2 / 60  # change of the oil temperature during a hold
+OIL_EXPANSION_1_K = 7e-4  # thermal expansion of mineral oil
+BULK_MODULUS_ERROR = 0.1  # of the bench file's effective bulk modulus
+
 
 @dataclass(frozen=True)
 class LeakCoefficient:
-    """One leak [m^3/(s Pa)], conditional on bulk modulus and volumes of the bench file."""
+    """One leak [m^3/(s Pa)], conditional on the volumes of the bench file."""
 
     name: Leak
     value: float | None  # None: the runs don't determine it
     se: float | None
-    ci95: tuple[FloatOrNan, FloatOrNan] | None
-    by_resolution: bool = False  # ci95 is that of the pressures' step: more than the fit's
+    ci95: tuple[FloatOrNan, FloatOrNan] | None  # of the fit and of the assumed errors
 
 
 @dataclass(frozen=True)

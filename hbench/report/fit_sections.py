@@ -57,7 +57,8 @@ def fit_sections(results: Results) -> tuple[Section, ...]:
             "instruments and a drift over the campaign are not included. Do not use a parameter "
             "that is not determined: very different values fit the measured points as well. The "
             "interval of a hardly determined "
-            "one contains 0 or is wider than ±50 % of the value."
+            "one contains 0 or is wider than ±50 % of the value. A linearised interval is shown "
+            "where it alone exceeds the value, and so decides the verdict."
         )
         if any(determines_none(fit) for curve in of_points.curves for fit in curve.fits):
             text += (

@@ -1,16 +1,19 @@
 """Zero errors of the sensors that U does not contain, in words."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hbench.records import Results
 from hbench.report.quality_words import LOAD_CELL_ZERO
+from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
+from hbench.units import to_si
 
 _NO_ZEROS = (
     "The campaign has no zero checks of the sensors (experiments of kind check): u contains zero "
     "errors only as far as the stated tolerances do."
 )
+_ZERO_ERROR = 1e-3  # of full scale, for an example
 _SENSORS = {"force": ("the load cell", "f_"), "pressure": ("the pressure transducers", "p_")}
 
 
@@ -38,8 +41,27 @@ def zero_reserve(results: Results) -> str:
     )
     return (
         f"U contains no zero error of {listed(names)}: {whose} {tolerances} relative to the "
-        f"reading, and {whose} {zeros} not checked."
+        f"reading, and {whose} {zeros} not checked.{_example(results, names)}"
     )
+
+
+def _example(results: Results, names: Sequence[str]) -> str:
+    """Return how much small zero errors of the sensors would change friction; empty if unknown."""
+    instruments = results.provenance.settings.get("instruments", {})
+    area = results.runs[0].run.plan.specimen.area_piston_m2 if results.runs else 0.0
+    parts = []
+    for name, (words, _), unit, per_unit in (
+        ("force", _SENSORS["force"], "N", 1.0),
+        ("pressure", _SENSORS["pressure"], "Pa", area),
+    ):
+        full_scale = instruments.get(name, {}).get("full_scale")
+        if words in names and full_scale and per_unit:
+            change = _ZERO_ERROR * to_si(full_scale, unit) * per_unit
+            one = "the piston-side transducer" if name == "pressure" else words
+            parts.append(f"{significant(change, 2)} N ({one}, {full_scale})")
+    if not parts:
+        return ""
+    return f" A zero error of 0.1 % of full scale would change friction by {listed(parts)}."
 
 
 def zero_notes(results: Results) -> tuple[str, ...]:

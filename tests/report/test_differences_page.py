@@ -127,7 +127,7 @@ def test_captions_explain_no_marks_that_the_figures_do_not_have(found):
     (hollow,) = draw_differences(replace(found, curves=(none,)))
     assert "Filled: significant at this speed alone" in filled.caption
     count = len(one.points)
-    assert f"speed is significant, after correction for {count} tests." in hollow.caption
+    assert f"single curve is significant, after correction for {count} tests." in hollow.caption
     assert "Filled" not in hollow.caption
 
 
@@ -153,6 +153,9 @@ def test_the_row_of_the_mean_has_its_u_and_p_and_the_page_its_size_by_speed(foun
     cells = re.search(r"mean over all 4 curves.*?</tr>", page[page.index("<table") :], re.DOTALL)[0]
     assert "13.3 ± 6.3" in cells and "0.0001" in cells
     assert "8.0 mm/s: 2 ± 14 N; 180.0 mm/s: 25.0 ± 5.0 N." in page
+    assert "It depends on speed: 2 ± 14 N at 8 mm/s and 25.0 ± 5.0 N at 180 mm/s" in page
+    alike = replace(mean, speeds=(speeds[0], MeanAtSpeed(0.18, 20.0, 5.0)))
+    assert "depends on speed" not in differences_page(replace(found, mean_of_curves=alike), ())
 
 
 def test_a_comparison_states_each_setting_that_differs(found):
@@ -308,7 +311,7 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
         "come from a drift."
     ) in page
     assert ">significant<" not in page and "Filled" not in page
-    assert "No difference at a single speed is significant beyond a possible drift, after" in page
+    assert "single speed of a single curve is significant beyond a possible drift, after" in page
     page = differences_page(found, draw_differences(found))
     assert "5 of 6 differences at single speeds are significant." in page
     assert "from a drift" not in page and "not explained by a drift" not in page

@@ -416,7 +416,7 @@ def test_a_change_is_directly_below_the_summary_and_not_repeated_in_it(shifted, 
 def test_breakaway_that_changes_against_friction_is_stated(shifted):
     chart = next(c for c in shifted.charts if c.quantity.name == "friction_n")
     (breakaway,) = (q for q in QUANTITIES if q.name == "breakaway_fit_n")
-    falls = Trend(-11.3, -17.2, -1.8, 640.0, 0.14)
+    falls = Trend(-11.3, -17.2, -1.8, 640.0, 0.014)
     of_fit = replace(spread(shifted, "friction_n"), quantity=breakaway, trend=falls)
 
     def said(trend):
@@ -425,10 +425,16 @@ def test_breakaway_that_changes_against_friction_is_stated(shifted):
 
     assert chart.step.after > chart.step.before
     text = ordinary_spaces(said(falls))
-    assert "extending, falls while friction rises: by −11.3 (−17.2 to −1.8) N." in text
-    assert "is not significant (p = 0.14)" in text and "kind breakaway" in text
-    assert "while friction" not in said(replace(falls, high=1.8))
-    assert "while friction" not in said(Trend(11.3, 1.8, 17.2, 640.0, 0.14))
+    assert "extending, falls while friction rises: by −11.3 (−17.2 to −1.8) N (p = 0.014" in text
+    assert "kind breakaway" in text
+    assert "while friction" not in said(replace(falls, p_holm=0.14))
+    assert "while friction" not in said(Trend(11.3, 1.8, 17.2, 640.0, 0.014))
+
+
+def test_a_step_is_conditional_on_a_possible_drift_within_the_campaigns(shifted):
+    condition = "provided that any drift within the campaigns is alike in all"
+    assert condition not in fleet_verdict(shifted)
+    assert condition in fleet_verdict(replace(shifted, weak_checks=(("drift", 3),)))
 
 
 def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shifted):

@@ -31,10 +31,10 @@ from hbench.records import (
 from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
-from hbench.report.campaign.page_motions import creep_facts
 from hbench.report.campaign.page_tables import point_table
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.terminal import summary_text
+from hbench.report.creep_words import creep_facts
 from hbench.report.render.figures import Drawing
 from hbench.report.render.style import QUIET, RC
 from tests.support.report.made_page import page_html
@@ -326,9 +326,9 @@ def test_a_fit_of_a_ramp_that_is_not_determined_is_grey_and_dashed_and_none_is_n
         lines = [
             line for line in figure.axes[0].lines if str(line.get_label()).startswith("_tustin")
         ]
-        drawn = [(line.get_linestyle(), line.get_color() == QUIET) for line in lines]
+        drawn = [(line.get_linestyle(), line.get_color() != QUIET) for line in lines]
         words = ordinary_spaces(figure.get_supxlabel())
-        looks.append((drawn, "Grey, dashed" in words, "No line" in words))
+        looks.append((drawn, "Dashed: a fit" in words, "No line" in words))
     assert looks == [([("--", True)], True, False), ([], False, True)]
 
 

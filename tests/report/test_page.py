@@ -257,6 +257,16 @@ def test_the_table_of_results_has_the_forces_that_the_efficiency_is_made_of(smal
         assert efficiency == pytest.approx(100 * min(ratio, 1 / ratio), abs=0.1)
 
 
+def test_digits_show_whether_a_half_width_exceeds_its_value(small):
+    """1545 is below 1547; with two digits of the half-width, 1550 would be above 1500."""
+    curve, *others = small.curves
+    parameter = FitParameter(-1547.1, 700.0, (-3289.4, -200.0), None, "N", {})
+    fit = replace(curve.fits[0], parameters=curve.fits[0].parameters | {"f_coulomb_n": parameter})
+    curves = (replace(curve, fits=(fit, *curve.fits[1:])), *others)
+    text = Parsed(page_html(replace(small, curves=curves), ())).text
+    assert "−1550 (−3290 to −200)" in text
+
+
 def test_an_interval_that_only_linearised_is_too_wide_is_shown_with_it(small):
     curve, *others = small.curves
     interval, linearised = (0.0, 196.0), (-29.0, 233.0)
@@ -575,7 +585,7 @@ def test_bands_have_their_table_where_too_few_speeds_have_no_figure(seals):
     usable = replace(seals, quality=replace(seals.quality, grade="with care"))
     document = report_document(usable, ())
     text = Parsed(page_of(document)).text
-    assert any("half of the friction band" in tile.more for tile in document.sections[0].tiles)
+    assert any("half of the difference between" in tile.more for tile in document.sections[0].tiles)
     assert "Too few speeds for a curve" in text and "Half band (N)" in text
     assert all(with_interval(b.half_n, b.half_ci95_n) in text for b in seals.bands)
 
@@ -730,8 +740,11 @@ def test_a_breakaway_by_fits_that_are_not_determined_is_stated_with_them(small):
     weak = replace(weak, quality=replace(weak.quality, grade="with care"))
     page = ordinary_spaces(page_of(report_document(weak, ())))
     share = f"{tustin.determined} of {tustin.fits} Tustin fits determine all their parameters"
-    assert "breakaway, extrapolated, all loads and directions; U up to 120 N" in page
-    assert f"Extrapolated to rest. {share}: measure breakaway with runs of kind" in page
+    assert f"breakaway ({share}), extrapolated, all loads and directions; U up to 120 N" in page
+    assert (
+        f"Extrapolated to rest, which is no measurement. {share}. Before relying on breakaway"
+        in page
+    )
     assert "Where friction at the working speed is larger, the difference is within U" in page
 
 

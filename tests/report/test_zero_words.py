@@ -9,6 +9,7 @@ from hbench.report.campaign.page import report_document
 from hbench.report.zero_words import zero_reserve
 
 READING = {"tolerance": "1.0 %", "of": "reading", "full_scale": "12 kN"}
+READING_BAR = {**READING, "full_scale": "250 bar"}
 SCALE = {"tolerance": "0.8 %", "full_scale": "250 bar"}
 
 
@@ -29,10 +30,15 @@ def with_instruments(results, force, pressure, channels=()):
 @pytest.mark.parametrize(
     ("force", "pressure", "channels", "names"),
     [
-        (READING, READING, (), "the load cell and the pressure transducers: their tolerances are"),
-        (READING, READING, ("p_tp_pa",), "the load cell: its tolerance is"),
+        (
+            READING,
+            READING_BAR,
+            (),
+            "the load cell and the pressure transducers: their",
+        ),
+        (READING, READING_BAR, ("p_tp_pa",), "the load cell: its tolerance is"),
         (READING, SCALE, (), "the load cell: its tolerance is"),
-        (READING, READING, ("p_tp_pa", "f_applied_n"), ""),
+        (READING, READING_BAR, ("p_tp_pa", "f_applied_n"), ""),
         (SCALE, SCALE, (), ""),
         ({**READING, "further": {"zero": {"tolerance": "0.1 %"}}}, SCALE, (), ""),
     ],
@@ -40,6 +46,10 @@ def with_instruments(results, force, pressure, channels=()):
 def test_sensors_whose_zero_errors_are_not_in_u_are_named(small, force, pressure, channels, names):
     results = with_instruments(small, force, pressure, channels)
     assert names in zero_reserve(results) and bool(names) == bool(zero_reserve(results))
+    example = "12 N (the load cell, 12 kN)"
+    assert (example in zero_reserve(results)) == names.startswith("the load cell")
+    transducer = "31 N (the piston-side transducer, 250 bar)"
+    assert (transducer in zero_reserve(results)) == ("and the pressure transducers" in names)
     curve = results.curves[0]
     points = tuple(replace(point, sigma_instruments_n=10.0) for point in curve.points)
     known = replace(results, curves=(replace(curve, points=points), *results.curves[1:]))

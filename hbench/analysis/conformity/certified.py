@@ -103,8 +103,7 @@ def _factor(measured: Measurement, instruments: Instruments | None) -> float | N
 def _leaks(results: Results) -> Iterator[Certified]:
     """Yield the leak coefficients, at the reference pressure where leaks are not laminar.
 
-    No factor is stated where the step of the pressures decides: such an interval is a limit. Nor is
-    one where the exponent of the pressure was fitted too.
+    No factor is stated: the assumed errors in U are limits without degrees of freedom.
     """
     for leakage in results.motions.leakages:
         for leak in leakage.coefficients:
@@ -114,9 +113,7 @@ def _leaks(results: Results) -> Iterator[Certified]:
                 measured = Measurement(
                     flow[0] / at, flow[1] / at, len(runs) - 1, leakage.label, runs=runs
                 )
-                by_fit = not (leak.by_resolution or leakage.exponent_ci95)
-                k = _factor(measured, None) if by_fit else None
-                yield Certified("leakage", measured, k, leak=leak.name)
+                yield Certified("leakage", measured, None, leak=leak.name)
 
 
 def _fewer(points: list[Certified], working_m_s: float | None, kept: set[tuple]) -> list[Certified]:

@@ -21,8 +21,10 @@ q V / (beta I(p)). The half-width of an interval is at least this error, since a
 alike. q is the smallest step of a logged channel, which is finer than a code of the converter where
 conversions are averaged; for a constant channel nothing is added.
 
-Pressures determine only C beta / V. So C is conditional on the bench file's bulk modulus and dead
-volumes: with beta 10 % higher, C is 10 % lower.
+Two assumed errors are added as squares. Oil that warms or cools at ``TEMPERATURE_RATE_K_S`` acts
+as a drift of the pressures by beta times its expansion. Pressures determine only C beta / V: a bulk
+modulus with a relative error ``BULK_MODULUS_ERROR`` gives C that error. The dead volumes of the
+bench file are taken as exact.
 """
 
 from collections import defaultdict
@@ -38,6 +40,7 @@ from hbench.analysis.statistics.intervals import covariance_over_runs, has_effec
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Bench
 from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun, Series
+from hbench.records.motions import BULK_MODULUS_ERROR, OIL_EXPANSION_1_K, TEMPERATURE_RATE_K_S
 
 LEAK_NAMES: tuple[Leak, ...] = ("across_piston", "piston_side_out", "rod_side_out")
 _SETTLE_S = 0.3  # after the valves have closed
@@ -71,31 +74,17 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         if abs(n - 1.0) > half:
             found = _solved(_matrix(holds, n, p_0), moved, number, runs, bench)
             exponent, exponent_ci95 = n, half
-    coefficients, messages, rounded, none = [], [], [], []
+    coefficients, messages, none = [], [], []
     for i, name in enumerate(LEAK_NAMES):
         value, se, half = float(found.value[i]), float(found.se[i]), float(found.half[i])
         known = not found.unknown[i] and np.isfinite(half)
         interval = (value - half, value + half) if known else None
         if known and value <= half:
             none.append(name)
-        if known and found.by_rounding[i]:
-            rounded.append(name)
-        coefficients.append(
-            LeakCoefficient(
-                name,
-                None if found.unknown[i] else value,
-                se if known else None,
-                interval,
-                by_resolution=bool(known and found.by_rounding[i]),
-            )
-        )
+        shown = None if found.unknown[i] else value
+        coefficients.append(LeakCoefficient(name, shown, se if known else None, interval))
     if none:
         messages.append(f"not significant at the 95 % level: {_listed(none)}")
-    if rounded:
-        messages.append(
-            f"U is that of the smallest step of the logged pressures ({max(steps) / 1e5:.2g} bar), "
-            f"larger than that of the fit: {_listed(rounded)}"
-        )
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(
@@ -111,7 +100,9 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         messages.append("no interval: there is only one hold")
     messages.append(
         f"conditional on the bench file's effective bulk modulus ({beta / 1e5:.4g} bar) and dead "
-        "volumes: pressures determine only the leaks times beta / V"
+        "volumes: pressures determine only the leaks times beta / V. U contains an error of "
+        f"{100 * BULK_MODULUS_ERROR:.0f} % of beta and a change of the oil temperature at "
+        f"{60 * TEMPERATURE_RATE_K_S:g} K/min, both assumed"
     )
     return Leakage(
         label=label,
@@ -138,7 +129,6 @@ class _Solution(NamedTuple):
     se: np.ndarray
     half: np.ndarray  # of the 95 % interval
     unknown: np.ndarray  # bool
-    by_rounding: np.ndarray  # bool: half is that of a step of the logged pressures
 
 
 def _solved(
@@ -157,14 +147,13 @@ def _solved(
     covariance, dof = covariance_over_runs(jacobian, moved - jacobian @ solution, number)
     t = np.array([student_factor(each) if each > 0 else np.nan for each in dof.tolist()])
     se = np.sqrt(np.diag(covariance)) / scale
-    rounding = _rounding(inverse, runs, bench) / scale
-    return _Solution(
-        value=solution / scale,
-        se=se,
-        half=np.where(np.isfinite(t * se), np.fmax(t * se, rounding), np.nan),
-        unknown=unknown,
-        by_rounding=rounding > t * se,
-    )
+    rounding = _drift_error(inverse, runs, bench, _steps(runs, bench), 0.0) / scale
+    rate_pa_s = bench.oil.bulk_modulus * OIL_EXPANSION_1_K * TEMPERATURE_RATE_K_S
+    warming = _drift_error(inverse, runs, bench, (0.0, 0.0), rate_pa_s) / scale
+    value = solution / scale
+    assumed = np.hypot(warming, BULK_MODULUS_ERROR * value)
+    half = np.hypot(np.fmax(t * se, rounding), assumed)
+    return _Solution(value, se, np.where(np.isfinite(t * se), half, np.nan), unknown)
 
 
 def _exponent(
@@ -201,20 +190,28 @@ def _steps(runs: Sequence[Run], bench: Bench) -> list[float]:
     return smallest
 
 
-def _rounding(inverse: np.ndarray, runs: Sequence[Run], bench: Bench) -> np.ndarray:
-    """Return the largest error of the scaled leaks (3,) from a drift of one step over each hold.
+def _drift_error(
+    inverse: np.ndarray,
+    runs: Sequence[Run],
+    bench: Bench,
+    steps_pa: Sequence[float],
+    rate_pa_s: float,
+) -> np.ndarray:
+    """Return the largest error of the scaled leaks (3,) from a drift of the pressures in each hold.
 
-    ``inverse`` (3, 2 n) maps moved volumes to leaks, in the order of ``_equations``.
+    ``inverse`` (3, 2 n) maps moved volumes to leaks, in the order of ``_matrix``. Over a hold, each
+    side's pressure drifts by its step and at the rate.
     """
-    steps, drifts = _steps(runs, bench), []
+    drifts = []
     for run in runs:
         settled, chambers = _chambers(run, bench)
         for side, (_, compliance) in enumerate(chambers):
             t = run.t_s[settled]
-            drifts.append((side, compliance * (t - t.mean()) / (t[-1] - t[0])))
+            slope = steps_pa[side] / (t[-1] - t[0]) + rate_pa_s
+            drifts.append(compliance * slope * (t - t.mean()))
     error, start = np.zeros(3), 0
-    for side, drift in drifts:
-        error += steps[side] * np.abs(inverse[:, start : start + len(drift)] @ drift)
+    for drift in drifts:
+        error += np.abs(inverse[:, start : start + len(drift)] @ drift)
         start += len(drift)
     return error
 

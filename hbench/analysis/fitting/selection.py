@@ -20,8 +20,8 @@ from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, HeldOut, Selection
+from hbench.records.curves import LEAST_HELD_OUT_SPEEDS
 
-_LEAST_SPEEDS = 7  # five held out, and enough others for five parameters
 _TIE = 1e-6  # of a mean squared error: refits end within this of one another
 
 
@@ -31,7 +31,7 @@ def with_held_out(fit: Fit, curves: Sequence[Curve], how: Fitting) -> Fit:
     A fit without parameters, without pressures that its law needs, or to a curve with too few
     speeds is returned as it is.
     """
-    if not fit.parameters or min(len(curve.points) for curve in curves) < _LEAST_SPEEDS:
+    if not fit.parameters or min(len(curve.points) for curve in curves) < LEAST_HELD_OUT_SPEEDS:
         return fit
     law = {**CURVE_LAWS, **JOINT_LAWS}[fit.law]
     data, speed_ranks = fit_points(curves, how.weights), _speed_ranks(curves)

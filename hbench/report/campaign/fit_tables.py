@@ -164,6 +164,10 @@ def selection_words(results: Results) -> str:
                 if joint.selection.distinguishable
                 else f"Over all curves together, {listed(sizes)} are not distinguishable."
             )
+            if of_curves:
+                laws = listed([law_words(fit.law) for fit in joint.fits])
+                verb = "is" if len(joint.fits) == 1 else "are"
+                parts.append(f"{laws}, fitted to all curves at once, {verb} compared only here.")
     return " ".join(parts)
 
 
@@ -233,8 +237,19 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
     text, flag = significant(value, 3), "not determined"
     if parameter.ci95 is not None and all(map(math.isfinite, parameter.ci95)):
         low, high = (from_si(end, shown) for end in parameter.ci95)
-        text, flag = with_ends(value, low, high), _linearised(parameter, shown)
+        more = int(_is_hidden(value, low, high))
+        text, flag = with_ends(value, low, high, more), _linearised(parameter, shown)
     return Cell(text, flag if parameter.at_bound is None else f"at {parameter.at_bound} bound")
+
+
+def _is_hidden(value: float, low: float, high: float) -> bool:
+    """Return whether two digits of the half-width hide if it exceeds the value, which decides."""
+    half = (high - low) / 2
+    if not half > 0:
+        return False
+    unit = 10.0 ** (math.floor(math.log10(half)) - 1)
+    shown, shown_low, shown_high = (unit * round(each / unit) for each in (value, low, high))
+    return (half > abs(value)) != (shown_high - shown_low > 2 * abs(shown))
 
 
 def _linearised(parameter: FitParameter, unit: str) -> str:

@@ -112,7 +112,8 @@ def _of_loop(loop: Loop) -> str:
         for width in loop.widths
         if abs(abs(width.v_m_s) - loop.v_top_m_s / 2) < 1e-9
     ]
-    return text + (f"; width {', '.join(widths)} mm/s" if widths else "")
+    text += f"; width {', '.join(widths)} mm/s" if widths else ""
+    return f"{text} (+-: trials alone; width: |F| at rising less |F| at falling speed)"
 
 
 def _of_levels(levels: tuple[Level, ...]) -> Iterator[str]:

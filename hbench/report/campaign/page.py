@@ -8,7 +8,7 @@ from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
-from hbench.report.campaign.quality import decision_reserve, quality_verdict
+from hbench.report.campaign.quality import decision_reserve, instruments_percent, quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
@@ -17,6 +17,7 @@ from hbench.report.campaign.summary import (
     next_step_words,
     summary_section,
 )
+from hbench.report.creep_words import creep_facts
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
@@ -165,7 +166,7 @@ def _decided(results: Results, decision: Section) -> Section:
 
     It explains a breakaway below the friction of a slow run, which a reader would doubt.
     """
-    creep = page_motions.creep_facts(results)
+    creep = creep_facts(results)
     return replace(decision, paragraphs=(), facts=(*creep, *decision.facts))
 
 
@@ -195,7 +196,7 @@ def _moving(
             "Breakaway",
             (_BREAKAWAY,),
             drawings=drawings,
-            facts=() if decided else page_motions.creep_facts(results),
+            facts=() if decided else creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
                 *titled(page_motions.dwell_table(results), "Laws over the time at rest"),
@@ -236,7 +237,14 @@ def _holds(results: Results) -> tuple[Section, ...]:
 def _loop_words(results: Results) -> str:
     loops = results.motions.loops
     energy = span([loop.area_j for loop in loops])
-    return f"{_count(len(loops), 'triangle')} with {energy} J of friction work a cycle."
+    share = instruments_percent(results.quality)
+    instruments = f", which make friction uncertain by ±{share} %" if share else ""
+    return (
+        f"{_count(len(loops), 'triangle')} with {energy} J of friction work a cycle. Intervals of "
+        f"energy and width do not contain the instruments{instruments}. Width is |F| while the "
+        "speed rises less |F| while it falls: it is negative where friction is larger while the "
+        "speed falls."
+    )
 
 
 def _step_words(results: Results) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from hbench.channels import CHANNELS
-from hbench.records import KINDS, Comparison, DwellLaw, Leakage, Results, Zero
+from hbench.records import Comparison, DwellLaw, Leakage, Results, Zero
 from hbench.report.campaign.motion_rows import (
     DISTANCE_QUANTITIES,
     LEAKS,
@@ -41,8 +41,8 @@ def comparison_table(results: Results) -> Table:
 def loop_table(results: Results) -> Table:
     """Return energy and widths of the hysteresis loops."""
     head = (
-        *("Triangle", "Top speed (mm/s)", "Cycles", "Energy a cycle (J)", "At v (mm/s)"),
-        *("Width (N)", "Width by the board's velocity (N)"),
+        *("Triangle", "Top speed (mm/s)", "Cycles", "Energy a cycle ± trials (J)", "At v (mm/s)"),
+        *("Width ± trials (N)", "Width by the board's velocity (N)"),
     )
     rows = [
         (
@@ -178,38 +178,6 @@ def breakaway_table(results: Results) -> Table:
         for each in results.motions.breakaways
     ]
     return table(head, rows, words=("Load",))
-
-
-def creep_facts(results: Results) -> tuple[tuple[str, str], ...]:
-    """Explain a breakaway below the friction of a slower steady run of its direction and load.
-
-    The piston creeps faster then: friction at a higher steady speed is lower. Empty elsewhere.
-    """
-    facts = []
-    for each in results.motions.breakaways:
-        points = [
-            (abs(point.v_m_s), abs(point.friction_n))
-            for curve in results.curves
-            if KINDS[curve.kind].has_constant_speed
-            and (curve.direction, curve.f_load_n, curve.p_lr_ref_pa)
-            == (each.direction, each.series.f_load_n, each.series.p_lr_ref_pa)
-            for point in curve.points
-        ]
-        slower = [point for point in points if point[0] < (each.v_m_s or 0.0)]
-        faster = [point for point in points if point[0] > (each.v_m_s or 0.0)]
-        if not slower or not faster or not min(faster)[1] < each.breakaway_n < max(slower)[1]:
-            continue
-        (low, before), (high, after) = max(slower), min(faster)
-        facts.append(
-            (
-                f"Breakaway below friction, {TITLES[each.direction].lower()}",
-                f"{number(each.breakaway_n, 0)} N is below the {number(before, 0)} N of steady "
-                f"runs at {short(1e3 * low)} mm/s: the piston creeps at "
-                f"{number(1e3 * (each.v_m_s or 0.0), 1)} mm/s when friction is largest, and "
-                f"friction falls with speed to {number(after, 0)} N at {short(1e3 * high)} mm/s.",
-            )
-        )
-    return tuple(facts)
 
 
 def dwell_table(results: Results) -> Table:

@@ -108,6 +108,12 @@ def _is_in_u(check: QualityCheck) -> bool:
     return check.name == "repeatability"
 
 
+def instruments_percent(quality: Quality) -> str:
+    """Return the uncertainty of friction (95 %) by the instruments alone; empty if not known."""
+    known = (check.value for check in quality.checks if check.name == "instruments")
+    return "".join(number(value, 0) for value in known if value is not None)
+
+
 def quality_table(quality: Quality) -> Table:
     """Return a row for each check."""
     rows = tuple(
@@ -262,7 +268,10 @@ def _reason(check: QualityCheck, stated: bool = False) -> str:
 
 def _found(check: QualityCheck, quality: Quality) -> str:
     """Write what a check found, for the table; the points without a trial are counted."""
-    none = sum(point.accepted == 0 for point in quality.completeness.short_points)
+    points = quality.completeness.short_points
+    none, single = (sum(point.accepted == count for point in points) for count in (0, 1))
+    if check.name == "trials_per_point" and _is_without_trial(check) and single:
+        return f"{_value(check)}, one at {single} {_points(single)}"
     if check.name != "complete" or not none:
         return _value(check)
     return f"{_value(check)}; {none} {_points(none)} {_have(none)} no accepted trial"
@@ -328,7 +337,7 @@ def _value(check: QualityCheck) -> str:
         what = "error" if check.name == "zeros" else "change"
         return (
             f"largest {what} {number(check.value)} % of the tolerance; {check.count} of {check.of} "
-            "sensors beyond it"
+            "checked sensors beyond it"
         )
     if check.value is None:
         return "tolerances are not known"

@@ -5,12 +5,14 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 from hbench.records import KINDS, Curve, HeadlineNumber, HeadlineSeries, Results
+from hbench.records.curves import LEAST_HELD_OUT_SPEEDS
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.page_tables import LOAD_CELL, WHO, friction_budget_table, table, who
 from hbench.report.campaign.quality import (
     RULE,
     implausible_table,
+    instruments_percent,
     next_step,
     quality_count,
     quality_table,
@@ -74,10 +76,13 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     parts = "[[uncertainty]]" if budget.rows else ""
     load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
     zeros = zero_reserve(results) if known else ""
+    uncertainty = _uncertainty(series, parts, known)
+    share = instruments_percent(results.quality) if _ONE_TRIAL.strip() in uncertainty else ""
+    alone = f"The tolerances of the instruments alone give ±{share} %." if share else ""
     facts = (
         ("Measured", _measured(results)),
         ("Data", _data(results) if decided else ""),
-        ("Uncertainty", " ".join(filter(None, (_uncertainty(series, parts, known), zeros)))),
+        ("Uncertainty", " ".join(filter(None, (uncertainty, alone, zeros)))),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
         ("Breakaway", extrapolated_words(results)),
         ("Load", load if _differs_from_load(series, load_cell_n) else ""),
@@ -148,7 +153,10 @@ def _laws(results: Results) -> str:
     """State how many fits determine all parameters, and which table compares the laws."""
     selections = [curve.selection for curve in results.curves]
     selections += [joint.selection for joint in results.joint_fits]
-    compared = "[[laws]] compares the laws." if any(selections) else ""
+    speeds = [len(c.points) for c in results.curves if KINDS[c.kind].has_constant_speed and c.fits]
+    few = bool(speeds) and max(speeds) < LEAST_HELD_OUT_SPEEDS
+    not_compared = f"The laws are not compared: that takes {LEAST_HELD_OUT_SPEEDS} speeds." * few
+    compared = "[[laws]] compares the laws." if any(selections) else not_compared
     return " ".join(filter(None, (fits_verdict(results), compared)))
 
 

@@ -13,7 +13,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.render.numbers import NONE, half_width, significant, with_interval
+from hbench.report.render.numbers import NONE, significant, with_interval
 
 SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
 MAY_BE_DRIFT = "may come from a drift"
@@ -53,10 +53,9 @@ def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[st
         with_interval(scale * difference.value, None if half is None else scale * half)
         for half in (difference.u95, difference.ci95)
     )
-    half = difference.u95 or difference.ci95
     return (
-        _with_u95(scale * difference.a, difference.u95_a, scale, half),
-        _with_u95(scale * difference.b, difference.u95_b, scale, half),
+        _with_u95(scale * difference.a, difference.u95_a, scale),
+        _with_u95(scale * difference.b, difference.u95_b, scale),
         u95,
         trials,
         difference.untested or (real if difference.real else NOT_SIGNIFICANT),
@@ -64,12 +63,9 @@ def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[st
     )
 
 
-def _with_u95(value: float, u95: float | None, scale: float, half: float | None) -> str:
-    """Write A's or B's number with its own U, and with the digits of B − A; or with four digits."""
-    if u95 is None:
-        return significant(value, 4)
-    finest = scale * min(u95, half or u95)
-    return f"{with_interval(value, finest).partition(' ±')[0]} ± {half_width(scale * u95)}"
+def _with_u95(value: float, u95: float | None, scale: float) -> str:
+    """Write A's or B's number with its own U; without one, with four digits."""
+    return significant(value, 4) if u95 is None else with_interval(value, scale * u95)
 
 
 def p_words(value: float) -> str:

@@ -34,7 +34,8 @@ _FILLED = (
     "Hollow: not significant."
 )
 _HOLLOW = (
-    "No difference at a single speed is significant{drift}, after correction for {tests} tests."
+    "No difference at a single speed of a single curve is significant{drift}, after correction for "
+    "{tests} tests."
 )
 _NOT_DRIFT = ", and not explained by a drift"
 _OR_DRIFT = " beyond a possible drift"

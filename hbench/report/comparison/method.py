@@ -8,8 +8,8 @@ _READ_U = (
     ("U", "Expanded uncertainty for a coverage probability of 95 %: of the trials, the instruments "
      "and any significant drift within a campaign. It does not contain what changes when the "
      "cylinder is mounted again."),
-    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They have "
-     "the digits of B − A, which are more than their own U justifies."),
+    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They are "
+     "rounded to their own U; B − A is computed from unrounded values."),
 )  # fmt: skip
 _READ_TRIALS = (("± trials", "Half-width of the 95 % interval of the trials alone."),)
 _MEAN = (
@@ -19,8 +19,9 @@ _MEAN = (
 _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
      "trials do not exclude. Where it exceeds the difference less U, the verdict on friction and "
-     "on efficiency is \"may come from a drift\". It cancels in the mean over all curves if it is "
-     "a straight line over time; a warm-up is not."),
+     "on efficiency is \"may come from a drift\". It cancels in the mean over all curves, "
+     "whose times average to the middle of the campaign, if it is a straight line over time; a "
+     "warm-up is not."),
 )  # fmt: skip
 _UNKNOWN_DRIFT = (
     ("May come from a drift", "The part of a drift within the campaigns in this difference is not "

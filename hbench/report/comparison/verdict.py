@@ -73,12 +73,33 @@ def _over_curves(differences: CampaignDifferences) -> str:
         f"{mean.curves} curves"
     )
     if unseparated(differences):
-        return f"{words}, provided that any drift within the campaigns was linear."
-    words += "."
+        return (
+            f"{words}, provided that any drift within the campaigns was linear."
+            f"{_by_speed(mean, ', of which a drift may be a part')}"
+        )
+    words += f".{_by_speed(mean, '')}"
     if not real:
         return f"{words} The difference of no single curve is significant."
     sizes = alike([abs(each.value) for each in real])
     return f"{words} It is significant in {len(real)} of {len(means)} curves, by {sizes} N."
+
+
+def _by_speed(mean: MeanOfCurves, reserve: str) -> str:
+    """State the differences at the ends of the speeds; empty where their intervals overlap."""
+    if not mean.speeds:
+        return ""
+    ends = mean.speeds[0], mean.speeds[-1]
+    halves = [each.ci95_n for each in ends if each.ci95_n is not None]
+    if len(halves) < len(ends) or abs(ends[1].value_n - ends[0].value_n) <= sum(halves):
+        return ""
+    slow, fast = (
+        f"{with_interval(each.value_n, each.ci95_n)} N at {number(1e3 * each.v_m_s, 0)} mm/s"
+        for each in ends
+    )
+    return (
+        f" It depends on speed: {slow} and {fast}, in the mean over the curves (intervals of the "
+        f"trials{reserve})."
+    )
 
 
 def _drift(differences: CampaignDifferences, bands: bool) -> str:

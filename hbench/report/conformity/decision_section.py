@@ -11,8 +11,8 @@ from hbench.records.conformity.acceptance import (
     Rule,
 )
 from hbench.report.conformity.text import (
-    CONFORMS,
     check_words,
+    conforms_words,
     legend,
     limit_words,
     measured_words,
@@ -71,7 +71,7 @@ def decision_section(
     words = [f"load: {load}"] if load else []
     words += [f"limits: the file {limits}, applied by the last hbench accept"] if limits else []
     words += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
-    words += [CONFORMS] if known else []
+    words += [conforms_words(checks)] if known else []
     facts = [*_undecided(checks), *(_fact(each) for each in (*words, *legend(checks)))]
     paragraph = " ".join(filter(None, (_which(decision, checks), nearest_words(decision, checks))))
     return Section(

@@ -16,6 +16,7 @@ from hbench.records.conformity.acceptance import (
     Requirement,
     Rule,
 )
+from hbench.records.motions import BULK_MODULUS_ERROR, TEMPERATURE_RATE_K_S
 from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.campaign.series_words import TITLES
@@ -39,23 +40,20 @@ RULES = {
     "limit",
     "guard_band": "guard band: a value passes if it is inside the limit by at least U",
 }
-CONFORMS = (
-    "conforms: probability that the true value is within its limit, by the Student distribution "
-    "of U"
+_CONFORMS = (
+    "conforms: probability that the true value is within its limit, for a Student distribution "
+    "with the 95 % interval of measured value ± U{leakage}"
 )
+_OF_LEAKAGE = "; an assumption for leakage, whose U has no coverage factor"
 _TRIALS_ALONE: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
 _OF_FORCE: tuple[LimitQuantity, ...] = ("friction", "breakaway")
 U_OF_LEAKAGE = (
-    "the half-width of the 95 % interval of the fit to all holds, but at least the leak that "
-    "changes a pressure by the smallest step of its logged values{step} during a hold; value and U "
-    "grow with the pressure that the leakage is stated at"
+    "the root sum of squares of three parts: the 95 % interval of the fit to all holds, but at "
+    "least the leak that changes a pressure by the smallest step of its logged values{step} during "
+    f"a hold; an assumed change of the oil temperature at {60 * TEMPERATURE_RATE_K_S:g} K/min; "
+    f"an assumed error of {100 * BULK_MODULUS_ERROR:.0f} % of the effective bulk modulus"
 )
-LEAKAGE_ASSUMES = (
-    "It assumes that the effective bulk modulus and the dead volumes of the bench file are exact "
-    "(a bulk modulus that is 10 % too low makes the leakage 11 % too high), that the oil keeps its "
-    "temperature during a hold (0.01 K changes 100 ml of oil by 0.0007 ml), that the transducers "
-    "do not drift, and that the valves close tightly"
-)
+NOT_IN_U_OF_LEAKAGE = "Not in U: errors of dead volumes, drift of transducers, leakage of valves"
 _STEPS: dict[Conformity, str] = {
     "FAIL": "check the zeros and the calibration of the instruments, then repeat the test; "
     "if it fails again, do not deliver the cylinder",
@@ -108,7 +106,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
         *([f"load: {load}"] if load else []),
         f"rule: {rule}; limits of {acceptance.limits}",
         "U: expanded uncertainty for a coverage probability of 95 %",
-        CONFORMS,
+        conforms_words(checks),
         *legend(checks),
         *(f"note: {note}" for note in acceptance.notes),
         *(f"next, after {each}: {step}" for each, step in next_steps(acceptance.checks)),
@@ -121,6 +119,12 @@ def acceptance_text(acceptance: Acceptance) -> str:
 def _ascii(text: str) -> str:
     """Replace signs that some terminals do not have."""
     return text.replace("−", "-").replace("–", "-").replace("±", "+-")
+
+
+def conforms_words(checks: Sequence[ConformityCheck]) -> str:
+    """Explain the probability of conformity."""
+    leaks = any(_measured(check, "leakage") for check in checks)
+    return _CONFORMS.format(leakage=_OF_LEAKAGE if leaks else "")
 
 
 def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
@@ -143,7 +147,7 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
     if leaks := [check.measurement for check in checks if _measured(check, "leakage")]:
         steps = [leak.step_pa for leak in leaks if leak and leak.step_pa]
         words = U_OF_LEAKAGE.format(step=step_words(max(steps, default=None)))
-        yield f"U of {QUANTITIES['leakage']}: {words}. {LEAKAGE_ASSUMES}"
+        yield f"U of {QUANTITIES['leakage']}: {words}. {NOT_IN_U_OF_LEAKAGE}"
     if any(check.at_worst_speed for check in checks):
         yield (
             "speed: where a limit states none, each series is decided at the speed with the lowest "
@@ -245,6 +249,8 @@ def rule_words(rule: Rule, largest_uncertainty: float | None) -> str:
 def requirement_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write the quantity, after the name that the file gives it."""
     words = QUANTITIES[requirement.quantity]
+    if requirement.quantity == "breakaway":
+        words += " (largest friction of the force ramp)"
     if requirement.leak is not None and requirement.pressure_pa is not None:
         at = short(from_si(requirement.pressure_pa, "bar"))
         words += f" {LEAKS[requirement.leak]} at {at} bar"

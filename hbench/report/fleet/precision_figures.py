@@ -38,11 +38,11 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
         caption = (
             f"Above: each point is a {chart_words(chart)}; lines: mean and mean ± 3 σ. Below: "
             "exponentially weighted moving average (EWMA) with its limits. Rings: beyond the "
-            f"limits (above: {beyond}); squares: last point of another pattern."
+            f"limits (single values: {beyond}); squares: last point of another pattern."
         )
         if chart.step is not None and chart.step.real:
             caption += (
-                " Black: means before and after the step; the limits are those of the "
+                " Thick lines: means before and after the step; the limits are those of the "
                 f"{chart.n_limits} campaigns before it."
             )
         if chart.n > len(chart.values):

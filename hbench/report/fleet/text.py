@@ -214,7 +214,10 @@ def _between(spread: Spread) -> str:
     if spread.n < FEWEST_CAMPAIGNS:
         return NONE
     ends = spread.between, spread.between_low, spread.between_high
-    return with_ends(*(spread.quantity.scale * value for value in ends))
+    between, low, high = (spread.quantity.scale * value for value in ends)
+    if not between > 0:
+        return f"not resolved, up to {significant(high, 2)}"
+    return with_ends(between, low, high)
 
 
 def resolved(spread: Spread, value: float) -> str:

@@ -41,6 +41,8 @@ def fleet_verdict(fleet: Fleet) -> str:
     passed = fleet.decisions == (("PASS", fleet.campaigns),)
     changes = _changes(fleet)
     changed = "; ".join(f"{' and '.join(sizes)} changed from {at} on" for at, sizes in changes)
+    if changed and dict(fleet.weak_checks).get("drift", 0):
+        changed += ", provided that any drift within the campaigns is alike in all"
     if passed:
         but = f", but {changed}" if changed else ""
         sentences = [f"All {fleet.campaigns} campaigns have the decision PASS{but}."]
@@ -205,7 +207,7 @@ def _drift_sentences(fleet: Fleet) -> Iterator[str]:
 
 
 def _contrary_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield where breakaway seems to change against a step of friction in the same direction."""
+    """Yield where breakaway drifts significantly against a step of friction in its direction."""
     steps = {
         chart.direction: chart.step.after - chart.step.before
         for chart in fleet.charts
@@ -213,11 +215,9 @@ def _contrary_sentences(fleet: Fleet) -> Iterator[str]:
     }
     for spread, trend in steady_spreads(fleet):
         step = steps.get(spread.direction, 0.0)
-        apart = trend.low > 0 or trend.high < 0
-        if "Breakaway" in spread.quantity.words and apart and trend.change * step < 0:
+        if "Breakaway" in spread.quantity.words and trend.real and trend.change * step < 0:
             number = f"{spread.quantity.words}{of_side(spread.direction)}"
             falls, rises = ("falls", "rises") if trend.change < 0 else ("rises", "falls")
-            how = "is not significant" if not trend.real else "is significant"
             p = significant(trend.p_holm, 2)
             advice = (
                 " The fit extrapolates it: measure breakaway with runs of kind breakaway before "
@@ -227,8 +227,8 @@ def _contrary_sentences(fleet: Fleet) -> Iterator[str]:
             )
             change = f"{change_words(spread, trend)}\N{NO-BREAK SPACE}{spread.quantity.unit}"
             yield (
-                f"{number}, {falls} while friction {rises}: by {change}. Among all trends tested "
-                f"this {how} (p = {p}).{advice}"
+                f"{number}, {falls} while friction {rises}: by {change} (p = {p} among all "
+                f"trends tested).{advice}"
             )
 
 

@@ -72,15 +72,16 @@ def with_interval(value: float | None, half_width: float | None) -> str:
     return f"{_to_half(value, half_width)} ± {_to_half(half_width, half_width)}"
 
 
-def with_ends(value: float | None, low: float, high: float) -> str:
+def with_ends(value: float | None, low: float, high: float, more: int = 0) -> str:
     """Write ``value (low to high)``, to the second significant digit of half of their distance.
 
-    If the value lies in the middle of them, it is written with this half.
+    If the value lies in the middle of them, it is written with this half. ``more`` digits are added
+    where they differ.
     """
     half = (high - low) / 2
     if value is None or not half > 0 or abs(low + high - 2 * value) < _SYMMETRIC * half:
         return with_interval(value, half)
-    shown, *ends = (_to_half(each, half) for each in (value, low, high))
+    shown, *ends = (_to_half(each, half, more) for each in (value, low, high))
     return f"{shown} ({' to '.join(ends)})"
 
 

@@ -10,6 +10,7 @@ from hbench.records.conformity.acceptance import Acceptance
 from hbench.report.campaign.quality import grade_words, missing_words
 from hbench.report.conformity.acceptance_document import acceptance_json
 from hbench.report.conformity.text import junit_xml
+from hbench.report.creep_words import creep_facts
 from hbench.report.quality_words import LOAD_CELL_ZERO
 from hbench.report.zero_words import zero_reserve
 from hbench.store.campaign.folder import load_campaign, write_results
@@ -40,6 +41,7 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
         notes.append(reserve.removesuffix("."))
     elif results.motions.load_cell_zero_unchecked:
         notes.append(LOAD_CELL_ZERO)
+    notes += [f"{name}: {words.removesuffix('.')}" for name, words in creep_facts(results)]
     checks = conformity_checks(
         results,
         [limit.requirement for limit in limits.limits],

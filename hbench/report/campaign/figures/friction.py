@@ -31,7 +31,7 @@ _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
 _BARS = "Points: means of the trials; bars: their 95 % Student intervals."
 _SINGLE = "Points: one trial each, so no interval."
 _SOME_SINGLE = "\nA point without a bar is a single trial."
-_UNDETERMINED = "Grey, dashed: a fit that does not determine all its parameters."
+_UNDETERMINED = "Dashed: a fit that does not determine all its parameters."
 _NO_LINE = "No line: too few points for the fit to determine any parameter."
 BANDS = "Bands: U (95 %) of trials and instruments."
 _ASIDE = 0.006  # distance of residuals at one speed, relative to the highest speed
@@ -214,13 +214,8 @@ def is_drawn(fit: Fit) -> bool:
 
 
 def line_look(fit: Fit, colour: str) -> dict[str, Any]:
-    """Return colour and dashes of a fit's line: grey and dashed unless it is determined."""
-    determined = fit.verdict == "determined"
-    return {
-        "color": colour if determined else style.QUIET,
-        "linestyle": "-" if determined else "--",
-        "zorder": 2,
-    }
+    """Return colour and dashes of a fit's line: dashed unless it is determined."""
+    return {"color": colour, "linestyle": "-" if fit.verdict == "determined" else "--", "zorder": 2}
 
 
 def undetermined_words(fits: Sequence[Fit]) -> list[str]:
@@ -253,7 +248,7 @@ def _expanded(
 def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) -> None:
     """Draw the first law: a line inside the measured speeds, dots where it is extrapolated.
 
-    A fit that is not determined is dashed and grey, and not extrapolated.
+    A fit that is not determined is dashed, and not extrapolated.
     """
     for fit in filter(is_drawn, curve.fits[:1]):
         who = f"_{fit.law}, {load_words(curve.f_load_n, curve.p_lr_ref_pa)}".removesuffix(", ")

@@ -44,10 +44,9 @@ def conformity_part(certificate: Certificate) -> Part:
         "of_product", product=certificate.named(acceptance.product)
     )
     limits = word("of_limits", limits=_file(acceptance))
-    lead = " ".join(
-        filter(None, (product, limits, _reservation(certificate), _not_calibrated(certificate)))
-    )
-    verdict = word(acceptance.decision)
+    not_calibrated = _not_calibrated(certificate)
+    lead = " ".join(filter(None, (product, limits, _reservation(certificate), not_calibrated)))
+    verdict = word(acceptance.decision) + (word("by_tolerances") if not_calibrated else "")
     return Part(
         *("conformity", word("conformity")),
         tables=(table,),
@@ -131,6 +130,8 @@ def quantity_words(certificate: Certificate, check: ConformityCheck) -> str:
     """Write the limited quantity, after the name that the file of limits gives it."""
     word, requirement, measured = certificate.word, check.requirement, check.measurement
     parts = [word(f"q_{requirement.quantity}")]
+    if requirement.quantity == "breakaway":
+        parts.append(word("of_ramp"))
     if requirement.leak is not None and requirement.pressure_pa is not None:
         pressure = short(from_si(requirement.pressure_pa, "bar"))
         leak = word(requirement.leak)

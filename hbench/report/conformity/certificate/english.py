@@ -1,7 +1,7 @@
 """The certificate's words in English, by their keys."""
 
 from hbench.report.campaign.motion_rows import LEAKS
-from hbench.report.conformity.text import LEAKAGE_ASSUMES, U_OF_LEAKAGE
+from hbench.report.conformity.text import NOT_IN_U_OF_LEAKAGE, U_OF_LEAKAGE
 from hbench.report.quality_words import LOAD_CELL_ZERO
 
 ENGLISH = {
@@ -102,12 +102,14 @@ ENGLISH = {
     "method_efficiency": "The hydro-mechanical efficiency is the mechanical power delivered "
     "divided by that taken up; leakage is not part of it.",
     "method_breakaway": "Breakaway is the largest friction while a slowly rising force{rate} "
-    "pushes the piston after the longest rest under load. The piston creeps meanwhile: where "
-    "friction falls with speed, breakaway can be below the friction at a lower steady speed.",
+    "pushes the piston after the longest rest under load. It is not a friction at rest: the piston "
+    "creeps up to then{creep}. Friction takes some travel to build up, and falls as the piston "
+    "becomes faster; breakaway can therefore be below the friction of slow steady motion.",
     "method_leakage": "Leakage follows from the decay of the chamber pressures with all valves "
     "closed, with the effective bulk modulus of the bench file{bulk_modulus}, air in the oil and "
     "hoses included. {leak_law}",
     "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure{holds}.",
+    "leak_none": "; no leak was significant",
     "leak_holds": "; across the piston, the holds had {pressures} bar",
     "leak_power": "It was found to be proportional to the pressure to the power {exponent}; the "
     "values stated are those at {pressure} bar.",
@@ -154,10 +156,13 @@ ENGLISH = {
     "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
-    "of_trials": "U of speed ripple and of drift is that of the trials alone (95 %).",
-    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. {LEAKAGE_ASSUMES}. Where the step decides, "
-    "U is a limit of error and has no factor k.",
+    "of_trials": "U of {quantities} is that of the trials alone (95 %).",
+    "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. It has no factor k, since the assumed parts "
+    f"are limits of error. {NOT_IN_U_OF_LEAKAGE}.",
     "load_cell_zero": f"{LOAD_CELL_ZERO[:1].upper()}{LOAD_CELL_ZERO[1:]}.",
+    "load_cell_zero_of_reading": "U contains no zero error of the load cell: its tolerance is "
+    "relative to the reading, and its zero was not checked. A zero error of 0.1 % of its full "
+    "scale ({full_scale}) would change friction by {change}.",
     # Conformity
     "of_limits": "Limits: {limits}.",
     "of_product": "Product: {product}.",
@@ -168,7 +173,9 @@ ENGLISH = {
     "rule_guard_band": "guard band (JCGM 106, 8.3.2; ILAC-G8): a value passes if it is inside "
     "the limit by at least U.",
     "applies": "The statement applies to the quantities in the table. “Conforms” is the "
-    "probability of conformity (JCGM 106, 7), by the Student distribution of U.",
+    "probability of conformity (JCGM 106, 7), for a Student distribution with the 95 % interval of "
+    "measured value ± U; where U has no factor k, this distribution is an assumption.",
+    "by_tolerances": " on stated tolerances, no calibration certificate",
     "not_calibrated": "U rests on stated tolerances: no calibration certificate is recorded for "
     "{instruments}.",
     "worst_speed": "Where a limit states no speed, each series is decided at the speed with "
@@ -185,6 +192,7 @@ ENGLISH = {
     "NOT TESTED": "NOT TESTED",
     "q_friction": "friction",
     "q_breakaway": "breakaway",
+    "of_ramp": "(largest friction of the force ramp)",
     "q_efficiency": "efficiency",
     "q_leakage": "leakage",
     "q_speed_ripple": "speed ripple",

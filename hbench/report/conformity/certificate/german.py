@@ -1,5 +1,9 @@
 """The certificate's words in German, by their keys."""
 
+from hbench.records.motions import BULK_MODULUS_ERROR, TEMPERATURE_RATE_K_S
+
+_RATE = f"{60 * TEMPERATURE_RATE_K_S:g}".replace(".", ",")
+
 GERMAN = {
     "title": "Prüfzertifikat",
     "number": "Zertifikat Nr.",
@@ -94,13 +98,15 @@ GERMAN = {
     "method_efficiency": "Der hydraulisch-mechanische Wirkungsgrad ist die abgegebene "
     "mechanische Leistung geteilt durch die aufgenommene, ohne Leckage.",
     "method_breakaway": "Die Losbrechkraft ist die größte Reibung, während nach der "
-    "längsten Ruhezeit unter Last eine langsam steigende Kraft{rate} den Kolben schiebt. Der "
-    "Kolben kriecht dabei: Wo die Reibung mit der Geschwindigkeit fällt, kann die Losbrechkraft "
-    "unter der Reibung bei einer kleineren konstanten Geschwindigkeit liegen.",
+    "längsten Ruhezeit unter Last eine langsam steigende Kraft{rate} den Kolben schiebt. Sie "
+    "ist keine Reibung in Ruhe: Bis dahin kriecht der Kolben{creep}. Die Reibung baut sich erst "
+    "über einen Weg auf und fällt, wenn der Kolben schneller wird; die Losbrechkraft kann daher "
+    "unter der Reibung langsamer gleichförmiger Bewegung liegen.",
     "method_leakage": "Die Leckage folgt aus dem Abfall der Kammerdrücke bei geschlossenen "
     "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}, "
     "einschließlich Luft im Öl und Schläuchen. {leak_law}",
     "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck{holds}.",
+    "leak_none": "; keine Leckage war signifikant",
     "leak_holds": "; am Kolben lagen während des Haltens {pressures} bar an",
     "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
     "die Werte bei {pressure} bar.",
@@ -148,18 +154,19 @@ GERMAN = {
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
-    "of_trials": "U der Ungleichförmigkeit und der Drift ist das der Wiederholungen allein (95 %).",
+    "of_trials": "U ({quantities}) ist das der Wiederholungen allein (95 %).",
     "load_cell_zero": "Der Nullpunkt des Kraftaufnehmers wurde nicht geprüft: U enthält seine "
     "Abweichung nur, soweit eine Toleranz vom Endwert sie enthält.",
-    "leak_interval": "U der Leckage ist die halbe Breite des 95-%-Intervalls der Anpassung an "
-    "alle Halteversuche, mindestens aber die Leckage, die einen Druck während des Haltens um die "
-    "kleinste Stufe seiner aufgezeichneten Werte{step} ändert; Wert und U wachsen mit dem Druck, "
-    "für den die Leckage angegeben ist. Wo diese Stufe maßgebend ist, ist U eine Fehlergrenze und "
-    "hat keinen Faktor k. Angenommen ist, dass der effektive Kompressionsmodul und die "
-    "Totvolumina der Prüfstandsdatei genau sind (ein um 10 % zu niedriger Kompressionsmodul macht "
-    "die Leckage um 11 % zu hoch), dass das Öl während des Haltens seine Temperatur behält "
-    "(0,01 K ändern 100 ml Öl um 0,0007 ml), dass die Druckaufnehmer nicht driften und dass die "
-    "Ventile dicht schließen.",
+    "load_cell_zero_of_reading": "U enthält keine Nullpunktabweichung des Kraftaufnehmers: seine "
+    "Toleranz gilt vom Messwert, und sein Nullpunkt wurde nicht geprüft. Eine Abweichung von "
+    "0,1 % seines Endwerts ({full_scale}) würde die Reibung um {change} ändern.",
+    "leak_interval": "U der Leckage ist die Wurzel der Quadratsumme dreier Anteile: des "
+    "95-%-Intervalls der Anpassung an alle Halteversuche, mindestens aber der Leckage, die einen "
+    "Druck während des Haltens um die kleinste Stufe seiner aufgezeichneten Werte{step} ändert; "
+    f"einer angenommenen Änderung der Öltemperatur um {_RATE} K/min; eines "
+    f"angenommenen Fehlers des effektiven Kompressionsmoduls von {100 * BULK_MODULUS_ERROR:.0f} %. "
+    "U hat keinen Faktor k, weil die angenommenen Anteile Fehlergrenzen sind. Nicht enthalten: "
+    "Fehler der Totvolumina, Drift der Druckaufnehmer, Leckage der geschlossenen Ventile.",
     "of_limits": "Grenzwerte: {limits}.",
     "of_product": "Produkt: {product}.",
     "decision_rule": "Entscheidungsregel: {rule}",
@@ -169,7 +176,9 @@ GERMAN = {
     "rule_guard_band": "Schutzabstand (JCGM 106, 8.3.2; ILAC-G8): Ein Wert besteht, wenn er "
     "mindestens um U innerhalb liegt.",
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
-    "Wahrscheinlichkeit der Konformität (JCGM 106, 7), nach der Studentverteilung von U.",
+    "Wahrscheinlichkeit der Konformität (JCGM 106, 7), für eine Studentverteilung mit dem "
+    "95-%-Intervall Messwert ± U; wo U keinen Faktor k hat, ist diese Verteilung angenommen.",
+    "by_tolerances": " nach angegebenen Toleranzen, ohne Kalibrierschein",
     "not_calibrated": "U beruht auf angegebenen Toleranzen: Ein Kalibrierschein ist nicht "
     "verzeichnet für {instruments}.",
     "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "
@@ -186,6 +195,7 @@ GERMAN = {
     "NOT TESTED": "NICHT GEPRÜFT",
     "q_friction": "Reibung",
     "q_breakaway": "Losbrechen",
+    "of_ramp": "(größte Reibung der Kraftrampe)",
     "q_efficiency": "Wirkungsgrad",
     "q_leakage": "Leckage",
     "q_speed_ripple": "Ungleichförmigkeit",

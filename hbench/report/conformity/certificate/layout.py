@@ -30,7 +30,7 @@ class Part:
     facts: tuple[Fact, ...] = ()
     tables: tuple[GridTable, ...] = ()
     paragraphs: tuple[str, ...] = ()
-    verdict: str = ""  # one word or two in large letters, first of all
+    verdict: str = ""  # the decision in large letters, first of all
     lead: str = ""  # before the rest, in bold
 
 

@@ -13,6 +13,7 @@ from hbench.report.conformity.certificate.layout import (
 )
 from hbench.report.conformity.text import step_words
 from hbench.report.render.numbers import NONE, number, short, span, with_interval
+from hbench.report.render.symbols import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 
@@ -50,6 +51,7 @@ def _settings(certificate: Certificate) -> dict[str, str]:
     motions = certificate.results.motions
     values = {
         "rate": ([each.rate_n_s for each in motions.breakaways], "N/s"),
+        "creep": ([1e3 * each.displacement_m for each in motions.breakaways], "mm"),
         "bulk_modulus": (
             [from_si(each.bulk_modulus_pa, "bar") for each in motions.leakages],
             "bar",
@@ -71,6 +73,9 @@ def _leak_law(certificate: Certificate) -> str:
         across = [from_si(abs(decay.p_p_pa - decay.p_r_pa), "bar") for decay in decays]
         held = localized(certificate, span(across)) if across else ""
         holds = certificate.word("leak_holds", pressures=held) if held else ""
+        flows = [value.measurement for value in certificate.of("leakage")]
+        if all(flow.u95 is not None and flow.value <= flow.u95 for flow in flows):
+            holds += certificate.word("leak_none")
         return certificate.word("leak_laminar", holds=holds)
     exponents = span([leak.exponent for leak in powers])
     pressures = span([from_si(leak.reference_pa or 0.0, "bar") for leak in powers])
@@ -226,15 +231,27 @@ def _factor(certificate: Certificate, value: Certified | None) -> str:
     return localized(certificate, number(k, 2))
 
 
+def _load_cell_zero(certificate: Certificate) -> str:
+    """Return how far U contains the zero error of a load cell whose zero was not checked."""
+    if certificate.instruments is None or certificate.instruments.force.of != "reading":
+        return certificate.word("load_cell_zero")
+    full_scale_n = certificate.instruments.force.full_scale
+    return certificate.word(
+        "load_cell_zero_of_reading",
+        full_scale=f"{localized(certificate, short(full_scale_n / 1e3))} kN",
+        change=f"{localized(certificate, short(full_scale_n / 1e3))} N",
+    )
+
+
 def uncertainty_part(certificate: Certificate) -> Part:
     """Return what U is and what it does not contain."""
     word = certificate.word
     motions = certificate.results.motions
     general = [word("trials_only" if certificate.instruments is None else "gum")]
-    if certificate.of("speed_ripple") or certificate.of("drift"):
-        general.append(word("of_trials"))
+    if alone := [word(f"q_{key}") for key in ("speed_ripple", "drift") if certificate.of(key)]:
+        general.append(word("of_trials", quantities=listed(alone, word("and"))))
     if motions.load_cell_zero_unchecked:
-        general.append(word("load_cell_zero"))
+        general.append(_load_cell_zero(certificate))
     paragraphs = [" ".join(general)]
     if certificate.of("leakage"):
         step = max((each.step_pa or 0.0 for each in motions.leakages), default=0.0)
