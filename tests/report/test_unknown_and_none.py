@@ -164,6 +164,7 @@ def test_a_significant_deviation_below_its_limit_and_one_within_the_noise_do_not
     assert "its gap is 5.01, where a correct model would have 3.50: do not rely on it." in text
     assert "No deviation of position against velocity is distinguishable from noise." in text
     assert "agree" not in text
+    assert "but just below its limit" in short_summary(replace(compared, where=where))
     sure = replace(near, p_value=0.3)
     text = summary(replace(compared, where=(*where[:1], sure), gap_heldout=table))
     assert "The flow to the load piston side agrees within the limits that matter." in text
@@ -281,12 +282,12 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     assert "mass and rest time (not tried): these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
     lead = (
-        "repair anything. However, they would not show 2 of 3 known effects at a typical size: "
-        "these can be present."
+        "repair anything. However, 2 of 3 known effects at a typical size could be present "
+        "without showing in these runs."
     )
     assert f"no reason to inspect or to {lead}" in verdict_words(none)
     many = replace(none, not_tried={f"effect_{i}": "no breakaway" for i in range(6)})
-    assert "would not show 7 of 8 known effects at a typical size:" in verdict_words(many)
+    assert "However, 7 of 8 known effects at a typical size could be present" in verdict_words(many)
     assert next(iter(answers(compared)))[0] == "What to inspect"  # before the evidence
     assert "no reason to inspect" not in text  # once on the page
     assert "too small to matter" not in text  # 40 N matter

@@ -139,8 +139,8 @@ def undetectable(diagnosis: Diagnosis) -> str:
         return ""
     every = len(_detectable(diagnosis))
     return (
-        f"However, they would not show {len(unseen)} of {every} known effects at a typical size: "
-        "these can be present."
+        f"However, {len(unseen)} of {every} known effects at a typical size could be present "
+        "without showing in these runs."
     )
 
 
