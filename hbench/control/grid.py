@@ -5,7 +5,8 @@ The loads oppose the motion. The rod side's pressures are the source's shares of
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -122,13 +123,13 @@ def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> li
             plant = sampled.sample_plant(
                 *matrices, control.velocity_filter, control.pressure_filter
             )
-            where = f"x {1e3 * x:.0f} mm, {1e3 * condition.v_m_s:+.0f} mm/s, "
-            where += f"{condition.f_load_n:.0f} N"
+            where = f"position {1e3 * x:.0f} mm, speed {1e3 * condition.v_m_s:+.0f} mm/s, "
+            where += f"load {condition.f_load_n:+.0f} N"
             points.append(GridPoint(where, plant, sampled.measurement_response(plant, _OMEGA)))
     return points
 
 
-def point_checks(design: Design) -> tuple[Check, ...]:
+def _point_checks(design: Design) -> tuple[Check, ...]:
     """Check the margins of a design's loops on the board at its operating point."""
     checks = []
     for loop in design.loops:
@@ -145,13 +146,24 @@ def point_checks(design: Design) -> tuple[Check, ...]:
     return (*checks, Check("largest modulus of a digital pole", modulus, 1.0, "1", modulus < 1.0))
 
 
-def margin_ranges(points: Sequence[GridPoint], loops: Sequence[Pi]) -> dict[str, MarginRange]:
+def over_points(design: Design, points: Sequence[GridPoint], loops: Sequence[Pi]) -> Design:
+    """Return a design with the checks of its loops at its operating point and at all points."""
+    every = [margin_checks([point], loops) for point in points]
+    return replace(
+        design,
+        checks=_point_checks(design),
+        margin_ranges=_margin_ranges(every),
+        points=len(points),
+        points_failed=sum(not all(check.holds for check in checks) for checks in every),
+    )
+
+
+def _margin_ranges(every: Sequence[Sequence[Check]]) -> dict[str, MarginRange]:
     """Return the smallest and the largest margin of each loop over all points, by its check."""
     values: dict[str, list[tuple[float, str]]] = {}
-    for point in points:
-        for check in margin_checks([point], loops):
-            if check.unit in ("deg", "dB"):
-                values.setdefault(check.what, []).append((check.value, check.where))
+    for check in chain.from_iterable(every):
+        if check.unit in ("deg", "dB"):
+            values.setdefault(check.what, []).append((check.value, check.where))
     return {
         what: MarginRange(min(each)[0], max(each)[0], min(each)[1]) for what, each in values.items()
     }

@@ -54,9 +54,11 @@ def design_at(
     """
     c = linear_coefficients(par, point)
     plant = sampled.sample_plant(*state_space(c, par), *filters_s)
+    load = par.load
     return Design(
         bench=name,
         point=as_numbers(point),
+        f_load_n=load.area_piston_m2 * point.p_lp_pa - load.area_rod_m2 * point.p_lr_pa,
         coefficients=as_numbers(c),
         jacobian_difference=disagreement(par, point, c),
         loops=_control_loops(c, par, plant, gains),

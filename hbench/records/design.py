@@ -137,6 +137,7 @@ class Design:
 
     bench: str
     point: dict[str, float]  # fields of control.linearisation.OperatingPoint
+    f_load_n: float  # at this point, on the piston rod
     coefficients: dict[str, float]  # 4.14 to 4.23 and volumes
     jacobian_difference: float  # of the linearisation by hand from the plant's, relative
     loops: tuple[ControlLoop, ...]
@@ -151,3 +152,4 @@ class Design:
     # Of the present gains over all operating points, by the check.
     margin_ranges: dict[str, MarginRange] = field(default_factory=dict)
     points: int = 0  # of these ranges
+    points_failed: int = 0  # of these, where the present gains fail a check

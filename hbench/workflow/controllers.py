@@ -42,9 +42,8 @@ def design(
     from hbench.control.grid import (  # slow import: scipy.signal
         conditions,
         grid,
-        margin_ranges,
         operating_point,
-        point_checks,
+        over_points,
     )
     from hbench.control.loops import design_at
     from hbench.experiment.design_verification import proposal
@@ -64,10 +63,7 @@ def design(
     )
     gains = [(loop.gain, loop.time_constant) for loop in loops]
     points = grid(bench, par, conditions(bench, par)[0])
-    present = replace(
-        analyzed(gains), basis=_basis(bench, bench_file), margin_ranges=margin_ranges(points, gains)
-    )
-    present = replace(present, checks=point_checks(present), points=len(points))
+    present = over_points(replace(analyzed(gains), basis=_basis(bench, bench_file)), points, gains)
     if ratio is None:
         return present
     proposed = proposal(bench, ratio, nominal, report)

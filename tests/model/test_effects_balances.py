@@ -77,6 +77,11 @@ def chambers(run):
         sharp = K_S * opening * np.sign(drop) * np.sqrt(np.abs(drop))
         port = np.abs(np.where(sharp > 0, supply - p[name], p[name] - 2 * BAR))
         valve = sharp * (np.maximum(port, 1e3) / (50 * BAR)) ** 0.02
+        side = {"tp": 0.05, "tr": -0.05}.get(name)
+        if side is not None:  # the test valve's ports, and its inlets
+            valve *= 1 + side + np.where(sharp > 0, 0.05, -0.05)
+        lost = 0.02 * BAR * 60e3 * np.abs(valve) / (2 * np.maximum(port, 1e3))  # in a hose
+        valve *= np.sqrt(1 + lost**2) - lost
         leak = LEAK * thin * (2 * p[name] - across[name])  # out of the chamber, both ways
         table[name] = (p[name], volume, valve, valve - leak, sharp)
     return table

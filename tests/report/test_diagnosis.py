@@ -496,6 +496,7 @@ def test_a_refused_refit_has_its_reason_and_no_marks_of_its_own(named):
     page = diagnosis_page(refused, ())
     first = page[: page.index("<h2", page.index("<h2") + 1)]
     assert "The refit is refused. " in first and "refitted model" not in page
+    assert "only if it reduces the gap of runs outside the fit, by whatever amount." in first
     assert "the model with the effects and values fitted with them" in page
     assert "The refit is refused." in diagnosis_text(refused)
     assert json.loads(diagnosis_json(refused))["refit_refused"] == refused.refit_refused

@@ -59,8 +59,12 @@ def verdict(found):
 )
 def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, others):
     found = identified(law("tustin", 150.0), law("lugre", 10.0), law("leuven", other_n))
-    best = "Use LuGre: it predicts friction in motion with an RMS error of 10.0 N."
-    assert verdict(found) == f"{best}{others}"
+    error = "LuGre: it predicts friction in motion with an RMS error of 10.0 N"
+    scatter = "; the trials themselves scatter by 27.0 N."
+    simulated = f"On this simulated cylinder, use {error}{scatter} A real cylinder may need another"
+    assert verdict(found) == f"{simulated} law.{others}"
+    measured = replace(found, provenance=replace(found.provenance, source="measured"), scatter={})
+    assert verdict(measured) == f"Use {error}.{others}"
 
 
 def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_beside_it():
@@ -70,9 +74,8 @@ def test_errors_at_rest_do_not_decide_which_law_is_the_best_and_are_stated_besid
     moving = law("tustin", 20.0)
     moving.errors["rest"] = replace(moving.errors["rest"], friction_n=450.0)
     found = identified(holding, moving)
-    assert verdict(found).startswith(
-        "Use Tustin: it predicts friction in motion with an RMS error of 20.0 N."
-    )
+    words = "use Tustin: it predicts friction in motion with an RMS error of 20.0 N"
+    assert words in verdict(found)
     (table,) = (each for each in identification_tables(found) if each.title == SUMMARY)
     assert table.head[1:4] == ("RMS error in motion (N)", "At constant speed (N)", "At rest (N)")
     assert [(row[0], row[1], row[3]) for row in table.rows] == [
@@ -108,7 +111,7 @@ def test_the_error_of_the_best_law_is_beside_the_measured_friction_and_the_instr
     trace = Trace(np.array([0.0, 0.01, 0.02]), np.ones(3), np.array([300.0, -400.0, np.nan]))
     followed = (Followed("0001", 500.0, None, trace, {}),)
     found = replace(identified(law("lugre", 10.0)), followed=followed)
-    friction = "an RMS error of 10.0 N at a measured friction of 354 N (RMS, both directions)."
+    friction = "an RMS error of 10.0 N at a measured friction of 354 N (RMS, both directions)"
     assert friction in verdict(found) and "instruments" not in verdict(found)
     point = replace(small.curves[0].points[0], sigma_instruments_n=50.0)
     along = LawsAlongCurve(replace(small.curves[0], points=(point,)), np.array([0.01]), {})

@@ -99,7 +99,8 @@ def test_models_of_strokes_have_their_force_error_at_each_held_out_load(named):
     assert "is 2.0 N RMS, without it 4.1 N." in lead
     head = effects_table(strokes).head
     assert "gap without it" not in head and "gap without it" in effects_table(named).head
-    assert "gap" not in where_table(strokes).head and "gap" in where_table(named).head
+    assert "gap, all runs" not in where_table(strokes).head
+    assert "gap, all runs" in where_table(named).head
     assert "for hbench reconcile." in diagnosis_page(strokes, ())
     assert "for hbench run --plant" in re.sub("<.*?>", "", diagnosis_page(named, ()))
 

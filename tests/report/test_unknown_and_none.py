@@ -137,6 +137,51 @@ def test_three_deviations_are_all_in_the_verdict_and_their_common_part_is_inspec
     assert both in ordinary_spaces(summary(found))
 
 
+def test_deviations_barely_above_their_limits_and_their_common_place_are_in_the_verdict(compared):
+    first = replace(compared.where[0], deviation=13.0, material=12.0)
+    second = replace(first, name="force_load", deviation=14.0)
+    places = tuple(
+        Region("direction", way, NAN, NAN, 9, {"force_test": gap, "force_load": gap})
+        for way, gap in (("extend", 2.0), ("retract", 9.0))
+    )
+    gaps = (first, second)
+    lead = verdict_words(replace(compared, where=gaps, rest=gaps, regions=places))
+    assert "That is only 1.08 and 1.17 times the limits above which they matter." in lead
+    assert "While retracting they deviate by 66 and 66 N RMS." in lead
+    far = (first, replace(second, deviation=24.0))
+    assert "limits above" not in verdict_words(replace(compared, where=far, rest=far))
+
+
+def test_a_significant_deviation_below_its_limit_and_one_within_the_noise_do_not_agree(compared):
+    near = replace(
+        compared.where[1], name="flow_lp", deviation=0.95e-6, material=1e-6, p_value=0.028
+    )
+    noise = replace(near, name="kinematics", deviation=0.0, p_value=0.4)
+    gap = BeforeAfter(3.0, 5.01, 5.01, 3.5)
+    table = replace(compared.gap_heldout, balances={"flow_lp": gap})
+    where = (compared.where[0], near, noise)
+    text = summary(replace(compared, where=where, gap_heldout=table))
+    assert "The flow to the load piston side deviates significantly, but just below its" in text
+    assert "its gap is 5.01, where a correct model would have 3.50: do not rely on it." in text
+    assert "No deviation of position against velocity is distinguishable from noise." in text
+    assert "agree" not in text
+    assert "but just below its limit" in short_summary(replace(compared, where=where))
+    sure = replace(near, p_value=0.3)
+    text = summary(replace(compared, where=(*where[:1], sure), gap_heldout=table))
+    assert "The flow to the load piston side agrees within the limits that matter." in text
+
+
+def test_a_share_that_suffices_and_a_score_that_does_not_are_explained_once(compared):
+    weak = replace(compared.ranking[0], score=9.5, threshold=11.3, explained=0.35, size=1.0)
+    why = "No effect explains the gaps. The best candidate, load_friction, explains 35 % (25 %)."
+    text = diagnosis_text(replace(compared, ranking=(weak,), why=why))
+    assert "The best candidate" not in text and "No effect explains the gaps." in text
+    assert "35 % of the gap in the quantities that it changes; that share is large enough" in text
+    assert "that chance is ruled out (score 9.5 nats, 11.3 needed)" in text
+    kept = replace(weak, score=20.0)  # it meets each criterion: another reason is in the sentence
+    assert "The best candidate" in diagnosis_text(replace(compared, ranking=(kept,), why=why))
+
+
 def test_what_several_deviations_have_in_common_is_inspected_first(compared):
     first = compared.where[0]
 
@@ -237,10 +282,13 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "mass and rest time (not tried): these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
-    lead = "repair anything. They would not show 2 of 3 known effects at a typical size."
+    lead = (
+        "repair anything. However, 2 of 3 known effects at a typical size could be present "
+        "without showing in these runs."
+    )
     assert f"no reason to inspect or to {lead}" in verdict_words(none)
     many = replace(none, not_tried={f"effect_{i}": "no breakaway" for i in range(6)})
-    assert "would not show 7 of 8 known effects at a typical size." in verdict_words(many)
+    assert "However, 7 of 8 known effects at a typical size could be present" in verdict_words(many)
     assert next(iter(answers(compared)))[0] == "What to inspect"  # before the evidence
     assert "no reason to inspect" not in text  # once on the page
     assert "too small to matter" not in text  # 40 N matter
@@ -272,7 +320,7 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
     assert "agrees" in text and "is not significant (p = 0.300)." in text
-    assert "the model deviates by 1.25 times the repeatability; a correct model with" in text
+    assert "(1 is the scatter of repeated trials, and lower is better); a correct" in text
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
 
@@ -314,14 +362,16 @@ def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(comp
     text = ordinary_spaces(verdict_words(none))
     assert "the model agrees with the measurement. These runs give no reason to inspect" in text
     assert (
-        "In runs outside the fit the model deviates by 1.46 times "
-        "the repeatability; a correct model with equally uncertain values would deviate by 2.18 "
-        "times on average."
+        "In runs outside the fit the model deviates by 1.46 times the repeatability (1 is the "
+        "scatter of repeated trials, and lower is better); a correct model with equally uncertain "
+        "values would deviate by 2.18 times on average."
     ) in text
     largest = (
         "The largest gap of a quantity in runs outside the fit is 2.79 in the flow to the load"
     )
-    assert f"{largest} piston side (4.48 expected)." in ordinary_spaces(summary(none))
+    assert f"{largest} piston side (4.48 expected of a correct model)." in ordinary_spaces(
+        summary(none)
+    )
     assert "closest" not in summary(none) + diagnosis_text(none)  # it would explain 0 %
     assert "Load friction is the closest" in summary(replace(none, ranking=compared.ranking))
     small = {name: replace(gap, refitted=0.9) for name, gap in gaps.items()}

@@ -23,6 +23,11 @@ from hbench.report.render.numbers import short, significant
 from hbench.units import from_si
 
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
+_GRID = (
+    "These points: both ends and the middle of the travel, both directions, three speeds up to "
+    "half of limits.speed_max, and three loads against the motion up to 45 % of the supply "
+    "pressure on the rod side of the test cylinder"
+)
 _CHAMBERS = ("p_tp", "p_tr", "p_lp", "p_lr")
 _VALVES = {"u_T": "test valve", "u_L1": "load valve L1", "u_L2": "load valve L2"}
 
@@ -40,6 +45,7 @@ def design_json(design: Design) -> str:
         "ramp_error_m_s": design.ramp_error_m_s,
         "coupled_modulus": design.coupled_modulus,
         "margin_ranges": {what: each[:2] for what, each in design.margin_ranges.items()},
+        "points_failed": design.points_failed,
         "reproduced": [vars(number) for number in design.reproduced],
         "proposal": _proposal(design.proposal),
         "checks": [vars(check) for check in design.checks],
@@ -114,8 +120,9 @@ def point_words(design: Design) -> str:
         f"{name} {point[f'{name.lower()}_v']:.3f}" for name in ("u_T", "u_L1", "u_L2")
     )
     return (
-        f"x {1e3 * point['x_m']:.4g} mm, v {1e3 * point['v_m_s']:+.4g} mm/s, {pressures} bar, "
-        f"{volts} V, B {point['viscous_n_s_m']:.0f} N s/m"
+        f"x {1e3 * point['x_m']:.4g} mm, v {1e3 * point['v_m_s']:+.4g} mm/s, load "
+        f"{design.f_load_n:+.0f} N, {pressures} bar, {volts} V, B {point['viscous_n_s_m']:.0f} "
+        "N s/m"
     )
 
 
@@ -127,6 +134,7 @@ def point_facts(design: Design) -> tuple[tuple[str, str], ...]:
     motion = f"{short(1e3 * point['x_m'])} mm, moving at {short(1e3 * point['v_m_s'])} mm/s"
     return (
         ("Position and speed", f"{motion} (positive: extending)"),
+        ("Load", f"{design.f_load_n:+.0f} N".replace("-", "−")),
         ("Test cylinder", f"piston side P_Tp {bar['p_tp']} bar, rod side P_Tr {bar['p_tr']} bar"),
         ("Load cylinder", f"piston side P_Lp {bar['p_lp']} bar, rod side P_Lr {bar['p_lr']} bar"),
         (
@@ -188,7 +196,8 @@ def facts(design: Design) -> tuple[tuple[str, str], ...]:
         for what, (low, high, _) in design.margin_ranges.items()
         for unit, decimals in (("deg", 0) if "phase" in what else ("dB", 1),)
     ).replace(": ", " loop, ")
-    everywhere = f"margins at all {design.points} operating points (positions, loads, speeds)"
+    everywhere = f"margins at all {design.points} operating points"
+    ranges += f". {_GRID}" if ranges else ""
     return (
         *(((everywhere, ranges),) if ranges else ()),
         ("feedforward of the load valves", _feedforward_words(design)),
@@ -282,8 +291,8 @@ def _smallest_margins(design: Design) -> str:
     phase, of_phase = min((merits.phase_margin_deg, name) for name, merits in board)
     gain, of_gain = min((gain_db(merits), name) for name, merits in board)
     return (
-        f"smallest margins on the board: {margin(phase, 0)} deg ({of_phase}), "
-        f"{margin(gain, 1)} dB ({of_gain})"
+        f"smallest margins on the board at this operating point: {margin(phase, 0)} deg "
+        f"({of_phase}), {margin(gain, 1)} dB ({of_gain})"
     )
 
 

@@ -1,14 +1,18 @@
 """Verdicts on a design: whether the gains pass their checks, and what to do next."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from hbench.records import Check, ControlLoop, Design, Proposal, Reproduced
+from hbench.records import Check, ControlLoop, Design, MarginRange, Proposal, Reproduced
 from hbench.report.design.checks import cause_of, causes_of, check_value, shown, unstable
 from hbench.report.design.loops import margin
-from hbench.report.render.numbers import short
+from hbench.report.render.numbers import short, significant
 from hbench.report.render.symbols import listed
 
+_SEARCH = (
+    "hbench design --propose searches for gains that pass at all operating points, and checks them "
+    "with the firmware."
+)
 _BENCHES = {"bench": " on the bench"}
 _BENCHES |= {name: f" on the {name} bench" for name in ("softer", "stiffer")}
 
@@ -41,13 +45,13 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
 
 
 def _present(design: Design) -> str:
-    """Return what the present gains fail at the operating point, with a space; empty if nothing."""
+    """Return what the present gains fail, the worst point first, with a space; or nothing."""
     failed = [check for check in design.checks if not check.holds]
+    everywhere = f"The present gains fail {_everywhere(design)} " if design.points_failed else ""
     if not failed:
-        return ""
-    count = f"{len(failed)} of {len(design.checks)} checks at the operating point"
-    worst = ", ".join(_worst(failed))
-    return f"The present gains fail {count}: {worst}. "
+        return everywhere
+    count = f"{len(failed)} of {len(design.checks)} checks at {_here(design)}"
+    return f"{everywhere}The present gains fail {count}: {', '.join(_worst(failed))}. "
 
 
 def _next_step(proposal: Proposal) -> str:
@@ -89,28 +93,46 @@ def loops_verdict(design: Design) -> str:
     failed = [check for check in checks if not check.holds]
     if not checks:
         return ""
-    if not failed:
+    reproduced = reproduced_words(design.reproduced)
+    if not failed and not design.points_failed:
+        smallest = _smallest(design.margin_ranges, {})
+        smallest = f" The smallest margins of all points are {smallest}." if smallest else ""
         return (
-            f"PASS: the present gains pass all {len(checks)} checks at this operating point"
-            f"{_margins(checks)}. {_everywhere(design)}hbench design --propose checks all "
-            f"operating points. {reproduced_words(design.reproduced)}"
+            f"PASS: the present gains pass all {len(checks)} checks at {_here(design)}"
+            f"{_margins(checks)}.{smallest} hbench design --propose checks all operating points "
+            f"with the firmware. {reproduced}"
         ).rstrip()
+    here = list(_failed_here(design, failed)) if failed else []
+    if not design.points_failed:
+        return " ".join(("FAIL: the present gains fail", *here, _SEARCH, reproduced)).rstrip()
+    if here:
+        here[0] = f"The gains also fail {here[0]}"
+    return " ".join(
+        ("FAIL: the present gains fail", _everywhere(design), _SEARCH, *here, reproduced)
+    ).rstrip()
+
+
+def _failed_here(design: Design, failed: Sequence[Check]) -> Iterator[str]:
+    """Yield the checks that fail at the operating point of the page, and the step for it alone."""
     margins = _worst([check for check in failed if not unstable([check])])
-    count = f"{len(failed)} of {len(checks)} checks at this operating point"
     worst = f": {', '.join(margins)}" if margins else ""
+    yield f"{len(failed)} of {len(design.checks)} checks at {_here(design)}{worst}."
+    if unstable(failed):
+        yield "There the three loops together are unstable."
     steps = [
         step
         for loop in design.loops
         if (step := _step(loop, [c for c in failed if c.what.startswith(f"{loop.name}: ")]))
     ]
-    return " ".join(
-        (
-            f"FAIL: the present gains fail {count}{worst}.",
-            *(["The three loops together are unstable."] if unstable(failed) else []),
-            f"{_everywhere(design)}hbench design --propose finds gains for all operating points.",
-            f"For this operating point alone, {'; '.join(steps or ['lower the gains K_c'])}.",
-            *filter(None, (reproduced_words(design.reproduced),)),
-        )
+    yield f"To pass at this point alone, {'; '.join(steps or ['lower the gains K_c'])}."
+
+
+def _here(design: Design) -> str:
+    """Return the operating point of the page in words."""
+    x_mm, v_mm_s = 1e3 * design.point["x_m"], 1e3 * design.point["v_m_s"]
+    return (
+        f"the operating point of this design (position {x_mm:.4g} mm, speed {v_mm_s:+.4g} mm/s, "
+        f"load {design.f_load_n:+.0f} N)"
     )
 
 
@@ -122,22 +144,48 @@ def reproduced_words(numbers: Sequence[Reproduced]) -> str:
 
 
 def _everywhere(design: Design) -> str:
-    """Return the smallest margins over all operating points, with a space; empty if not known."""
+    """Return at how many operating points a check fails, the worst margins and what they mean."""
     limits = {check.unit: check.limit for check in design.checks}
-    parts, worse = [], False
-    for kind, unit, decimals in (("phase margin", "deg", 0), ("gain margin", "dB", 1)):
-        known = {w: each for w, each in design.margin_ranges.items() if w.endswith(kind)}
+    below = {
+        what: each
+        for what, each in design.margin_ranges.items()
+        if each.low < limits.get(_unit(what), -math.inf)
+    }
+    words = f"a check at {design.points_failed} of {design.points} operating points"
+    if smallest := _smallest(below, limits):
+        words += f", worst with {smallest}"
+    gains = [each.low for what, each in below.items() if _unit(what) == "dB"]
+    if gains and min(gains) > 0:
+        more = 100 * (10 ** (min(gains) / 20) - 1)
+        return (
+            f"{words}. Oscillations decay slowly there, and a loop gain {significant(more, 2)} % "
+            "above that of the model makes the loop unstable; hbench report rejects runs whose "
+            "speed oscillates."
+        )
+    return f"{words}. {'There the loop is unstable: do not run there.' if gains else ''}".rstrip()
+
+
+def _smallest(ranges: Mapping[str, MarginRange], limits: Mapping[str, float]) -> str:
+    """Return the smallest phase margin and gain margin of ranges with their operating points.
+
+    The place is stated once where both have the same.
+    """
+    sizes, places = [], []
+    for unit, decimals in (("deg", 0), ("dB", 1)):
+        known = {what: each for what, each in ranges.items() if _unit(what) == unit}
         if known:
             name = min(known, key=lambda what: known[what].low)
-            low, _, where = known[name]
-            loop = name.partition(":")[0]
-            parts.append(f"{margin(low, decimals)} {unit} ({loop} loop, at {where})")
-            worse |= low < limits.get(unit, -math.inf)
-    if not parts:
-        return ""
-    others = "Other operating points are beyond the limits: over" if worse else "Over"
-    count = f"{others} all {design.points} operating points"
-    return f"{count}, the smallest margins are {listed(parts)}. "
+            limit = f" (limit {short(limits[unit])} {unit})" if unit in limits else ""
+            sizes.append(f"{margin(known[name].low, decimals)} {unit}{limit}")
+            places.append(f"in the {name.partition(':')[0]} loop at {known[name].where}")
+    if len(set(places)) == 1:
+        return f"{listed(sizes)} {places[0]}"
+    return listed([f"{size} {place}" for size, place in zip(sizes, places, strict=True)])
+
+
+def _unit(what: str) -> str:
+    """Return the unit of a margin."""
+    return "deg" if what.endswith("phase margin") else "dB"
 
 
 def _margins(checks: Sequence[Check]) -> str:

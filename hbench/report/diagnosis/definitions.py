@@ -21,10 +21,10 @@ REFITTED = (
     "effects."
 )
 REFUSED = (
-    "A refit must reduce the gap of runs outside the fit, however little it differs. The whole "
-    "page compares the measurement with the model as given{fitted}."
+    "A refit is kept only if it reduces the gap of runs outside the fit, by whatever amount. So "
+    "this page compares the measurement with the model as given.{fitted}"
 )
-FITTED_WITH = "; the values of model.yaml are those fitted together with the {added}"
+FITTED_WITH = " With the {added}, the values are fitted again: model.yaml has those."
 RUNS = (
     "The gap of a single run includes its own scatter: a model with exact values has 1. The last "
     "columns show the worst flow or force and signals of the run, at the last step. "

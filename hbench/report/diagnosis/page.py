@@ -14,7 +14,7 @@ from hbench.report.diagnosis.names import (
     of_the_mass,
     value_words,
 )
-from hbench.report.diagnosis.sentences import predictions_words
+from hbench.report.diagnosis.sentences import predictions_words, reason_words
 from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
 from hbench.report.diagnosis.tables import effect_tables, gap_tables
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
@@ -72,7 +72,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
-        (_sentence(keys_in_words(diagnosis.why)),),
+        (_sentence(reason_words(diagnosis)),),
         drawings=drawn("ranking"),
         facts=_answers(diagnosis, OF_CANDIDATES),
         parts=(

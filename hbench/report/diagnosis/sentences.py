@@ -16,6 +16,7 @@ from hbench.report.diagnosis.names import (
     gap_number,
     in_sentence,
     in_words,
+    keys_in_words,
     of_strokes,
     share,
     value_words,
@@ -121,28 +122,47 @@ def best_candidate(diagnosis: Diagnosis) -> str:
     if not diagnosis.ranking:
         return ""
     best = diagnosis.ranking[0]
-    name, score = capital(in_words(best.name)), number(best.score + 0.0, 1)
-    size = f"its size of {number(best.size, 2)} times a typical one"
-    reasons = []
-    if best.score <= best.threshold:
-        reasons.append(
-            "it does not predict other operating points so much better that chance is ruled out "
-            f"(score {score} nats, {number(best.threshold, 1)} needed)"
-        )
-    if best.explained < LEAST_EXPLAINED:
-        reasons.append(f"it explains too little ({share(LEAST_EXPLAINED)} needed)")
-    if best.size < LEAST_SIZE:
-        reasons.append(f"{size} is too small ({number(LEAST_SIZE, 2)} needed)")
+    reasons = _not_named(best)
     why = f" It is not named: {listed(reasons)}." if reasons else ""
+    enough = (
+        f"; that share is large enough ({share(LEAST_EXPLAINED)} needed)"
+        if best.score <= best.threshold and best.explained >= LEAST_EXPLAINED
+        else ""
+    )
     hint = (
         " Take it as a hint: errors of the model's laws can look like a small effect."
         if best.explained >= LEAST_EXPLAINED and diagnosis.verdict == "unknown"
         else ""
     )
     return (
-        f"{name} is the closest of the {len(diagnosis.ranking)} effects that were tried and would "
-        f"explain {share(best.explained)} of the gap in the quantities that it changes.{why}{hint}"
+        f"{capital(in_words(best.name))} is the closest of the {len(diagnosis.ranking)} effects "
+        f"that were tried and would explain {share(best.explained)} of the gap in the quantities "
+        f"that it changes{enough}.{why}{hint}"
     )
+
+
+def _not_named(best: Candidate) -> list[str]:
+    """Return the criteria of a named effect that a candidate does not meet."""
+    reasons = []
+    if best.score <= best.threshold:
+        reasons.append(
+            "it does not predict other operating points so much better that chance is ruled out "
+            f"(score {number(best.score + 0.0, 1)} nats, {number(best.threshold, 1)} needed)"
+        )
+    if best.explained < LEAST_EXPLAINED:
+        reasons.append(f"it explains too little ({share(LEAST_EXPLAINED)} needed)")
+    if best.size < LEAST_SIZE:
+        size = f"its size of {number(best.size, 2)} times a typical one"
+        reasons.append(f"{size} is too small ({number(LEAST_SIZE, 2)} needed)")
+    return reasons
+
+
+def reason_words(diagnosis: Diagnosis) -> str:
+    """Return the reason for the verdict, without the candidate that ``best_candidate`` explains."""
+    unknown = diagnosis.verdict == "unknown" and diagnosis.ranking
+    if unknown and _not_named(diagnosis.ranking[0]):
+        return keys_in_words(diagnosis.why.partition(" The best candidate, ")[0])
+    return keys_in_words(diagnosis.why)
 
 
 def hint(diagnosis: Diagnosis) -> str:

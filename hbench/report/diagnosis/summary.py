@@ -27,7 +27,11 @@ from hbench.report.diagnosis.sentences import (
     title,
     worse_words,
 )
-from hbench.report.diagnosis.tables.separability_tables import detectable, untried_words
+from hbench.report.diagnosis.tables.separability_tables import (
+    detectable,
+    undetectable,
+    untried_words,
+)
 from hbench.report.diagnosis.words.action import (
     advice,
     confirmation,
@@ -193,7 +197,9 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         if diagnosis.verdict == "unknown" and not diagnosis.where:
             yield from (sentence for _, sentence in _insufficient(diagnosis))
         elif diagnosis.verdict == "unknown":
-            yield f"Not explained: {deviations(diagnosis.rest or diagnosis.where[:1])}."
+            gaps = diagnosis.rest or diagnosis.where[:1]
+            yield f"Not explained: {deviations(gaps)}."
+            yield agreeing_words(diagnosis, gaps)
             yield law_summary(diagnosis.unnamed)
             yield best_candidate(diagnosis)
             yield next_step(diagnosis)
@@ -204,6 +210,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
                 yield narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
         else:
             yield doubtful_values(diagnosis)
+            yield undetectable(diagnosis)
             yield best_candidate(diagnosis) if hint(diagnosis) else ""
             yield diagnosis.next_experiment or ""
 

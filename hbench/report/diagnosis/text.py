@@ -15,6 +15,7 @@ from hbench.report.diagnosis.names import (
     keys_in_words,
     steps_of,
 )
+from hbench.report.diagnosis.sentences import reason_words
 from hbench.report.diagnosis.summary import short_summary
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
 from hbench.report.diagnosis.tables.effect_tables import (
@@ -56,7 +57,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     ]
     errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
     blocks += (
-        keys_in_words(diagnosis.why),
+        reason_words(diagnosis),
         " ".join(filter(None, errors)),
         *effect_lines(diagnosis),
         *law_lines(diagnosis),
@@ -97,9 +98,9 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         finding = f"{refitted}the model agrees with the measurement"
         if isfinite(total.refitted):
             finding += (
-                f". In runs outside the fit the model deviates by {gap} times the repeatability; "
-                f"a correct model with equally uncertain values would deviate by {expected} times "
-                "on average"
+                f". In runs outside the fit the model deviates by {gap} times the repeatability "
+                "(1 is the scatter of repeated trials, and lower is better); a correct model with "
+                f"equally uncertain values would deviate by {expected} times on average"
             )
     else:
         finding = (

@@ -30,6 +30,7 @@ from hbench.report.diagnosis.words.change import (
 )
 from hbench.report.diagnosis.words.coefficient import (
     coefficient_words,
+    common_cause,
     description_words,
     of_valves,
     only_coefficient,
@@ -54,7 +55,11 @@ from hbench.report.diagnosis.words.place import (
     worst_places,
 )
 from hbench.report.diagnosis.words.refit import unexplained
-from hbench.report.diagnosis.words.unexplained import narrowing_words, unexplained_words
+from hbench.report.diagnosis.words.unexplained import (
+    limits_words,
+    narrowing_words,
+    unexplained_words,
+)
 from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
@@ -173,7 +178,10 @@ def _finding(effect: AddedEffect) -> str:
         missing = f"{capital(name)} may be missing in the model"
     value = only_coefficient(effect)
     words = f"{value}; 95 % interval" if value else parts_words(effect) or _parts(effect)
-    return f"{missing}: {description_words(effect)}{f' ({words})' if words else ''}."
+    finding = f"{missing}: {description_words(effect)}{f' ({words})' if words else ''}."
+    if cause := common_cause(effect):
+        return f"{finding} These runs may not distinguish it from {cause}."
+    return finding
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
@@ -312,7 +320,8 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         return
     finding, *place = unexplained_words(diagnosis)
     yield finding
-    yield beyond_balances(diagnosis) or " ".join(place)
+    yield limits_words(diagnosis)
+    yield beyond_balances(diagnosis) or " ".join(filter(None, place))
     yield next_step(diagnosis)
     yield (
         ""

@@ -92,6 +92,8 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     summary = (replace(tables[SUMMARY], title=_RANKED),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
     facts: tuple[tuple[str, str], ...] = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
+    if identification.scatter:
+        facts += (("Trials' scatter", _SCATTER.format(sizes=scatter_words(identification))),)
     simulated = with_errors and identification.provenance.source == "simulated"
     facts += (("Simulated", _SIMULATED),) if simulated else ()
     notes = _about_errors(identification)
@@ -171,17 +173,14 @@ def _folded(title: str, tables: Sequence[WordTable]) -> tuple[Section, ...]:
 
 
 def _about_errors(identification: Identification) -> tuple[tuple[str, str], ...]:
-    """Return the trials' scatter, and the errors of dynamic laws and of the others."""
-    scatter: tuple[tuple[str, str], ...] = ()
-    if identification.scatter:
-        scatter = (("Trials' scatter", _SCATTER.format(sizes=scatter_words(identification))),)
+    """Return the errors of dynamic laws and of the others, and those of oscillations."""
     verified = [law for law in ranked_laws(identification) if law.errors]
     kinds = [
         [law for law in verified if FRICTION_LAWS[law.law].dynamic is dynamic]
         for dynamic in (True, False)
     ]
     if not all(kinds):
-        return scatter
+        return ()
     unsteady = [error_range([law.errors["unsteady"].friction_n for law in laws]) for laws in kinds]
     names = [", ".join(law_words(law.law) for law in laws) for laws in kinds]
     words = (
@@ -190,7 +189,7 @@ def _about_errors(identification: Identification) -> tuple[tuple[str, str], ...]
         f"speed and pressure alone. RMS errors while the speed changes: {unsteady[0]} N against "
         f"{unsteady[1]} N."
     )
-    return (*scatter, ("Kinds of laws", words), *_oscillations(verified))
+    return (("Kinds of laws", words), *_oscillations(verified))
 
 
 def _oscillations(laws: Sequence[IdentifiedLaw]) -> tuple[tuple[str, str], ...]:

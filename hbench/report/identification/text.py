@@ -193,9 +193,13 @@ def _smooth(errors: ModelErrors) -> str:
 
 def scatter_words(identification: Identification) -> str:
     """Write how the trials of the verification runs scatter about their mean."""
-    scatter = identification.scatter
     parts = ((IN_MOTION, "in motion"), ((AT_SPEED,), "at constant speed"), ((AT_REST,), "at rest"))
-    return ", ".join(f"{_rms_words(scatter, part)} N {where}" for part, where in parts)
+    return ", ".join(f"{scatter_n(identification, part)} N {where}" for part, where in parts)
+
+
+def scatter_n(identification: Identification, parts: Iterable[str]) -> str:
+    """Write the trials' scatter of friction [N] in parts of the verification runs."""
+    return _rms_words(identification.scatter, parts)
 
 
 def _rms_words(errors: Mapping[str, ModelErrors], parts: Iterable[str]) -> str:

@@ -6,10 +6,16 @@ import numpy as np
 
 from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
-from hbench.report.identification.ranking import best_law, equally_good, errors_in_motion
+from hbench.report.identification.ranking import (
+    IN_MOTION,
+    best_law,
+    equally_good,
+    errors_in_motion,
+)
 from hbench.report.identification.remarks import instruments_n
 from hbench.report.identification.text import (
     hardly_determined_words,
+    scatter_n,
     undetermined_words,
 )
 from hbench.report.render.numbers import half_width, number, significant
@@ -35,10 +41,20 @@ def verdict_words(identification: Identification) -> str:
 def _closest(identification: Identification, best: str) -> str:
     """Name the law to use with its error of friction in motion."""
     error = number(errors_in_motion(identification)[best], 1)
+    where, choice = "", ""
+    if identification.provenance.source == "simulated":
+        where, choice = "On this simulated cylinder, use ", " A real cylinder may need another law."
     return (
-        f"Use {law_words(best)}: it predicts friction in motion with an RMS error of {error} N"
-        f"{_range(identification)}."
+        f"{where or 'Use '}{law_words(best)}: it predicts friction in motion with an RMS error of "
+        f"{error} N{_range(identification)}{_trials(identification)}.{choice}"
     )
+
+
+def _trials(identification: Identification) -> str:
+    """Return how far the trials scatter in motion; empty if unknown."""
+    if not identification.scatter:
+        return ""
+    return f"; the trials themselves scatter by {scatter_n(identification, IN_MOTION)} N"
 
 
 def _range(identification: Identification) -> str:

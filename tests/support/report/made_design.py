@@ -61,6 +61,7 @@ def made_design() -> Design:
     return Design(
         bench="<b>bench</b>",
         point=dict.fromkeys(names, 1.0),
+        f_load_n=500.0,
         coefficients={"beta": 7e7},
         jacobian_difference=1e-9,
         loops=(loop,),

@@ -88,7 +88,7 @@ def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTa
         "quantity",
         *of_deviation,
         "repeatability",
-        "gap",
+        "gap, all runs",
         "tolerances allow without refit",
         windows,
     )

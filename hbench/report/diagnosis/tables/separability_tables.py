@@ -138,7 +138,10 @@ def undetectable(diagnosis: Diagnosis) -> str:
     if not unseen:
         return ""
     every = len(_detectable(diagnosis))
-    return f"They would not show {len(unseen)} of {every} known effects at a typical size."
+    return (
+        f"However, {len(unseen)} of {every} known effects at a typical size could be present "
+        "without showing in these runs."
+    )
 
 
 def untried_words(diagnosis: Diagnosis) -> str:

@@ -4,19 +4,23 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from hbench.records import Diagnosis, Gap
+from hbench.records.diagnosis import SIGNIFICANT_P
 from hbench.report.diagnosis.names import (
     EDGES,
     all_in_sentence,
     deviation_and_limit,
+    gap_number,
     in_sentence,
     in_unit,
+    p_equation,
 )
-from hbench.report.diagnosis.words.deviation import exceeding
+from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, exceeding
 from hbench.report.diagnosis.words.place import rms_words, worst_places
 from hbench.report.diagnosis.words.refit import refit_increases, unexplained
 from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital, listed
 
+_FAR = 2.0  # times its limit: a deviation that is clearly above it
 _MOST = 3  # quantities with their sizes; the table has all
 
 
@@ -35,6 +39,7 @@ def unexplained_words(diagnosis: Diagnosis) -> Iterator[str]:
             size = rms_words(diagnosis, gaps[0].name, place.gap)
             yield f"The deviation is largest {place.words} ({size})."
         return
+    yield _shared_place(diagnosis, shown)
     moved = refit_increases(diagnosis)
     named = [in_sentence(gap.name) for gap in shown if gap.name in moved]
     if named and len(named) < len(gaps):
@@ -44,14 +49,71 @@ def unexplained_words(diagnosis: Diagnosis) -> Iterator[str]:
         )
 
 
-def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
-    """Return which quantities agree where some deviate; empty where none does."""
-    names = {gap.name for gap in gaps} | {gap.name for gap in exceeding(diagnosis.where)}
-    agreeing = [gap.name for gap in diagnosis.where if gap.name not in names]
-    if not agreeing:
+def _shared_place(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
+    """Return how far several quantities deviate where all of them deviate most; or nothing."""
+    worst = [places[0] for gap in gaps if (places := worst_places(diagnosis, gap.name))]
+    if len(worst) < len(gaps) or len({place.words for place in worst}) > 1:
         return ""
-    verb = "agrees" if len(agreeing) == 1 else "agree"
-    return f"{capital(all_in_sentence(agreeing))} {verb} within the limits that matter."
+    sizes = [
+        rms_words(diagnosis, gap.name, place.gap) for gap, place in zip(gaps, worst, strict=True)
+    ]
+    numbers, units = zip(*(size.split(" ", 1) for size in sizes), strict=True)
+    if len(set(units)) == 1:
+        sizes = [*numbers[:-1], sizes[-1]]
+    return f"{capital(worst[0].words)} they deviate by {listed(sizes)}."
+
+
+def limits_words(diagnosis: Diagnosis) -> str:
+    """Return how far a few deviations are above their limits, where none is twice its limit."""
+    gaps = unexplained(diagnosis)
+    if len(gaps) > _MOST or not all(
+        0 < gap.material < gap.deviation < _FAR * gap.material for gap in gaps
+    ):
+        return ""
+    ratios = listed([significant(gap.deviation / gap.material, 3) for gap in gaps])
+    limits = "limits above which they matter" if gaps[1:] else "limit above which it matters"
+    return f"That is only {ratios} times the {limits}."
+
+
+def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
+    """Return which quantities are below their limits where some deviate; empty where none is."""
+    deviating = {gap.name for gap in (*gaps, *exceeding(diagnosis.where))}
+    below = [gap for gap in diagnosis.where if gap.name not in deviating]
+    noise = [gap.name for gap in below if not gap.deviation > 0]
+    significantly = [gap for gap in below if _below_limit(gap)]
+    agreeing = [gap.name for gap in below if gap.name not in noise and gap not in significantly]
+    sentences = [_below_limit_words(diagnosis, gap) for gap in significantly]
+    if agreeing:
+        verb = "agrees" if len(agreeing) == 1 else "agree"
+        sentences.append(
+            f"{capital(all_in_sentence(agreeing))} {verb} within the limits that matter."
+        )
+    if noise:
+        names = listed([in_sentence(name) for name in noise])
+        sentences.append(f"No deviation of {names} is distinguishable from noise.")
+    return " ".join(sentences)
+
+
+def _below_limit(gap: Gap) -> bool:
+    """Return whether a deviation is significant and does not exceed its limit."""
+    return 0 < gap.deviation <= gap.material and gap.p_value < SIGNIFICANT_P
+
+
+def _below_limit_words(diagnosis: Diagnosis, gap: Gap) -> str:
+    """State a significant deviation below its limit, with its gap in held-out runs."""
+    deviation, limit = deviation_and_limit(gap)
+    where = "just below" if gap.material < CLEARLY_WORSE * gap.deviation else "below"
+    words = (
+        f"{capital(in_sentence(gap.name))} deviates significantly, but {where} its limit: by "
+        f"{deviation} RMS (matters above {limit}, {p_equation(gap.p_value)})"
+    )
+    held_out = diagnosis.gap_heldout.balances.get(gap.name)
+    if held_out is None or not held_out.refitted > CLEARLY_WORSE * held_out.floor:
+        return f"{words}."
+    return (
+        f"{words}. In runs outside the fit its gap is {gap_number(held_out.refitted)}, where a "
+        f"correct model would have {gap_number(held_out.floor)}: do not rely on it."
+    )
 
 
 def _sizes(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
