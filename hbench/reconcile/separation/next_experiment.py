@@ -99,7 +99,7 @@ class ExperimentLibrary:
         simulated, notes = self._simulated(model.hypothesis)
         shown = []
         for experiment, runs in simulated:
-            joint = self._with_runs(known, runs)
+            joint = self._with_runs(known, runs, MATERIAL)
             seen = detectable(Separation(joint.model, joint.points), sorted(hidden))
             shown.append((experiment, seen))
         chosen = []
@@ -143,12 +143,17 @@ class ExperimentLibrary:
                 simulated.append((experiment, runs))
         return simulated, tuple(notes)
 
-    def _with_runs(self, undecided: Undecided, runs: tuple[Run, ...]) -> Undecided:
-        """Return an ambiguous set with the operating points of some runs added."""
+    def _with_runs(
+        self, undecided: Undecided, runs: tuple[Run, ...], material: float = 0.0
+    ) -> Undecided:
+        """Return an ambiguous set with the operating points of some runs added.
+
+        Deviations below a share ``material`` of a signal's range do not count in these.
+        """
         model = undecided.model
         names, used = model.data.names, model.index((*undecided.added, *undecided.rivals))
         campaign = MeasuredCampaign(
-            self.bench, self.plant, self.instruments, sessions(runs), MATERIAL
+            self.bench, self.plant, self.instruments, sessions(runs), material
         )
         known = campaign.columns(model.hypothesis, [names[i] for i in used])
         blank = np.zeros_like(next(iter(known.values())))
@@ -184,12 +189,18 @@ class ExperimentLibrary:
     def _words(
         self, chosen: Mapping[str, Any], undecided: Undecided, before: Lead, after: Lead
     ) -> str:
-        return (
-            f"{self._added()} the {described(chosen)}. With these runs the score "
-            f"of the right effect among {' and '.join(undecided.rivals)} is expected to lead by "
-            f"{round(after.lead)} nats, without them by {round(before.lead)}; "
-            f"{round(after.margin)} are needed. {self._command()}"
-        )
+        of_right = f"the score of the right effect among {' and '.join(undecided.rivals)}"
+        lead = f"{after.lead:.2g} nats, without them by {max(before.lead, 0.0):.2g}"
+        if after.lead > after.margin:
+            gain = f"With these runs {of_right} is expected to lead by {lead}; "
+            gain += f"{round(after.margin)} are needed."
+        else:
+            gain = f"Of the experiments that the bench can make they separate best: {of_right} is "
+            gain += (
+                f"expected to lead by {lead}. {round(after.margin)} are needed, so they may not "
+            )
+            gain += "decide; effects that act for a moment often score more than expected."
+        return f"{self._added()} the {described(chosen)}. {gain} {self._command()}"
 
 
 def described(experiment: Mapping[str, Any]) -> str:

@@ -283,7 +283,8 @@ def _parameter_row(law: str, name: str, parameter: FitParameter) -> tuple[str, .
     if parameter.ci95 is None:
         text = significant(value, 3)
     else:
-        text = with_ends(value, *(from_si(end, unit) for end in parameter.ci95))
+        low, high = (from_si(end, unit) for end in parameter.ci95)
+        text = with_ends(value, low, high)
     remark = "" if parameter.determination == "determined" else f"{parameter.determination}"
     remark = f"at {parameter.at_bound} bound" if parameter.at_bound else remark
     return (law, words, text, unit, remark)
