@@ -189,17 +189,16 @@ class ExperimentLibrary:
     def _words(
         self, chosen: Mapping[str, Any], undecided: Undecided, before: Lead, after: Lead
     ) -> str:
-        of_right = f"the score of the right effect among {' and '.join(undecided.rivals)}"
+        right = f"the score of the right effect among {' and '.join(undecided.rivals)}"
         lead = f"{after.lead:.2g} nats, without them by {max(before.lead, 0.0):.2g}"
-        if after.lead > after.margin:
-            gain = f"With these runs {of_right} is expected to lead by {lead}; "
-            gain += f"{round(after.margin)} are needed."
-        else:
-            gain = f"Of the experiments that the bench can make they separate best: {of_right} is "
-            gain += (
-                f"expected to lead by {lead}. {round(after.margin)} are needed, so they may not "
+        needed = f"{round(after.margin)} are needed"
+        gain = f"With these runs {right} is expected to lead by {lead}; {needed}."
+        if after.lead <= after.margin:
+            gain = (
+                "Of the experiments that the bench can make they separate best, but may not "
+                f"decide: {right} is expected to lead by {lead}; {needed}. Effects that act for a "
+                "moment often score more than expected."
             )
-            gain += "decide; effects that act for a moment often score more than expected."
         return f"{self._added()} the {described(chosen)}. {gain} {self._command()}"
 
 
