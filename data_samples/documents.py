@@ -62,7 +62,7 @@ def report(folder: Path) -> None:
     shutil.copytree(HERE / "stribeck-small", folder / "stribeck-small")
     workflow.report(folder / "stribeck-small", form="pdf")
     shutil.copy(folder / "stribeck-small" / "results" / "report.pdf", DOCUMENTS)
-    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1500)
+    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1440)
 
 
 def diagnosis(folder: Path) -> None:
