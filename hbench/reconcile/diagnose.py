@@ -26,7 +26,7 @@ from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_tab
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
 from hbench.reconcile.learned.law_search import LawSearch
 from hbench.reconcile.learned.unnamed_laws import unnamed_laws
-from hbench.reconcile.linearised import LinearisedModel, linearise_residuals
+from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import OF_LOAD_CYLINDER, balance_model
 from hbench.reconcile.measured.comparable_runs import comparable_runs, log_remarks
 from hbench.reconcile.measured.contradictions import refuse_contradictions
@@ -183,7 +183,7 @@ def assembled(
     proposal = Proposal(None, None, ())
     if rivals and task.experiments:
         task.stage("searching for the experiment that separates the effects best")
-        proposal = task.experiments.propose(_undecided(measured, result, rivals, train))
+        proposal = task.experiments.propose(_undecided(result, rivals, train))
     verdict, why = decide_verdict(result, unexplained)
     best = next(iter(rivals.values()), final)
     expected = Separation(with_remaining_noise(refitted, best, train), train)
@@ -266,29 +266,13 @@ def _unnamed_laws(
 
 
 def _undecided(
-    measured: MeasuredCampaign,
-    result: SearchResult,
-    rivals: Mapping[str, LinearisedModel],
-    train: np.ndarray,
+    result: SearchResult, rivals: Mapping[str, LinearisedModel], train: np.ndarray
 ) -> Undecided:
-    """Return the ambiguous set; the best of the ``rivals`` shows what no effect explains.
-
-    Which experiment is better is decided by the noise alone: effects that are hardly larger than
-    what does not matter would otherwise be alike in all of them.
-    """
-    before, best = (
-        _with_all_deviations(measured, each)
-        for each in (result.steps[-1].before, next(iter(rivals.values())))
-    )
-    model = with_remaining_noise(before, best, train)
+    """Return the ambiguous set; the best of the ``rivals`` shows what no effect explains."""
+    best = next(iter(rivals.values()))
+    model = with_remaining_noise(result.steps[-1].before, best, train)
     fitted = {name: model.hypothesis for name, model in rivals.items()}
     return Undecided(model, train, result.names, fitted)
-
-
-def _with_all_deviations(measured: MeasuredCampaign, model: LinearisedModel) -> LinearisedModel:
-    """Return a model for which deviations that do not matter count too."""
-    residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
-    return linearise_residuals(measured, model.hypothesis, residuals, model.columns)
 
 
 def expected_variance(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:

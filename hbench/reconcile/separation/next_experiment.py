@@ -99,7 +99,7 @@ class ExperimentLibrary:
         simulated, notes = self._simulated(model.hypothesis)
         shown = []
         for experiment, runs in simulated:
-            joint = self._with_runs(known, runs, MATERIAL)
+            joint = self._with_runs(known, runs)
             seen = detectable(Separation(joint.model, joint.points), sorted(hidden))
             shown.append((experiment, seen))
         chosen = []
@@ -143,17 +143,12 @@ class ExperimentLibrary:
                 simulated.append((experiment, runs))
         return simulated, tuple(notes)
 
-    def _with_runs(
-        self, undecided: Undecided, runs: tuple[Run, ...], material: float = 0.0
-    ) -> Undecided:
-        """Return an ambiguous set with the operating points of some runs added.
-
-        Deviations below a share ``material`` of a signal's range do not count in these.
-        """
+    def _with_runs(self, undecided: Undecided, runs: tuple[Run, ...]) -> Undecided:
+        """Return an ambiguous set with the operating points of some runs added."""
         model = undecided.model
         names, used = model.data.names, model.index((*undecided.added, *undecided.rivals))
         campaign = MeasuredCampaign(
-            self.bench, self.plant, self.instruments, sessions(runs), material
+            self.bench, self.plant, self.instruments, sessions(runs), MATERIAL
         )
         known = campaign.columns(model.hypothesis, [names[i] for i in used])
         blank = np.zeros_like(next(iter(known.values())))
