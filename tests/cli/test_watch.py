@@ -509,7 +509,9 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     assert second.startswith(
         "MARGINAL: breakaway (largest friction of the force ramp), extending: "
     )
-    assert third == "NOT TESTED: breakaway: no runs; limit at most 4 bar"
+    assert third == (
+        "NOT TESTED: breakaway (largest friction of the force ramp): no runs; limit at most 4 bar"
+    )
     titles = [chart["title"] for chart in station_charts(["C"], [checks])]
     assert titles == ["5.3: breakaway, extending", "breakaway, extending", "breakaway, extending"]
     passed, nearest = map(ordinary_spaces, limits_checked(checks[:1]))
