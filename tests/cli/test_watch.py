@@ -513,7 +513,8 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
         "NOT TESTED: breakaway (largest friction of the force ramp): no runs; limit at most 4 bar"
     )
     titles = [chart["title"] for chart in station_charts(["C"], [checks])]
-    assert titles == ["5.3: breakaway, extending", "breakaway, extending", "breakaway, extending"]
+    breakaway = "breakaway (largest friction of the force ramp), extending"
+    assert titles == [f"5.3: {breakaway}", breakaway, breakaway]
     passed, nearest = map(ordinary_spaces, limits_checked(checks[:1]))
     assert passed == "Limits met: 1 of 1."
     assert "3.00 ± 0.10 bar, limit at most 4 bar, margin 1.0 bar." in nearest
