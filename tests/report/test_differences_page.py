@@ -26,6 +26,10 @@ from tests.support.report.spaces import ordinary_spaces
 
 NOTE = "retract: A"
 
+DRIFT = Drift(
+    "time", "relative", 0.001, 0.5, -2.0, 50.0, None, None, None, 0.9, 6, 18, 11, 72.0, 1.0, False
+)  # fmt: skip
+
 
 @pytest.fixture(scope="module")
 def found(small):
@@ -194,24 +198,7 @@ def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_set
 
 
 def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
-    drift = Drift(
-        "time",
-        "relative",
-        0.001,
-        0.5,
-        -2.0,
-        50.0,
-        None,
-        None,
-        None,
-        0.9,
-        6,
-        18,
-        11,
-        72.0,
-        1.0,
-        False,
-    )
+    drift = DRIFT
 
     def text(drift):
         return differences_text(replace(found, drifts=(None, drift)))
@@ -242,24 +229,7 @@ def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
 
 def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_stated(found):
     """40 ± 8 N: significant with a drift of 20 ± 11 N or less, and not with one of 20 ± 13 N."""
-    drift = Drift(
-        "time",
-        "relative",
-        0.001,
-        0.5,
-        -2.0,
-        50.0,
-        None,
-        None,
-        None,
-        0.9,
-        6,
-        18,
-        11,
-        72.0,
-        1.0,
-        False,
-    )
+    drift = DRIFT
 
     def text(half_n, mean=None, p_holm=1e-6):
         (one,) = found.curves
