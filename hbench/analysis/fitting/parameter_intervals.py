@@ -42,7 +42,7 @@ class SolutionIntervals:
         self.factor = student_factor(freedom) if freedom > 0 else np.nan
         self.rounding = rounding(problem, solution.x)
         rest = sum_of_squares(problem, solution.x)
-        self.exact = not rest > self.rounding**2  # what is left is rounding
+        self.exact = not rest > self.rounding**2  # only rounding remains
         self.variance = rest / freedom if freedom > 0 else np.nan
         # Where nothing is left, rounding is the noise beside which a parameter has an effect.
         self.noise = max(self.variance, self.rounding**2 / len(self.jacobian))

@@ -35,7 +35,7 @@ _DEAD_VOLUMES = {
     "flow_lp": "load_cylinder.dead_volume_piston",
     "flow_lr": "load_cylinder.dead_volume_rod",
 }  # values of the model file, by the balance of their chamber
-_KNOWN_SECTIONS = ("moving_mass.",)  # of values that a scale or a drawing tells, beside volumes
+_MASSES = "moving_mass."  # values of the model file that weighing gives
 _DOUBTFUL = 1.5  # assumed standard deviations
 _MOST_FACTORS = 3  # refitted values in a sentence
 
@@ -299,21 +299,22 @@ def doubtful_volume(diagnosis: Diagnosis) -> str:
 def doubtful_values(diagnosis: Diagnosis) -> str:
     """Return the volumes and masses that the refit moves far beyond their assumed accuracy.
 
-    Empty without any. Drawings and scales tell them: a value that is right in the model file has
-    taken the part of something that the model does not contain.
+    Empty without any. They are known from drawings and by weighing. If such a value is right in
+    the model file, the refit has changed it in place of an effect that the model does not contain.
     """
     parts = [
         f"{value_words(path)} {parameter_text(factor)}"
         for path, factor in diagnosis.refitted.items()
-        if path.startswith(_KNOWN_SECTIONS) or path in _DEAD_VOLUMES.values()
+        if path.startswith(_MASSES) or path in _DEAD_VOLUMES.values()
         if factor.ci95 is not None and not factor.ci95[0] <= 1 <= factor.ci95[1]
         if _priors_off(diagnosis, path) > _DOUBTFUL
     ]
     if not parts or diagnosis.refit_refused:
         return ""
     return (
-        "Check with drawings and scales what the refit makes of the model file's values, with the "
-        f"factor: {'; '.join(parts)}. Where the file is right, the model lacks something there."
+        "Check these values of the model file with drawings or by weighing. The refit multiplies "
+        f"them by a factor: {'; '.join(parts)}. If the file is right, an effect is missing in the "
+        "model."
     )
 
 
