@@ -1,6 +1,6 @@
 """Acceptance of candidate effects: thresholds of scores, least shares and sizes, and rivals."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,7 @@ _FEW_NULLS = 10  # suffice where a score is far above the threshold that they gi
 _FAR = 3.0  # times this threshold
 _FALSE = 0.05  # probability that a round of a search accepts an effect where none is missing
 _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger one counts
+_ALIKE = 2.0  # times this margin, for effects that the runs are not expected to distinguish
 
 
 @dataclass(frozen=True)
@@ -60,23 +61,34 @@ def ambiguity_margin(best: float) -> float:
     return max(_AMBIGUOUS_NATS, _AMBIGUOUS_SHARE * best)
 
 
-def is_close(candidate: Candidate, best: Candidate) -> bool:
-    """Return whether a candidate's score is close to that of the ``best`` one."""
-    return candidate.score >= best.score - ambiguity_margin(best.score)
-
-
-def indistinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
-    """Return the candidates whose scores are close to that of the first, the best one.
+def may_be_rival(candidate: Candidate, best: Candidate) -> bool:
+    """Return whether a candidate is a rival of the ``best`` one, if the runs show them alike.
 
     An effect on other balances is no rival: it explains something else.
     """
+    return _is_within(_ALIKE, candidate, best) and not set(EFFECTS[best.name].balances).isdisjoint(
+        EFFECTS[candidate.name].balances
+    )
+
+
+def indistinguishable(
+    accepted: Sequence[Candidate], alike: Collection[str] = ()
+) -> tuple[Candidate, ...]:
+    """Return the first candidate, the best one, and its rivals, whose scores are close to its own.
+
+    Those of ``alike``, effects that the runs are not expected to distinguish from the best one, may
+    be twice as far from it: what decides then is chance, or what the model neglects.
+    """
     best = accepted[0]
-    balances = set(EFFECTS[best.name].balances)
     return tuple(
         each
         for each in accepted
-        if is_close(each, best) and not balances.isdisjoint(EFFECTS[each.name].balances)
+        if may_be_rival(each, best) and (each.name in alike or _is_within(1.0, each, best))
     )
+
+
+def _is_within(count: float, candidate: Candidate, best: Candidate) -> bool:
+    return candidate.score >= best.score - count * ambiguity_margin(best.score)
 
 
 def score_to_exceed(

@@ -38,12 +38,13 @@ from hbench.analysis.rounding import distinct_texts, ranked
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
-from hbench.reconcile.hypothesis import effect_coefficients
+from hbench.reconcile.hypothesis import effect_coefficients, typical_size
 from hbench.reconcile.linearised import LinearisedModel, linearise
-from hbench.reconcile.search.acceptance import CRITERIA, TIE, indistinguishable, is_close
+from hbench.reconcile.search.acceptance import CRITERIA, TIE, indistinguishable, may_be_rival
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search.refinement import EffectRefinement
 from hbench.reconcile.search_result import SearchResult, SearchStep, added_names
+from hbench.reconcile.separation.separability import Separation
 from hbench.records import Candidate
 
 _MOST_IN_FULL = 6  # candidates
@@ -190,18 +191,25 @@ class CampaignSearch(EffectRefinement):
     ) -> tuple[SearchStep, LinearisedModel | None]:
         """Return the step that candidates, best first, give, and the refitted model."""
         evaluated, names = list(candidates), [each.candidate.name for each in candidates]
-        accepted: dict[str, EvaluatedCandidate] = {}
+        accepted: list[EvaluatedCandidate] = []
         for i, each in enumerate(evaluated):
-            if accepted and not is_close(each.candidate, next(iter(accepted.values())).candidate):
-                break  # it is neither the best one nor a rival
+            if accepted and not may_be_rival(each.candidate, accepted[0].candidate):
+                continue
+            if accepted and each.model is None and CRITERIA.accepts(each.candidate):
+                each = self._evaluate_in_full(model, added, each.candidate.name)
             evaluated[i] = tested = self._with_threshold(each, added, names)
             if tested.model and CRITERIA.accepts(tested.candidate):
-                accepted[tested.candidate.name] = tested
+                accepted.append(tested)
         if not accepted:
             return SearchStep(model, tuple(evaluated), None, ()), None
-        ambiguous = indistinguishable([each.candidate for each in accepted.values()])
+        evaluated, accepted = list(_best_first(evaluated)), list(_best_first(accepted))
+        ambiguous = indistinguishable(
+            [each.candidate for each in accepted], self._alike(accepted, added)
+        )
         refitted = {
-            each.name: self._refitted_with(accepted[each.name], added) for each in ambiguous
+            each.candidate.name: self._refitted_with(each, added)
+            for each in accepted
+            if each.candidate in ambiguous
         }
         best, *rivals = refitted
         if not all(
@@ -211,6 +219,23 @@ class CampaignSearch(EffectRefinement):
         ):
             return SearchStep(model, tuple(evaluated), None, ambiguous), None
         return SearchStep(model, tuple(evaluated), best, ()), refitted[best]
+
+    def _alike(
+        self, accepted: Sequence[EvaluatedCandidate], added: tuple[str, ...]
+    ) -> tuple[str, ...]:
+        """Return the accepted candidates that the runs are not expected to tell from the first."""
+        best, *rivals = accepted
+        if best.model is None or not rivals:
+            return ()
+        name, model = best.candidate.name, best.model.about_itself([best.candidate.name])
+        causes = np.zeros((1, len(model.data.names)))
+        for which in model.coefficients_of([name]):
+            causes[0, model.column(which)] = model.hypothesis.coefficient(which) / typical_size(
+                which
+            )
+        others = [each.candidate.name for each in rivals]
+        leads = Separation(model, self.train, added).leads({name: causes}, others)
+        return tuple(rival for (_, rival), lead in leads.items() if not lead.distinguishable)
 
     def _refitted_with(
         self, evaluated: EvaluatedCandidate, added: tuple[str, ...]
