@@ -49,9 +49,14 @@ FACTORS: Mapping[str, float] = {
 BOUND = 3.0  # priors
 # Effects that state the same as a factor: beside one the value is the model file's.
 REPLACED: Mapping[str, str] = {"valve_lag": "valve.bandwidth"}
-# Of valves of one type: 10 %, 2 % of 10 V, 3 % at 3 V, an orifice's 1/2 to 0.6, and of each line
-# between valve and transducer 0.5 bar at 10 l/min.
-_VALVE = {"curvature": 0.01, "exponent": 0.1, "hose": to_si("0.05 bar min/l", "bar min/l")}
+# Of valves of one type: 10 %, 2 % of 10 V, 3 % at 3 V, a slope that is 5 % lower or higher below
+# 2 V, an orifice's 1/2 to 0.6, and of each line between valve and transducer 0.5 bar at 10 l/min.
+_VALVE = {
+    "curvature": 0.01,
+    "small": 0.05,
+    "exponent": 0.1,
+    "hose": to_si("0.05 bar min/l", "bar min/l"),
+}
 _EACH_VALVE = {"gain": 0.1, "null": 0.2}
 # Of the edges of a valve: data sheets allow 10 % between the flows of both directions, twice this.
 _UNEVEN = 0.03

@@ -16,6 +16,7 @@ ROWS = {
             **{f"gain_{valve}": Coefficient("%", 5, -50, 50) for valve in _VALVES},
             **{f"null_{valve}": Coefficient("V", 0.05, -2, 2) for valve in _VALVES},
             "curvature": Coefficient("1/V", 0.005, -0.1, 0.1),
+            "small": Coefficient("%", 5, -50, 50),
             "exponent": Coefficient("1", 0.02, -0.2, 0.5),
             "ports": Coefficient("%", 5, -50, 50),
             "inlets": Coefficient("%", 5, -50, 50),
@@ -23,9 +24,9 @@ ROWS = {
         },
         balances=FLOWS,
         laws={"openings": flows.valve_trim, "flows": flows.uneven_ports},
-        law="opening = u (1 + gain + curvature |u|) + null; Q grows with dP^(1/2 + exponent), and "
-        "by 1 +- ports +- inlets at the test valve: + at the port to the piston side, + at inlets; "
-        "hose Q is lost of each drop dP",
+        law="opening = u (1 + gain + curvature |u|) + null, the slope lower by small within 2 V; "
+        "Q grows with dP^(1/2 + exponent), and by 1 +- ports +- inlets at the test valve: + at the "
+        "port to the piston side, + at inlets; hose Q is lost of each drop dP",
         signals="Commands at a given speed, by a share or by a constant voltage; each valve alone.",
         confused_with={
             "valve_asymmetry": Separation(

@@ -17,6 +17,7 @@ FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
 PRESSURE_PA = 50e5
 LEAST_LAG_S = 5e-5  # that the steps of the virtual rig, of 0.1 ms, can follow
 LEAST_DROP_PA = 1e3  # across a port
+SMALL_OPENING_V = 2.0  # a fifth of a valve's stroke
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
 
 
@@ -25,22 +26,24 @@ def valve_trim(
     par: PlantParameters,
 ) -> Openings:  # fmt: skip
     """Valves of one type are not equal: u (1 + g + k |u|) + u_0. c: g [1], then u_0 [V], of T, L1,
-    L2, the curvature k [1/V] of all, and four coefficients for ``uneven_ports``.
+    L2, the curvature k [1/V] and the kink s [1] of all, and four coefficients for ``uneven_ports``.
 
-    g is the deviation from the gain of the bench file, u_0 the null bias.
+    g is the deviation from the gain of the bench file, u_0 the null bias. Within 2 V the slope is
+    lower by s: a spool's edges have notches or a radius for fine control.
     """
-    g_t, g_1, g_2, null_t, null_1, null_2, k, _, _, _, _ = c
+    g_t, g_1, g_2, null_t, null_1, null_2, k, kink, _, _, _, _ = c
     return Openings(
-        trimmed(u.test, g_t, null_t, k),
-        trimmed(u.load_1, g_1, null_1, k),
-        trimmed(u.load_2, g_2, null_2, k),
+        trimmed(u.test, g_t, null_t, k, kink),
+        trimmed(u.load_1, g_1, null_1, k, kink),
+        trimmed(u.load_2, g_2, null_2, k, kink),
     )
 
 
 @inlined
-def trimmed(u: float, gain: float, null: float, curvature: float) -> float:
+def trimmed(u: float, gain: float, null: float, curvature: float, kink: float) -> float:
     """Opening [V] of one valve; u itself, to the bit, where all is 0."""
-    return u + (gain + curvature * abs(u)) * u + null
+    small = max(-SMALL_OPENING_V, min(u, SMALL_OPENING_V))
+    return u + (gain + curvature * abs(u)) * u + null - kink * small
 
 
 def uneven_ports(
@@ -54,7 +57,7 @@ def uneven_ports(
     more through and the other one less, and its inlets a share more than its outlets. A hose takes
     R Q of the drop across its port.
     """
-    n, ports, inlets, hose = c[7], c[8], c[9], c[10]
+    n, ports, inlets, hose = c[8], c[9], c[10], c[11]
     if n == 0.0 and ports == 0.0 and inlets == 0.0 and hose == 0.0:
         return q
     p_s, p_t = state[P_S], par.supply.tank_pa
