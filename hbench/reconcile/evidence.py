@@ -180,9 +180,9 @@ def intervals(
     """Return the covariance (q, q) of ``beta`` (q,) and the degrees of freedom (q,) of each.
 
     The covariance is a sandwich estimate over whole operating points. It is narrow where they are
-    few: 91 % of simulated 95 % intervals contained the truth, with 12 and with 40 points. A
-    variance is at least that of the curvature of ln L. The degrees of freedom are the number of
-    operating points that determine the parameter, less one.
+    few: 91 % of simulated 95 % intervals contained the truth, with 12 and with 40 points. The
+    variance in any direction is at least that of the curvature of ln L. The degrees of freedom are
+    the number of operating points that determine the parameter, less one.
     """
     selected, sums = priors.select(chosen), data.sums(chosen, points, None)
     weight = (sums.points / (sums.windows * sums.variance(beta[None])))[0]
@@ -195,9 +195,22 @@ def intervals(
     slope = np.einsum("g,pgj->pj", weight, residual)
     meat = slope.T @ slope * len(points) / max(len(points) - 1, 1) + prior_information
     covariance = inverse @ meat @ inverse
-    wider = np.sqrt(np.maximum(np.diag(inverse) / np.diag(covariance), 1.0))
+    covariance = _larger(covariance, inverse)
     share = information / np.maximum(information.sum(axis=0), 1e-300)
-    return covariance * np.outer(wider, wider), np.maximum(share.T @ sums.points - 1, 1.0)
+    return covariance, np.maximum(share.T @ sums.points - 1, 1.0)
+
+
+def _larger(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return a covariance (q, q) whose variance in any direction is at least that of both.
+
+    It is the smallest such one that has their common principal axes; what both determine well, as
+    a sum of two parameters of which they determine neither, remains so.
+    """
+    root = np.linalg.cholesky(second)
+    turned = np.linalg.solve(root, np.linalg.solve(root, first).T)
+    values, vectors = np.linalg.eigh(0.5 * (turned + turned.T))
+    half = root @ vectors * np.sqrt(np.maximum(values, 1.0))
+    return half @ half.T
 
 
 class Fit(NamedTuple):

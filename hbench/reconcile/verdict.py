@@ -9,7 +9,7 @@ from hbench.analysis.rounding import distinct_texts
 from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
-from hbench.reconcile.search.acceptance import CRITERIA, ambiguity_margin
+from hbench.reconcile.search.acceptance import ALIKE, CRITERIA, ambiguity_margin
 from hbench.reconcile.search_result import SearchResult
 from hbench.records import KINDS, Candidate, Gap, Run, Verdict
 from hbench.records.diagnosis import UNEXPLAINED_GAP
@@ -56,7 +56,8 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
         margin = ambiguity_margin(last.ambiguous[0].score)
         return "ambiguous", (
             f"Not distinguishable, scores in nats: {scores(last.ambiguous)}. A score decides where "
-            f"it is {margin:.1f} nats (a tenth of the best one, at least 3) above the next."
+            f"it is {margin:.1f} nats (a tenth of the best one, at least 3) above the next, or "
+            f"{ALIKE * margin:.1f} where these runs are not expected to distinguish both."
         )
     if unexplained:
         reason = (

@@ -344,6 +344,21 @@ def test_intervals_are_rather_too_wide_where_a_points_windows_tell_more_than_one
     assert covered(30, slow=False) > 0.95
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_the_sum_of_two_parameters_is_as_certain_as_one_in_their_place(seed):
+    """Their columns are nearly the same: data tell their sum, and the priors the difference."""
+    rng = np.random.default_rng(seed)
+    raw = drawn(rng, [1.0, -0.5, 0.3], points=12)
+    twin = raw.columns[..., :1] + 0.02 * rng.standard_normal((*raw.d.shape, 1))
+    data = Drawn(raw.d, np.concatenate([raw.columns, twin], axis=-1)).products()
+    spread = []
+    for chosen in ([0, 1, 2], [0, 1, 2, 3]):
+        beta = maximum_likelihood(data, freedom(4, prior=3.0), chosen, everywhere(data))[0]
+        spread.append(intervals(data, freedom(4, prior=3.0), chosen, beta, everywhere(data))[0])
+    one, of_sum = spread[0][0, 0], spread[1][np.ix_([0, 3], [0, 3])].sum()
+    assert of_sum == pytest.approx(one, rel=0.3) and spread[1][0, 0] > 100 * one
+
+
 def test_degrees_of_freedom_are_the_points_that_tell_a_parameter():
     raw = drawn(np.random.default_rng(8), [1.0, 1.0], points=20, spread=(1.0, 1.0))
     shown = np.array([[1, 0], [0, 1]])

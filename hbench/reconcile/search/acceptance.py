@@ -16,7 +16,7 @@ _FEW_NULLS = 10  # suffice where a score is far above the threshold that they gi
 _FAR = 3.0  # times this threshold
 _FALSE = 0.05  # probability that a round of a search accepts an effect where none is missing
 _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger one counts
-_ALIKE = 2.0  # times this margin, for effects that the runs are not expected to distinguish
+ALIKE = 2.0  # times this margin, for effects that the runs are not expected to distinguish
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def may_be_rival(candidate: Candidate, best: Candidate) -> bool:
 
     An effect on other balances is no rival: it explains something else.
     """
-    return _is_within(_ALIKE, candidate, best) and not set(EFFECTS[best.name].balances).isdisjoint(
+    return _is_within(ALIKE, candidate, best) and not set(EFFECTS[best.name].balances).isdisjoint(
         EFFECTS[candidate.name].balances
     )
 
