@@ -92,6 +92,23 @@ def test_a_small_command_against_the_motion_may_be_a_null(runs, model):
     refuse_contradictions(sessions([replace(run, u_t_v=-0.05 * run.u_t_v) for run in runs]), model)
 
 
+def test_a_command_that_holds_a_pressure_in_vain_is_no_wrong_sign(runs, model):
+    """A transducer shows too much: the valve opens to the tank, the less the faster it fills."""
+    one_way = [run for run in runs if run.plan.v_ref_m_s > 0]
+    held = [replace(run, u_l1_v=-7.0 + run.u_l1_v) for run in one_way]
+    refuse_contradictions(sessions(held), model)
+
+
+def test_in_one_direction_friction_that_follows_a_pressure_is_no_other_area(model, runs):
+    """Extending, friction of 10 % of the piston side's pressure force is like a smaller area."""
+    one_way = []
+    for run in runs:
+        if run.plan.v_ref_m_s > 0:
+            lost = 0.1 * run.p_tp_pa * model.par.test.area_piston_m2
+            one_way.append(replace(run, f_applied_n=run.f_applied_n - lost))
+    refuse_contradictions(sessions(one_way), model)
+
+
 @pytest.mark.parametrize("name, part", [("test_cylinder", "test"), ("load_cylinder", "load")])
 def test_a_wrong_rod_in_the_model_is_refused_with_the_rod_that_would_fit(runs, model, name, part):
     own = getattr(model.par, part)

@@ -5,10 +5,13 @@ areas, are faults of the import map or of the model file. A search would take th
 so they are looked for first, in windows of steady motion:
 
 - **Commands.** The oil that the motion needs flows into a chamber while the command of its valve
-  empties it.
+  empties it, and the further the faster the motion: the null of a valve alone may exceed the small
+  command of a slow one.
 - **Areas.** The applied force is A_p P_p - A_r P_r less friction (2.12), at the load cylinder plus
-  friction. A fit of the areas with dry and viscous friction and an offset gives their ratio. An
-  error of the load cell's gain changes both alike, so the ratio is free of it.
+  friction. A fit of the areas with friction and an offset gives their ratio. Friction is dry,
+  viscous and in proportion to each pressure, so strokes in both directions are needed: in one
+  alone, friction that grows with a pressure is like an area. An error of the load cell's gain
+  changes both areas alike, so the ratio is free of it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -51,11 +54,8 @@ def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     if wrong := dict(_wrong_commands(steady)):
         raise DataError("; ".join(wrong.values()), _command_hint(list(wrong)))
     p_tp, p_tr, p_lp, p_lr = steady.pressures_pa
-    for name, cylinder, pressures, sense in (
-        ("test_cylinder", model.par.test, (p_tp, p_tr), 1.0),
-        ("load_cylinder", model.par.load, (p_lp, p_lr), -1.0),
-    ):
-        _refuse_areas(name, cylinder, *pressures, sense, steady)
+    _refuse_areas("test_cylinder", model.par.test, p_tp, p_tr, steady)
+    _refuse_areas("load_cylinder", model.par.load, p_lp, p_lr, steady)
 
 
 def _steady(logs: Sequence[Session], model: BalanceModel) -> _Steady:
@@ -94,12 +94,21 @@ def _wrong_commands(steady: _Steady) -> Iterator[tuple[str, str]]:
         u = steady.commands_v[name]
         opened = np.abs(u) > _OPEN_V
         wrong = np.sign(u[opened]) != sense * np.sign(steady.v_m_s[opened])
-        if len(wrong) >= _FEWEST and wrong.mean() > _WRONG:
+        if len(wrong) >= _FEWEST and wrong.mean() > _WRONG and _falls(u, sense, steady):
             yield (
                 name,
                 f"{name}: valve {valve} is commanded against the motion in {100 * wrong.mean():.0f}"
                 f" % of {len(wrong)} steady windows (limit: {100 * _WRONG:.0f} %)",
             )
+
+
+def _falls(u: np.ndarray, sense: int, steady: _Steady) -> bool:
+    """Return whether a command falls where the velocity that it should drive rises."""
+    known = np.isfinite(u)
+    columns = np.column_stack([sense * steady.v_m_s[known], np.ones(known.sum())])
+    fit = np.linalg.lstsq(columns, u[known], rcond=None)[0]
+    covariance, _ = covariance_over_runs(columns, u[known] - columns @ fit, steady.run[known])
+    return bool(fit[0] < -_SIGMAS * np.sqrt(covariance[0, 0]))
 
 
 def _command_hint(names: Sequence[str]) -> str:
@@ -120,25 +129,25 @@ def _refuse_areas(
     cylinder: CylinderParameters,
     p_p: np.ndarray,
     p_r: np.ndarray,
-    sense: float,
     steady: _Steady,
 ) -> None:
-    """Raise ``DataError`` for areas that do not fit; ``sense`` is -1 where friction adds to 2.12.
+    """Raise ``DataError`` for areas that do not fit.
 
     The standard error of the ratio leaves out the correlation of both areas.
     """
     v, piston_m2, rod_m2 = steady.v_m_s, cylinder.area_piston_m2, cylinder.area_rod_m2
-    friction = -sense * np.sign(v), -sense * v
+    way = np.sign(v)
+    friction = way, v, way * p_p, way * p_r
     columns = np.column_stack([p_p * piston_m2, -p_r * rod_m2, *friction, np.ones_like(v)])
     size = np.linalg.norm(columns, axis=0)
-    if len(v) < _FEWEST or not size.all():
+    if min(np.sum(way > 0), np.sum(way < 0)) < _FEWEST or not size.all():
         return
     columns = columns / size
     fit = np.linalg.lstsq(columns, steady.force_n, rcond=None)[0]
     covariance, _ = covariance_over_runs(columns, steady.force_n - columns @ fit, steady.run)
     (piston, rod), se = fit[:2] / size[:2], np.sqrt(np.diag(covariance)[:2]) / size[:2]
-    if not piston > max(_LEAST_SHARE, _SIGMAS * se[0]):  # the force does not follow the pressures
-        return
+    if not (np.isfinite(se).all() and piston > max(_LEAST_SHARE, _SIGMAS * se[0])):
+        return  # the force does not follow the pressures, or friction may follow them
     off, error = rod / piston - 1, np.hypot(*se) / piston
     if abs(off) > max(_AREAS, _SIGMAS * error):
         given, found = rod_m2 / piston_m2, rod_m2 / piston_m2 * (1 + off)
