@@ -1,5 +1,6 @@
 """What is foreseen of runs, against what a search then finds in them: hidden laws, other plants."""
 
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -43,6 +44,11 @@ POOR = {  # one direction, one rod-side pressure: the pressures follow the load
         }
     ],
 }
+MORE_POINTS = {
+    "loads": [f"{load} N" for load in range(500, 5000, 1000)],
+    "velocities": ["20 mm/s", "50 mm/s", "100 mm/s", "150 mm/s"],
+}
+ONE_WAY = {**POOR, "experiments": [POOR["experiments"][0] | MORE_POINTS]}
 SLOW = {  # a lag then delays little, and a mass needs no force
     "kind": "triangle",
     "label": "slow",
@@ -156,6 +162,7 @@ def test_an_ambiguous_set_is_decided_by_slow_reversals(bench, bench_data, monkey
 def hidden_outcomes(folder, schedule, hide):
     """Make campaigns with effects (name, severity, seed); return diagnoses by effect and seed."""
     bench = {"bench": str(BENCH)}
+    folder.mkdir(exist_ok=True)
     (folder / "schedule.yaml").write_text(yaml.safe_dump({**schedule, **bench}))
     hidden = [word for row in hide for word in ("--hide", *map(str, row))]
     made = [folder / "made", "--schedule", folder / "schedule.yaml", *hidden]
@@ -169,6 +176,42 @@ def of_campaign(folder, schedule):
     library = ExperimentLibrary(task.bench, task.plant, task.instruments, schedule)
     data = plant_sections(read_yaml(BENCH), read_yaml(MODEL), "model")
     return diagnose(replace(task, plant_data=data, experiments=library))
+
+
+def next_campaign(folder, hidden):
+    """Return the diagnosis of ``ONE_WAY`` on a hidden bench, and that with the proposed runs."""
+    (first,) = hidden_outcomes(folder / "first", ONE_WAY, [hidden]).values()
+    diagnosis = of_campaign(first, ONE_WAY)
+    (second,) = hidden_outcomes(folder / "next", diagnosis.next_schedule, [hidden]).values()
+    return diagnosis, outcome(second)
+
+
+@pytest.mark.parametrize("seed", [72, pytest.param(82, marks=pytest.mark.slow)])
+def test_the_proposed_experiment_distinguishes_guides_and_seals(tmp_path, seed):
+    """In strokes one way at one rod-side pressure, the pressures follow the load.
+
+    The bench is a hidden one, and its friction levels off with the force. The proposal is the best
+    of all experiments that are shipped.
+    """
+    first, second = next_campaign(tmp_path, ("load_friction", 2, seed))
+    assert first.verdict == "ambiguous"
+    rivals = {candidate.name for candidate in first.alternatives}
+    assert rivals == {"load_friction", "seal_pressure_friction"}
+    lead = re.search(
+        r"expected to lead by (\S+) nats, without them by (\S+);", first.next_experiment
+    )
+    assert float(lead[1]) > 10 > 3 > float(lead[2])
+    assert second.verdict == "named" and second.named == ("load_friction",)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "hidden", [("seal_pressure_friction", 2, 71), ("direction_asymmetry", 3, 84)]
+)
+def test_runs_proposed_where_nothing_is_missing_show_what_the_first_could_not(tmp_path, hidden):
+    first, second = next_campaign(tmp_path, hidden)
+    assert first.verdict == "none" and hidden[0] in first.next_experiment
+    assert second.verdict == "named" and second.named == (hidden[0],)
 
 
 @pytest.mark.slow
