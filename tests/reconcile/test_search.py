@@ -179,6 +179,36 @@ def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(wor
 # ---- rivals
 
 
+class Rivals(CampaignSearch):
+    """Search in which what is ``beside`` is missing whichever rival is in the model."""
+
+    beside, alike = frozenset[str](), ()
+
+    def _with_threshold(self, evaluated, added, names):
+        return evaluated
+
+    def _refitted_with(self, evaluated, added):
+        return evaluated.candidate.name
+
+    def _is_missing(self, model, added, name):
+        assert model == added[-1] != name
+        return name in self.beside
+
+    def _alike(self, accepted, added):
+        return self.alike
+
+    def _evaluate_in_full(self, model, added, name):
+        score = {"load_friction": 51.0, "seal_pressure_friction": 30.0}[name]
+        return EvaluatedCandidate(Candidate(name, score, 0.9, 1.0, {}, "full", 5.0), "model")
+
+
+def rivals(**own):
+    """A search of ``Rivals`` with these attributes."""
+    search = Rivals(SimpleNamespace(), np.arange(40), ("load_cell_gain", "load_friction"))
+    vars(search).update(own)
+    return search
+
+
 @pytest.mark.parametrize(
     ("beside", "added"),
     [
@@ -191,23 +221,47 @@ def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(wor
 def test_close_candidates_are_both_present_if_each_is_accepted_beside_the_other(beside, added):
     """``beside``: the effects that are accepted with the other one in the model."""
 
-    class Rivals(CampaignSearch):
-        def _with_threshold(self, evaluated, added, names):
-            return evaluated
-
-        def _refitted_with(self, evaluated, added):
-            return evaluated.candidate.name
-
-        def _is_missing(self, model, added, name):
-            assert model == added[-1] != name
-            return name in beside
-
     close = [Candidate("load_cell_gain", 50.0, 0.9, 1.0, {}, "full", 5.0)]
     close.append(replace(close[0], name="load_friction", score=48.0))
-    search = Rivals(SimpleNamespace(), np.arange(40), tuple(each.name for each in close))
+    search = rivals(beside=beside)
     step, model = search._decided(None, (), [EvaluatedCandidate(each, "model") for each in close])
     assert (step.added, model) == (added, added)
     assert [each.name for each in step.ambiguous] == ([] if added else [c.name for c in close])
+
+
+@pytest.mark.parametrize(
+    ("score", "alike", "added"),
+    [
+        (44.0, (), "load_cell_gain"),  # 5 nats decide
+        (44.0, ("load_friction",), None),  # 10 if these runs are not expected to distinguish them
+        (39.0, ("load_friction",), "load_cell_gain"),
+    ],
+)
+def test_what_runs_are_not_expected_to_distinguish_needs_twice_the_lead(score, alike, added):
+    best = Candidate("load_cell_gain", 50.0, 0.9, 1.0, {}, "full", 5.0)
+    tried = [best, replace(best, name="load_friction", score=score)]
+    elsewhere = replace(best, name="supply_droop", score=49.0)  # of another balance: no rival
+    step, _ = rivals(alike=(*alike, "supply_droop"))._decided(
+        None, (), [EvaluatedCandidate(each, "model") for each in (*tried, elsewhere)]
+    )
+    assert step.added == added
+    assert [each.name for each in step.ambiguous] == ([] if added else [c.name for c in tried])
+
+
+@pytest.mark.parametrize(
+    ("name", "close"), [("load_friction", True), ("seal_pressure_friction", False)]
+)
+def test_a_rival_known_by_its_columns_alone_is_evaluated_in_full(name, close):
+    """A far larger candidate of another balance may have kept it out of the first six."""
+    best = Candidate("load_cell_gain", 50.0, 0.9, 1.0, {}, "full", 5.0)
+    linear = replace(best, name=name, score=45.0, tried="linear")
+    step, _ = rivals()._decided(
+        None, (), [EvaluatedCandidate(best, "model"), EvaluatedCandidate(linear, None)]
+    )
+    assert step.added == (None if close else "load_cell_gain")
+    first = [name, "load_cell_gain"]  # in full it leads by 1 nat
+    assert [each.name for each in step.ambiguous] == (first if close else [])
+    assert {each.candidate.tried for each in step.evaluated} == {"full"}
 
 
 @pytest.mark.parametrize(
