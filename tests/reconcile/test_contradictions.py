@@ -27,6 +27,10 @@ def model(bench_data):
 
 @pytest.fixture(scope="module")
 def runs(model):
+    return strokes(model, wander=0.03)
+
+
+def strokes(model, wander):
     """36 steady strokes at three speeds, three loads and two pressures, in both directions."""
     test, load = model.par.test, model.par.load
     rng, made = np.random.default_rng(3), []
@@ -34,7 +38,7 @@ def runs(model):
         for force in (-3e3, 500.0, 4e3):
             for p_back in (20 * BAR, 60 * BAR):
                 t = np.arange(150) * 0.01
-                dry = (300 - 200 * np.sqrt(abs(v))) * (1 + 0.03 * rng.standard_normal())
+                dry = (300 - 200 * np.sqrt(abs(v))) * (1 + wander * rng.standard_normal())
                 friction = np.sign(v) * (dry + 0.4 * p_back / BAR) + 1500 * v
                 p_tp = (force + friction + p_back * test.area_rod_m2) / test.area_piston_m2
                 p_lr = p_back + 10 * BAR
@@ -107,6 +111,21 @@ def test_in_one_direction_friction_that_follows_a_pressure_is_no_other_area(mode
             lost = 0.1 * run.p_tp_pa * model.par.test.area_piston_m2
             one_way.append(replace(run, f_applied_n=run.f_applied_n - lost))
     refuse_contradictions(sessions(one_way), model)
+
+
+def test_pressures_that_differ_between_the_directions_alone_do_not_tell_the_areas(model):
+    """As in a Stribeck schedule: 20 bar extending and 60 bar retracting.
+
+    They rise by 2 bar with the speed, and extending has 60 N that grow with the speed's square.
+    """
+    usual = []
+    for run in strokes(model, wander=0.0):
+        v = run.plan.v_ref_m_s
+        if (v > 0) == (run.p_tr_pa.mean() < 40 * BAR):
+            more_pa, friction_n = 2 * BAR * (v / 0.12) ** 2, 60 * (max(v, 0.0) / 0.12) ** 2
+            force = run.f_applied_n - more_pa * model.par.test.area_rod_m2 - friction_n
+            usual.append(replace(run, p_tr_pa=run.p_tr_pa + more_pa, f_applied_n=force))
+    refuse_contradictions(sessions(usual), model)
 
 
 @pytest.mark.parametrize("name, part", [("test_cylinder", "test"), ("load_cylinder", "load")])

@@ -10,8 +10,9 @@ so they are looked for first, in windows of steady motion:
 - **Areas.** The applied force is A_p P_p - A_r P_r less friction (2.12), at the load cylinder plus
   friction. A fit of the areas with friction and an offset gives their ratio. Friction is dry,
   viscous and in proportion to each pressure, so strokes in both directions are needed: in one
-  alone, friction that grows with a pressure is like an area. An error of the load cell's gain
-  changes both areas alike, so the ratio is free of it.
+  alone, friction that grows with a pressure is like an area. So are pressures that differ between
+  the directions alone, and are not judged. An error of the load cell's gain changes both areas
+  alike, so the ratio is free of it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -34,6 +35,7 @@ _WRONG = 0.9  # share of windows in which a command has the wrong sign
 _AREAS = 0.08  # relative error of the areas' ratio; 11 % or more to the next rod of ISO 3320
 _SIGMAS = 4.0  # of its standard error, at least
 _LEAST_SHARE = 0.5  # of the piston's area by the fit
+_LEAST_OWN = 0.05  # part of a pressure that friction and the other one do not follow: it tells
 _FEEDS = {"u_t_v": ("T", 1), "u_l1_v": ("L1", 1), "u_l2_v": ("L2", -1)}  # sign of v it drives
 
 
@@ -143,6 +145,8 @@ def _refuse_areas(
     if min(np.sum(way > 0), np.sum(way < 0)) < _FEWEST or not size.all():
         return
     columns = columns / size
+    if min(_own_part(columns, 0), _own_part(columns, 1)) < _LEAST_OWN:
+        return
     fit = np.linalg.lstsq(columns, steady.force_n, rcond=None)[0]
     covariance, _ = covariance_over_runs(columns, steady.force_n - columns @ fit, steady.run)
     (piston, rod), se = fit[:2] / size[:2], np.sqrt(np.diag(covariance)[:2]) / size[:2]
@@ -158,6 +162,13 @@ def _refuse_areas(
             "Correct the cylinder's diameters in the model file, or the scale of a pressure in the "
             "import map.",
         )
+
+
+def _own_part(columns: np.ndarray, which: int) -> float:
+    """Return the length of a column (n,) of length 1 that the others (n, p - 1) leave over."""
+    others = np.delete(columns, which, axis=1)
+    left = columns[:, which] - others @ np.linalg.lstsq(others, columns[:, which], rcond=None)[0]
+    return float(np.linalg.norm(left))
 
 
 def _fitting_rod(piston_m2: float, ratio: float) -> str:
