@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from hbench.motion.speeds import BlockSpeeds, block_speeds, mean_speed, noise_over_motion
+from hbench.motion.noise import noise_over_motion
+from hbench.motion.speeds import BlockSpeeds, block_speeds, mean_speed
 
 SAME_SPEED = 0.10  # of the speed: what differs less is the same plateau
 _RESOLVED = 0.03  # of the speed: noise of a block that is long enough
