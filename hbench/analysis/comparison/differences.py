@@ -32,7 +32,7 @@ from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.student import satterthwaite
-from hbench.analysis.summary.drift import efficiency_drift
+from hbench.analysis.summary.drift_uncertainty import efficiency_drift
 from hbench.analysis.uncertainty.budget import errors_of, friction_contributions, with_dof
 from hbench.config.sensors import Instruments
 from hbench.records import (
