@@ -15,7 +15,8 @@ from hbench.protocol.frames import Frame, encode
 from hbench.rig import virtual
 from hbench.rig.client import BoardClient
 from hbench.rig.firmware import HostFirmware
-from hbench.store.campaign.folder import CampaignWriter, load_campaign
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.writer import CampaignWriter
 
 
 @pytest.fixture

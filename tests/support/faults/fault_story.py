@@ -17,7 +17,7 @@ from hbench import workflow
 from hbench.errors import DeviceError
 from hbench.protocol.dictionary import RECORD_FLAGS as FLAG_NAMES
 from hbench.rig import virtual
-from hbench.store.campaign import folder as campaign_folder
+from hbench.store.campaign import writer
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.files import atomic
 from tests.support.faults.faulty_line import FLAGS, INDEX, RUN, Killed, Script, World, attempts
@@ -85,7 +85,7 @@ def mortal_disk(patch, world: World) -> None:
     Flushing is left out: a killed process loses nothing that it has given to the system.
     """
     writes = iter(range(10**6))
-    rename = campaign_folder.rename
+    rename = writer.rename
 
     def dies() -> bool:
         world.check_alive()
@@ -113,7 +113,7 @@ def mortal_disk(patch, world: World) -> None:
 
     patch.setattr(atomic, "_flush", mortal_flush)
     patch.setattr(atomic, "_flush_folder", mortal_flush_folder)
-    patch.setattr(campaign_folder, "rename", mortal_rename)
+    patch.setattr(writer, "rename", mortal_rename)
 
 
 def check_nothing_rewritten(folder: Path, before: dict) -> dict:
