@@ -9,15 +9,15 @@ from hbench.records.curves import LEAST_HELD_OUT_SPEEDS
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.page_tables import LOAD_CELL, WHO, friction_budget_table, table, who
-from hbench.report.campaign.quality import (
+from hbench.report.campaign.quality.completeness import short_point_table
+from hbench.report.campaign.quality.plausibility import implausible_table
+from hbench.report.campaign.quality.tables import quality_table
+from hbench.report.campaign.quality.verdict import (
     RULE,
-    implausible_table,
     instruments_percent,
     next_step,
     quality_count,
-    quality_table,
     quality_verdict,
-    short_point_table,
 )
 from hbench.report.campaign.settings import aborted_words, is_aborted
 from hbench.report.drift import drift_fact

@@ -17,7 +17,7 @@ from hbench.report.campaign.page_tables import (
     band_table,
     trend_table,
 )
-from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.quality.verdict import quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.drift import drift_words
