@@ -43,6 +43,7 @@ from scipy.special import stdtr
 
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.statistics.within import group_means, is_proportional, within
 from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.summary.setups import means_of_setups, sizes_and_sets
 from hbench.records import Curve, Drift, Grade, QualityCheck, ScreenedRun
@@ -85,7 +86,7 @@ def friction_drift(
     dof = len(size) - sets - 1
     if dof < _LEAST_DOF or spread == 0.0:
         return None
-    mean_n = np.abs(_means(trials.friction_n, trials.point))
+    mean_n = np.abs(group_means(trials.friction_n, trials.point))
     if not np.median(mean_n) > 0.0:
         return None
     deviation = within(trials.friction_n, trials.point)
@@ -202,29 +203,12 @@ def _speed_share(trials: _Trials, span: float) -> float:
     return float(reach * (v @ trials.t) / (v @ v) / span)
 
 
-def _means(values: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Return the mean of each value's group (n,)."""
-    _, index = np.unique(group, return_inverse=True)
-    return (np.bincount(index, values) / np.bincount(index))[index]
-
-
-def within(values: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Return the deviations from the means of the groups (n,)."""
-    return values - _means(values, group)
-
-
 def _is_relative(deviation_n: np.ndarray, mean_n: np.ndarray) -> bool:
-    """Return whether the scatter is proportional to friction rather than the same everywhere.
-
-    Gaussian log-likelihoods, each at its own best variance: with s_i = s F_i against s_i = s,
-    -n log(sum (dev/F)^2) / 2 - sum log F  >  -n log(sum dev^2) / 2.
-    """
-    if not mean_n.min() > 0.0 or not deviation_n.any():
+    """Return whether the scatter is proportional to friction; not where a point has none."""
+    if not mean_n.min() > 0.0:
         return False
     share = deviation_n / mean_n
-    n = len(share)
-    gain = 0.5 * n * np.log((deviation_n @ deviation_n) / (share @ share))
-    return bool(gain > np.log(mean_n).sum())
+    return is_proportional(deviation_n @ deviation_n, share @ share, mean_n)
 
 
 def _p_value(rate: float, se: float, dof: int) -> float:
