@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hbench import workflow
 from hbench.errors import DeviceError
 from hbench.protocol.dictionary import RECORD_FLAGS as FLAG_NAMES
 from hbench.rig import virtual
@@ -21,6 +20,7 @@ from hbench.store.campaign import writer
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.files import atomic
 from tests.support.faults.faulty_line import FLAGS, INDEX, RUN, Killed, Script, World, attempts
+from tests.support.rig_campaign import measure_on_rig
 
 LAST = 1 << FLAG_NAMES.index("last")
 MOST_SESSIONS = 150  # most of them while the port is gone, by an operator without patience
@@ -60,16 +60,7 @@ def play(script: Script, experiment, folder: Path, clock) -> Story:
 def session(experiment, folder: Path, clock, story: Story) -> bool:
     """Run or resume; True when the campaign is complete. Any other error than these is a bug."""
     try:
-        workflow.measure(
-            experiment,
-            folder,
-            port="sim",
-            plant=None,
-            seed=1,
-            resume=(folder / "campaign.yaml").exists(),
-            clock=clock,
-            report=lambda progress: None,
-        )
+        measure_on_rig(experiment, folder, resume=(folder / "campaign.yaml").exists(), clock=clock)
     except DeviceError as error:
         story.errors.append(error.message)
         return False
