@@ -21,7 +21,7 @@ from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.duplicates import duplicates
 from hbench.store.suggesting.factors import column_factors
-from hbench.store.suggesting.file_names import NamePattern, name_patterns, numbers_of
+from hbench.store.suggesting.file_names import NamePattern, name_patterns
 from hbench.store.suggesting.force_balance import ForceBalance, force_balance
 from hbench.store.suggesting.map_yaml.map_text import map_text
 from hbench.store.suggesting.map_yaml.suggested_map import (
@@ -29,6 +29,7 @@ from hbench.store.suggesting.map_yaml.suggested_map import (
     SuggestedSeries,
 )
 from hbench.store.suggesting.motion import motion_of
+from hbench.store.suggesting.name_fields import numbers_of
 from hbench.store.suggesting.quantities import meaning
 from hbench.store.suggesting.samples import (
     SampleColumn,
