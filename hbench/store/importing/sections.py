@@ -6,13 +6,14 @@ import numpy as np
 
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
-from hbench.motion.plateaus import Plateau, plateau_at, plateaus, settled
+from hbench.motion.plateaus import Plateau, plateau_at, plateaus
 from hbench.motion.reversals import (
     LONGEST_STEP_S,
     cut_at_reversals,
     settled_strokes,
     stroke_speed,
 )
+from hbench.motion.settling import settled
 from hbench.motion.speeds import block_speeds
 from hbench.records import KINDS
 from hbench.store.importing.file_notes import FileNote
