@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from hbench.records import Completeness, PointTrials
-from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.quality.finding import plural
+from hbench.report.campaign.table_columns import WHO, table, who
 from hbench.report.render.numbers import number, short
 from hbench.report.render.word_tables import Table
 

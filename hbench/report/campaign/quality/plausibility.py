@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from hbench.records import ImplausiblePoint
-from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import load_words
+from hbench.report.campaign.table_columns import WHO, table, who
 from hbench.report.render.numbers import number, with_interval
 from hbench.report.render.word_tables import Table
 
