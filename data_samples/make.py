@@ -26,7 +26,8 @@ from hbench.experiment.runner import run_campaign
 from hbench.records import ScreenedRun
 from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
-from hbench.store.campaign.folder import CampaignWriter, load_campaign
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.writer import CampaignWriter
 
 HERE = Path(__file__).parent
 SEED = 20

@@ -19,6 +19,7 @@ from hypothesis import settings
 
 from hbench import workflow
 from hbench.parallel.one_thread import ONE_THREAD
+from tests.support.rig_campaign import measure_on_rig
 
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT))  # for ``tests.support``; behind the installed hbench
@@ -199,15 +200,7 @@ def on_the_rig():
     from hbench.store.campaign.folder import load_campaign
 
     def make(schedule: Path, folder: Path, **options):
-        given = {
-            "port": "sim",
-            "plant": None,
-            "seed": 1,
-            "resume": False,
-            "clock": lambda: datetime(2026, 1, 1, tzinfo=UTC),
-            "report": lambda progress: None,
-        }
-        workflow.measure(workflow.load_experiment(schedule, None), folder, **given | options)
+        measure_on_rig(workflow.load_experiment(schedule, None), folder, **options)
         return load_campaign(folder)
 
     return make

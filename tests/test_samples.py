@@ -2,12 +2,12 @@
 
 import json
 import shutil
-from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
 from hbench import workflow
+from tests.support.rig_campaign import measure_on_rig
 
 SAMPLES = Path(__file__).parents[1] / "data_samples"
 
@@ -78,16 +78,7 @@ def coverage(seeds: range, folder: Path) -> float:
     one_law.write_text("laws: [marton_lantos]\n")
     inside = []
     for seed in seeds:
-        workflow.measure(
-            experiment,
-            folder / str(seed),
-            port="sim",
-            plant=SAMPLES / "plant.yaml",
-            seed=seed,
-            resume=False,
-            clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
-            report=lambda progress: None,
-        )
+        measure_on_rig(experiment, folder / str(seed), plant=SAMPLES / "plant.yaml", seed=seed)
         inside += covered(workflow.analyze(folder / str(seed), one_law))
     print(f"coverage {sum(inside)} of {len(inside)}")
     return sum(inside) / len(inside)

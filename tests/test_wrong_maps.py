@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from hbench import workflow
-from hbench.report.campaign.quality import next_step, quality_verdict
+from hbench.report.campaign.quality.verdict import next_step, quality_verdict
 from hbench.report.conformity.text import acceptance_text
 from hbench.store.campaign.stored_acceptance import stored_checks
 from tests.support.strokes import there_and_back

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.motion.speeds import noise_over_motion
+from hbench.motion.noise import noise_of_differences, noise_over_motion
 
 BLOCK_S = 0.1
 LEAST_REST_S = 0.5  # five blocks, whose scatter gives the standard error
@@ -63,7 +63,7 @@ def zero_offset(t_s: np.ndarray, values: np.ndarray) -> ZeroOffset | None:
     means = np.bincount(block, y)[full] / counts[full]
     middles = np.bincount(block, t)[full] / counts[full]
     se = float(np.std(means, ddof=1) / np.sqrt(len(means)))
-    scatter = 1.4826 * float(np.median(np.abs(np.diff(means)))) / np.sqrt(2)
+    scatter = noise_of_differences(np.diff(means), 1)
     step, at = largest_step(means, scatter)
     trend = _trend(middles, means, scatter)
     if step and trend:  # what explains more

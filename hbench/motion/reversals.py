@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hbench.motion.noise import noise_over_motion
 from hbench.motion.rest import BLOCK_S, rest_before_motion
-from hbench.motion.speeds import noise_over_motion
 
 # A reversal counts once the position has returned by this fraction of the shortest stroke: far
 # above the noise of a position sensor, far below a stroke.

@@ -11,7 +11,11 @@ if TYPE_CHECKING:
     from hbench.records.design import *
     from hbench.records.diagnosis import *
     from hbench.records.differences import *
-    from hbench.records.fleet import *
+    from hbench.records.fleet.campaigns import *
+    from hbench.records.fleet.population import *
+    from hbench.records.fleet.precision import *
+    from hbench.records.fleet.process_control import *
+    from hbench.records.fleet.summary import *
     from hbench.records.identification import *
     from hbench.records.import_preview import *
     from hbench.records.kinds import *
@@ -19,6 +23,7 @@ if TYPE_CHECKING:
     from hbench.records.phenomenon import *
     from hbench.records.results import *
     from hbench.records.runs import *
+    from hbench.records.separability import *
     from hbench.records.summary import *
 
 _MODULES = {
@@ -53,22 +58,18 @@ _MODULES = {
         "BeforeAfter",
         "Candidate",
         "Change",
-        "DetectableSize",
         "Diagnosis",
         "EffectInPractice",
-        "EffectPair",
         "Gap",
         "GapTable",
         "HeldOutError",
         "HeldOutLoad",
         "Lookalike",
         "Overlay",
-        "PlannedEffects",
         "Region",
         "ResidualMap",
         "Rival",
         "RunGap",
-        "Separability",
         "UnnamedLaw",
         "Verdict",
         "WorkingPoint",
@@ -85,30 +86,36 @@ _MODULES = {
         "MeanAtSpeed",
         "MeanOfCurves",
     ),
-    "fleet": (
-        "CYLINDER",
-        "FEWEST_CAMPAIGNS",
+    "fleet.campaigns": (
         "QUANTITIES",
+        "FleetCampaign",
+        "FleetNumber",
+        "FleetRow",
+        "Quantity",
+        "Side",
+    ),
+    "fleet.population": (
+        "FEWEST_CAMPAIGNS",
         "Block",
+        "Deviation",
+        "Spread",
+        "Suspect",
+        "Trend",
+        "WearTrend",
+    ),
+    "fleet.precision": (
+        "CYLINDER",
+        "Estimate",
+        "Precision",
+        "VarianceSource",
+    ),
+    "fleet.process_control": (
         "Capability",
         "ChartSignal",
         "ChartStep",
         "ControlChart",
-        "Deviation",
-        "Estimate",
-        "Fleet",
-        "FleetCampaign",
-        "FleetNumber",
-        "FleetRow",
-        "Precision",
-        "Quantity",
-        "Side",
-        "Spread",
-        "Suspect",
-        "Trend",
-        "VarianceSource",
-        "WearTrend",
     ),
+    "fleet.summary": ("Fleet",),
     "identification": (
         "Followed",
         "Identification",
@@ -176,6 +183,12 @@ _MODULES = {
         "Segment",
         "Specimen",
         "SteadyMeans",
+    ),
+    "separability": (
+        "DetectableSize",
+        "EffectPair",
+        "PlannedEffects",
+        "Separability",
     ),
     "summary": (
         "Basis",

@@ -10,6 +10,7 @@ import numpy as np
 
 from hbench.records.numbers import FitParameter, FloatOrNan
 from hbench.records.runs import Provenance, RunPlan
+from hbench.records.separability import Separability
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
 REST_M_S = 2e-3  # windows with a lower speed are at rest
@@ -110,52 +111,6 @@ class Candidate:
     parameters: dict[str, FloatOrNan]
     tried: Literal["full", "linear"]  # at its fitted coefficients, or by its columns alone
     threshold: FloatOrNan = 0.0  # that its score must exceed
-
-
-@dataclass(frozen=True)
-class DetectableSize:
-    """Smallest value of an effect's coefficient that some runs would show, in its unit."""
-
-    effect: str
-    coefficient: str
-    smallest: FloatOrNan  # nan: not detectable at ten times its typical value
-    typical: FloatOrNan
-    unit: str
-    limit: Literal["evidence", "size"]  # what determines it: its score, or the least size named
-
-    @property
-    def detectable(self) -> bool:
-        """Whether the typical value is detectable."""
-        return self.smallest <= self.typical
-
-
-@dataclass(frozen=True)
-class EffectPair:
-    """Separation of two effects by some runs."""
-
-    first: str
-    second: str
-    angle_deg: FloatOrNan  # of their signatures; nan: the runs do not show one of them
-    lead: FloatOrNan  # expected lead in score of the true effect in the worst case, nats
-    distinguishable: bool | None  # None: neither effect is detectable
-
-
-@dataclass(frozen=True)
-class Separability:
-    """Effects that some runs would detect, and the separation of each pair."""
-
-    sizes: tuple[DetectableSize, ...]
-    pairs: tuple[EffectPair, ...]
-
-
-@dataclass(frozen=True)
-class PlannedEffects:
-    """Effects that planned runs would show, by simulation."""
-
-    separability: Separability
-    not_tried: dict[str, str]  # effects that the runs do not show at all, with the reason
-    shortfalls: tuple[str, ...]  # for which no effect would be named, whatever its size
-    missing: tuple[str, ...]  # experiments that make more effects distinguishable
 
 
 @dataclass(frozen=True)

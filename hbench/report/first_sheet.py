@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from hbench.records import Results
-from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.quality.verdict import quality_verdict
 from hbench.report.campaign.settings import aborted_words, identity_facts
 from hbench.report.campaign.summary import summary_section
 from hbench.report.headline import headline_words, possible_drift_words

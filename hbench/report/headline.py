@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Sequence
 from statistics import median_low
 
 from hbench.records import Direction, HeadlineNumber, HeadlineSeries, Results
-from hbench.report.campaign.quality import quality_count
+from hbench.report.campaign.quality.verdict import quality_count
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.campaign.settings import aborted_words
 from hbench.report.drift import possible_words

@@ -8,8 +8,8 @@ from hbench.records import Curve, OilTemperature, Reduction, Results, ViscosityE
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.records.summary import SEPARATED_VIF
 from hbench.report.campaign.fit_tables import fit_tables, law_words
-from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import TITLES
+from hbench.report.campaign.table_columns import WHO, table, who
 from hbench.report.drift import drift_words
 from hbench.report.oil_words import PLACES, celsius
 from hbench.report.render.document import Section

@@ -1,4 +1,4 @@
-"""Names, limits and remedies of the checks of a campaign's data, in words."""
+"""Names, findings, limits and remedies of the checks of a campaign's data, in words."""
 
 LOAD_CELL_ZERO = (
     "the zero of the load cell was not checked: U contains its error only as far as a tolerance of "
@@ -21,6 +21,25 @@ NAMES = {
     "constant_force": "Constant force",
     "instruments": "Instruments",
 }
+FINDINGS = {  # of the checks whose words depend on their numbers alone
+    "runs_accepted": "{count} of {of}, {value} %",
+    "repeatability": "95 % interval of the trials is ±{value} % of friction (median)",
+    "load_spread": "at {count} of {of} points runs of different loads are averaged: no nominal "
+    "load separates them, and those measured differ by up to {value} %",
+    "nominal_load": "in {count} of {of} runs the load cell differs from the nominal load by more "
+    "than {good:g} %, by up to {value} %",
+    "zeros": "largest error {value} % of the tolerance; {count} of {of} checked sensors beyond it",
+    "zero_drift": "largest change {value} % of the tolerance; {count} of {of} checked sensors "
+    "beyond it",
+    "load_direction": "at all {count} points the load helps the motion and supplies friction, "
+    "{value} % of it (median)",
+    "load_balance": "the mean friction of both directions changes by {value} % of the load",
+    "equal_directions": "at {count} of {of} speeds and loads one direction has more than twice "
+    "the friction of the other",
+    "constant_force": "the mean friction of both directions is the same at all speeds and loads, "
+    "{value} % of friction, as by a constant force that is not measured",
+}
+WRONG_BALANCE = ", as it does with a wrong diameter or a wrong scale of a pressure or force"
 LIMITS = {
     "complete": "good if all planned runs were completed and each point has a trial; poor below "
     "{poor:g} %",

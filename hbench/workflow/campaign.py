@@ -27,8 +27,9 @@ from hbench.records import RunPlan
 from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient
 from hbench.rig.ports import Port
-from hbench.store.campaign.folder import CampaignWriter, StoredCampaign, load_campaign
+from hbench.store.campaign.folder import StoredCampaign, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
+from hbench.store.campaign.writer import CampaignWriter
 from hbench.store.files.bounded_read import LARGEST_LOG
 from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.watching.live import published

@@ -6,7 +6,7 @@ from hbench.analysis.comparison import matching
 from hbench.analysis.comparison.band_differences import band_differences, trend_differences
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.drift_effects import with_drift_effects
-from hbench.analysis.summary.drift import RunClock
+from hbench.analysis.summary.run_clock import RunClock
 from hbench.errors import DataError
 from hbench.records import CampaignDifferences
 from hbench.report.comparison.figures import draw_differences

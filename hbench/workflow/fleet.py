@@ -26,7 +26,7 @@ from hbench.untrusted_text import printable
 from hbench.workflow.results import derive
 
 if TYPE_CHECKING:
-    from hbench.analysis.comparison.precision import Tolerance
+    from hbench.analysis.fleet.precision import Tolerance
 
 _DIED = "its analysis killed the process twice (out of memory?); the next call analyzes it again"
 
@@ -68,7 +68,7 @@ def analyze_fleet(
     gets the numbers of campaigns analyzed by this call, to analyze, and failed. Raises
     ``ConfigError``, ``DataError``, ``DeviceError``.
     """
-    from hbench.analysis.comparison.fleet_summary import summarize  # needed at the end only
+    from hbench.analysis.fleet.summary import summarize  # needed at the end only
 
     require_pyarrow()
     product = None if limits is None else parse_limits(read_yaml(limits), str(limits))

@@ -23,15 +23,12 @@ from hbench.analysis.screening.zero_check import (
     with_zero_checks,
     zeros_over_time,
 )
-from hbench.analysis.summary.drift import (
-    RunClock,
-    efficiency_with_drift,
-    friction_drift,
-    with_drift,
-)
+from hbench.analysis.summary.drift import friction_drift
+from hbench.analysis.summary.drift_uncertainty import efficiency_with_drift, with_drift
 from hbench.analysis.summary.force_checks import direction_notes
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
+from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.temperature.hersey import with_hersey
 from hbench.analysis.temperature.oil_temperature import oil_temperature
 from hbench.analysis.uncertainty.efficiency import efficiency_curve

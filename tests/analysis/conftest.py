@@ -2,7 +2,6 @@
 
 import copy
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from hbench.config.schedule import Screening
 from hbench.records import Curve, CurvePoint, Run, RunPlan, Specimen
 from hbench.store.campaign.folder import load_campaign
 from tests.support.analysis.other_plant import OTHER_PLANT
+from tests.support.rig_campaign import measure_on_rig
 
 SPECIMEN = Specimen(area_piston_m2=1.25e-3, area_rod_m2=0.75e-3, stroke_m=0.4)
 RATE_HZ = 100.0
@@ -50,15 +50,11 @@ def rig_campaign(tmp_path):
         (tmp_path / "plant.yaml").write_text(yaml.safe_dump(plant))
         schedule = {"name": "test", "bench": "bench.yaml", "experiments": experiments}
         (tmp_path / "schedule.yaml").write_text(yaml.safe_dump(schedule))
-        workflow.measure(
+        measure_on_rig(
             workflow.load_experiment(tmp_path / "schedule.yaml", None),
             folder,
-            port="sim",
             plant=tmp_path / "plant.yaml",
             seed=seed,
-            resume=False,
-            clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
-            report=lambda progress: None,
         )
         return folder
 

@@ -11,7 +11,7 @@ from hbench.analysis.screening.screen import screen
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
-from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.quality.verdict import quality_verdict
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from hbench.analysis.screening.screen import screen
 from hbench.analysis.summary.completeness import completeness
 from hbench.config.schedule import Screening
 from hbench.records import Motion, Run, RunPlan, ScreenedRun, Segment, Specimen
-from hbench.report.campaign.quality import short_point_table
+from hbench.report.campaign.quality.completeness import short_point_table
 
 SPECIMEN = Specimen(1.25e-3, 0.75e-3, 0.4)
 RATE, LOAD, T = 500.0, 2000.0, 0.01

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.comparison.capability import capabilities, without_capability
+from hbench.analysis.fleet.capability import capabilities, without_capability
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 
 FRICTION = {"quantity": "friction", "unit": "N"}

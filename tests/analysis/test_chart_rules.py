@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.stats import ttest_ind
 
-from hbench.analysis.comparison.change_point import change_point
-from hbench.analysis.comparison.ewma import ewma
-from hbench.analysis.comparison.run_rules import RULES, SHEWHART, run_rules
+from hbench.analysis.fleet.change_point import change_point
+from hbench.analysis.fleet.ewma import ewma
+from hbench.analysis.fleet.run_rules import RULES, SHEWHART, run_rules
 
 # Montgomery, Introduction to Statistical Quality Control, table 9.1 and example 9.2 (mean 10, sigma
 # 1, lambda 0.1, L 2.7; a shift to 11 after point 20). The numbers were typed from memory, without

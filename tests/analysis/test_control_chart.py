@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.comparison.control_chart import Charted, control_charts
+from hbench.analysis.fleet.control_chart import Charted, control_charts
 from hbench.records import QUANTITIES
 
 FRICTION = next(q for q in QUANTITIES if q.name == "friction_n")

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.comparison.differences import campaign_differences, welch
+from hbench.analysis.comparison.difference_tests import welch
+from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.summary.headline import headline
 from hbench.analysis.summary.quality import quality

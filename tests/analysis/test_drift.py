@@ -9,13 +9,9 @@ from scipy import stats
 from hbench.analysis.curves.average import curves
 from hbench.analysis.fitting.fit import CURVE_LAWS, fit_law
 from hbench.analysis.fitting.joint import fitted
-from hbench.analysis.summary.drift import (
-    RunClock,
-    drift_checks,
-    efficiency_with_drift,
-    friction_drift,
-    with_drift,
-)
+from hbench.analysis.summary.drift import drift_checks, friction_drift
+from hbench.analysis.summary.drift_uncertainty import efficiency_with_drift, with_drift
+from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.config.fitting import Fitting
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen, SteadyMeans

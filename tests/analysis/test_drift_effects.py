@@ -8,7 +8,7 @@ import pytest
 
 from hbench.analysis.comparison.drift_effects import with_drift_effects
 from hbench.analysis.comparison.matching import SPEED_TOLERANCE
-from hbench.analysis.summary.drift import RunClock
+from hbench.analysis.summary.run_clock import RunClock
 from hbench.records import CurveDifference, Difference, Drift
 
 SPEEDS = np.array([0.02, 0.05, 0.1, 0.2])

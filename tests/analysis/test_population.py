@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from hbench.analysis.comparison.population import histogram, robust_deviations, trend_line
+from hbench.analysis.fleet.population import histogram, robust_deviations, trend_line
 from hbench.records import FEWEST_CAMPAIGNS
 
 TRIALS = 3

@@ -14,7 +14,6 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from hbench.analysis.comparison.differences import welch
-from hbench.analysis.comparison.population import robust_deviations, trend_line
 from hbench.analysis.curves.leakage import chamber_leakage
 from hbench.analysis.curves.ramp_tests import ramp_comparisons
 from hbench.analysis.curves.surface import friction_surfaces
@@ -23,6 +22,7 @@ from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.fitting.joint import fitted, joint_fits
 from hbench.analysis.fitting.marton_lantos import TWO_LINES
 from hbench.analysis.fitting.tustin import TUSTIN_LAW
+from hbench.analysis.fleet.population import robust_deviations, trend_line
 from hbench.analysis.rounding import distinct, exceeds, is_constant, merged, ranked
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.statistics.intervals import covariance, covariance_over_runs, has_effect

@@ -13,7 +13,8 @@ from scipy import stats
 
 from hbench.analysis.curves.average import curves
 from hbench.analysis.fitting.fit import fits
-from hbench.analysis.summary.drift import RunClock, friction_drift
+from hbench.analysis.summary.drift import friction_drift
+from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.temperature.hersey import with_hersey
 from hbench.analysis.temperature.oil_temperature import NO_VISCOSITY, oil_temperature
 from hbench.analysis.temperature.reduction import reduced_curves

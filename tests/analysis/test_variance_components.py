@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from hbench.analysis.comparison.precision import plan_of, precision_of
-from hbench.analysis.comparison.variance_components import (
+from hbench.analysis.fleet.precision import plan_of, precision_of
+from hbench.analysis.fleet.variance_components import (
     VarianceComponents,
     anova,
     plan_data,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.comparison.wear import corrected, cumulated, wear_trends
+from hbench.analysis.fleet.wear import corrected, cumulated, wear_trends
 from hbench.motion.reversals import travel
 from hbench.records import QUANTITIES
 

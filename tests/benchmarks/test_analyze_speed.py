@@ -3,7 +3,6 @@
 import time
 import tracemalloc
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ import yaml
 from hbench import workflow
 from hbench.store.campaign.folder import load_campaign
 from tests.support.analysis.plain_analysis import plain_pipeline
+from tests.support.rig_campaign import measure_on_rig
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 LOADS = 1  # of four: 90 runs
@@ -27,15 +27,8 @@ def campaign(tmp_path_factory):
     for one in schedule["experiments"]:
         one["loads"] = one["loads"][:LOADS]
     (folder.parent / "part.yaml").write_text(yaml.safe_dump(schedule))
-    workflow.measure(
-        workflow.load_experiment(folder.parent / "part.yaml", CONFIGS / "bench-aau.yaml"),
-        folder,
-        port="sim",
-        plant=None,
-        seed=1,
-        resume=False,
-        clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
-        report=lambda progress: None,
+    measure_on_rig(
+        workflow.load_experiment(folder.parent / "part.yaml", CONFIGS / "bench-aau.yaml"), folder
     )
     return folder
 

@@ -18,7 +18,7 @@ import pytest
 import yaml
 
 from hbench import workflow
-from hbench.analysis.comparison.fleet_summary import summarize
+from hbench.analysis.fleet.summary import summarize
 from hbench.parallel import process_pool
 from hbench.records import QUANTITIES
 from hbench.store.fleet.table import TABLE, FleetTable

@@ -8,7 +8,6 @@ import sys
 
 import pytest
 
-from hbench import workflow
 from hbench.errors import DataError, ExitCode
 from hbench.protocol.dictionary import FAULTS, STATES
 from hbench.rig import virtual
@@ -17,6 +16,7 @@ from hbench.store.campaign.folder import load_campaign
 from hbench.store.files import atomic
 from tests.support.faults.fault_story import check_against_board, check_nothing_rewritten
 from tests.support.faults.faulty_line import Script, World, attempts
+from tests.support.rig_campaign import measure_on_rig
 
 
 @pytest.fixture
@@ -29,16 +29,7 @@ def world(quick_experiment, monkeypatch):
 @pytest.fixture
 def measure(quick_experiment, tmp_path, clock):
     def run(resume=False):
-        return workflow.measure(
-            quick_experiment,
-            tmp_path / "campaign",
-            port="sim",
-            plant=None,
-            seed=1,
-            resume=resume,
-            clock=clock,
-            report=lambda progress: None,
-        )
+        return measure_on_rig(quick_experiment, tmp_path / "campaign", resume=resume, clock=clock)
 
     return run
 

@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from hbench import workflow
-from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.quality.verdict import quality_verdict
 from hbench.report.campaign.terminal import summary_text
 
 VISCOUS, WARMER_K, TIME_S, PER_K = 4000.0, 12.0, 80.0, 0.03

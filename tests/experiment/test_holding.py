@@ -1,7 +1,6 @@
 """The default rig holds every reference of the source's schedule, with room to spare."""
 
 import json
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.screen import screen
 from hbench.config.files.loading import read_yaml
 from hbench.store.campaign.folder import load_campaign
+from tests.support.rig_campaign import measure_on_rig
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 VARIED = ("coulomb", "stiction", "stribeck_velocity", "viscous", "bristle_stiffness")
@@ -27,16 +27,7 @@ def held(folder, plant, speeds):
     schedule, plant_file = folder / "schedule.yaml", folder / "plant.yaml"
     schedule.write_text(json.dumps(data | {"bench": str(CONFIGS / "bench-aau.yaml")}))
     plant_file.write_text(json.dumps(plant))
-    workflow.measure(
-        workflow.load_experiment(schedule, None),
-        folder / "campaign",
-        port="sim",
-        plant=plant_file,
-        seed=1,
-        resume=False,
-        clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
-        report=lambda progress: None,
-    )
+    measure_on_rig(workflow.load_experiment(schedule, None), folder / "campaign", plant=plant_file)
     campaign = load_campaign(folder / "campaign")
     rows = []
     for raw in campaign.raw_runs():

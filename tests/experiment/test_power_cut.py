@@ -9,11 +9,11 @@ from collections import Counter
 
 import pytest
 
-from hbench import workflow
 from hbench.errors import DataError
 from hbench.store.campaign.folder import load_campaign, sha256
 from hbench.workflow.watching import live
 from tests.support.faults.power_cut import Trace, leftovers, write_tree
+from tests.support.rig_campaign import measure_on_rig
 
 NAME = "new/campaign"  # both folders are made
 
@@ -23,12 +23,9 @@ def measure(quick_experiment, clock, monkeypatch):
     monkeypatch.setattr(live, "EVERY_S", 1e9)
 
     def run(folder, report=lambda progress: None):
-        return workflow.measure(
+        return measure_on_rig(
             quick_experiment,
             folder,
-            port="sim",
-            plant=None,
-            seed=1,
             resume=(folder / "campaign.yaml").exists(),
             clock=clock,
             report=report,

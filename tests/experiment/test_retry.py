@@ -7,6 +7,7 @@ from hbench.model.plant import V
 from hbench.model.sensors import SENSORS
 from hbench.rig import virtual
 from hbench.store.campaign.folder import load_campaign, sha256
+from tests.support.rig_campaign import measure_on_rig
 
 LOAD_CELL = SENSORS.index("f_applied")
 
@@ -39,12 +40,9 @@ def measure(tmp_path, clock, short_schedule, monkeypatch):
     def make(strokes, *, report=lambda progress: None, resume=False, **options):
         monkeypatch.setattr(LooseWire, "strokes", strokes)
         monkeypatch.setattr(virtual, "VirtualRig", LooseWire)
-        workflow.measure(
+        measure_on_rig(
             workflow.load_experiment(short_schedule(), None),
             tmp_path / "campaign",
-            port="sim",
-            plant=None,
-            seed=1,
             resume=resume,
             clock=clock,
             report=report,

@@ -15,7 +15,9 @@ from hbench.protocol.frames import Frame, encode
 from hbench.rig import virtual
 from hbench.rig.client import BoardClient
 from hbench.rig.firmware import HostFirmware
-from hbench.store.campaign.folder import CampaignWriter, load_campaign
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.writer import CampaignWriter
+from tests.support.rig_campaign import measure_on_rig
 
 
 @pytest.fixture
@@ -33,10 +35,9 @@ def measure(tmp_path, clock):
         take_over=False,
     ):
         experiment = workflow.load_experiment(schedule, None)
-        return workflow.measure(
+        return measure_on_rig(
             experiment,
             tmp_path / folder,
-            port="sim",
             plant=plant,
             seed=seed,
             resume=resume,
@@ -384,15 +385,6 @@ def test_every_fault_of_the_board_has_words():
 def test_a_campaign_of_any_name_can_be_read_again(quick_schedule, tmp_path, clock, name):
     file = quick_schedule(trials=1)
     file.write_text(yaml.safe_dump(yaml.safe_load(file.read_text()) | {"name": name}))
-    workflow.measure(
-        workflow.load_experiment(file, None),
-        tmp_path / "campaign",
-        port="sim",
-        plant=None,
-        seed=1,
-        resume=False,
-        clock=clock,
-        report=lambda progress: None,
-    )
+    measure_on_rig(workflow.load_experiment(file, None), tmp_path / "campaign", clock=clock)
     assert load_campaign(tmp_path / "campaign").header["name"] == name
     assert workflow.analyze(tmp_path / "campaign").provenance.name == name

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.records import Curve, ScreenedRun
 from hbench.store.campaign.folder import load_campaign
 from tests.support.analysis.fits import fit_tustin
+from tests.support.rig_campaign import measure_on_rig
 
 ROOT = Path(__file__).parents[2]
 PLANTS = {"default rig": None, "data_samples/plant.yaml": ROOT / "data_samples" / "plant.yaml"}
@@ -52,15 +52,8 @@ def measured(folder: Path, velocities: dict, plant: Path | None, seed: int) -> O
     data |= {"experiments": [data["experiments"][1] | change]}
     schedule = folder / "schedule.yaml"
     schedule.write_text(json.dumps(data))
-    workflow.measure(
-        workflow.load_experiment(schedule, None),
-        folder / "campaign",
-        port="sim",
-        plant=plant,
-        seed=seed,
-        resume=False,
-        clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
-        report=lambda progress: None,
+    measure_on_rig(
+        workflow.load_experiment(schedule, None), folder / "campaign", plant=plant, seed=seed
     )
     campaign = load_campaign(folder / "campaign")
     bench, rules = campaign.bench(), campaign.screening()

@@ -2,7 +2,6 @@
 
 import pytest
 
-from hbench import workflow
 from hbench.errors import ConfigError, DeviceError
 from hbench.protocol.codec import BY_NAME
 from hbench.protocol.dictionary import STATES
@@ -12,6 +11,7 @@ from hbench.rig.client import BoardClient
 from hbench.store.campaign.folder import load_campaign
 from tests.support.faults.fault_story import check_against_board
 from tests.support.faults.faulty_line import Event, Kill, Killed, Script, World, attempts
+from tests.support.rig_campaign import measure_on_rig
 
 
 @pytest.fixture
@@ -20,15 +20,8 @@ def measure(quick_experiment, tmp_path, clock, monkeypatch):
 
     def run(world, folder="campaign", resume=False, report=lambda progress: None, line=None):
         monkeypatch.setattr(virtual, "VirtualRig", lambda *_: line or world.open())
-        return workflow.measure(
-            quick_experiment,
-            tmp_path / folder,
-            port="sim",
-            plant=None,
-            seed=1,
-            resume=resume,
-            clock=clock,
-            report=report,
+        return measure_on_rig(
+            quick_experiment, tmp_path / folder, resume=resume, clock=clock, report=report
         )
 
     return run

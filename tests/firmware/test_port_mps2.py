@@ -28,6 +28,7 @@ from hbench.rig.firmware import HostFirmware
 from hbench.rig.stepped import SteppedRig
 from hbench.store.campaign.folder import load_campaign
 from tests.support.commands import hbench
+from tests.support.rig_campaign import measure_on_rig
 
 PATIENCE_S = 60.0
 IDENTIFY = BY_NAME["identify"].code
@@ -81,16 +82,7 @@ def measure(monkeypatch, tmp_path, clock):
 
     def run(experiment, port, name="campaign"):
         monkeypatch.setattr(workflow.campaign, "open_port", lambda *_: port)
-        workflow.measure(
-            experiment,
-            tmp_path / name,
-            port="emulated",
-            plant=None,
-            seed=1,
-            resume=False,
-            clock=clock,
-            report=lambda progress: None,
-        )
+        measure_on_rig(experiment, tmp_path / name, port="emulated", clock=clock)
         return load_campaign(tmp_path / name)
 
     return run

@@ -6,42 +6,25 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import parse_plant
-from hbench.config.sensors import ForceInstrument, Instruments, PressureInstrument
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.model.plant import initial_state
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients
 from hbench.reconcile.linearised import hypothesis_at, linearise
 from hbench.reconcile.measured.balances import BALANCES, balance_model, balance_values
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import nuisances
-from tests.support.reconcile.exact_logs import logged, smooth_strokes
+from tests.support.reconcile.exact_logs import INSTRUMENTS, logged_points
 
 # What the bench has and the model does not: residuals are not 0, and nothing is symmetric.
 HIDDEN = {"effects": {"internal_leakage": {"test": "2e-3 l/min/bar"}}}
 MATERIAL = 0.002
-INSTRUMENTS = Instruments(
-    force=ForceInstrument.model_construct(tolerance=0.01, of="reading", full_scale=2e4),
-    pressure=PressureInstrument.model_construct(tolerance=0.002, of="full_scale", full_scale=25e6),
-)
 
 
 @pytest.fixture(scope="module")
 def runs(bench_data):
     """Three operating points, two trials each; the second trial differs a little."""
     par = balance_model(None, parse_plant(bench_data, HIDDEN, "")).par
-    rng, made = np.random.default_rng(0), []
-    for number, share in enumerate((1.0, 0.7, 1.2)):
-        commands = share * smooth_strokes()
-        for trial in (1, 2):
-            start = initial_state(par, 0.15, 15e5, (19 + number + 0.1 * trial) * 1e5)
-            log, _ = logged(f"{2 * number + trial:04d}", par, start, commands, trial)
-            noisy = {
-                name: getattr(log, name) + 500 * rng.standard_normal(len(log.t_s))
-                for name in ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
-            }
-            made.append(replace(log, plan=replace(log.plan, v_ref_m_s=0.01 * number), **noisy))
-    return tuple(made)
+    return logged_points(par, (1.0, 0.7, 1.2))
 
 
 @pytest.fixture(scope="module")

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import parse_plant
-from hbench.config.sensors import ForceInstrument, Instruments, PressureInstrument
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.model.plant import initial_state
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
 from hbench.reconcile.linearised import linearise
@@ -22,35 +20,22 @@ from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.practice.working_point import working_point
 from hbench.reconcile.window_sums import window_motions
-from tests.support.reconcile.exact_logs import logged, smooth_strokes
+from tests.support.reconcile.exact_logs import INSTRUMENTS, logged_points
 
 BAR, L_MIN = 1e5, 1e-3 / 60
 A_P, A_R = np.pi / 4 * 0.04**2, np.pi / 4 * (0.04**2 - 0.025**2)
 ORIFICE = {"internal_leakage": {"test": "4e-3 l/min/bar", "exponent": 0.5}}
 CELL = 1.03  # the load cell shows 3 % too much, and 12 N
-INSTRUMENTS = Instruments(
-    force=ForceInstrument.model_construct(tolerance=0.01, of="reading", full_scale=2e4),
-    pressure=PressureInstrument.model_construct(tolerance=0.002, of="full_scale", full_scale=25e6),
-)
 
 
 @pytest.fixture(scope="module")
 def runs(bench_data):
     """Four operating points, two trials each, of a plant with a leak and a wrong load cell."""
     par = balance_model(None, parse_plant(bench_data, {"effects": ORIFICE}, "")).par
-    rng, made = np.random.default_rng(0), []
-    for number, share in enumerate((1.0, 0.7, 1.2, 0.85)):
-        commands = share * smooth_strokes()
-        for trial in (1, 2):
-            start = initial_state(par, 0.15, 15e5, (19 + number + 0.1 * trial) * 1e5)
-            log, _ = logged(f"{2 * number + trial:04d}", par, start, commands, trial)
-            noisy = {
-                name: getattr(log, name) + 500 * rng.standard_normal(len(log.t_s))
-                for name in ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
-            }
-            noisy["f_applied_n"] = CELL * log.f_applied_n + 12.0
-            made.append(replace(log, plan=replace(log.plan, v_ref_m_s=0.01 * number), **noisy))
-    return tuple(made)
+    return tuple(
+        replace(log, f_applied_n=CELL * log.f_applied_n + 12.0)
+        for log in logged_points(par, (1.0, 0.7, 1.2, 0.85))
+    )
 
 
 @pytest.fixture(scope="module")

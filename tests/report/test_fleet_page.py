@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
-from hbench.analysis.comparison.fleet_summary import summarize
+from hbench.analysis.fleet.summary import summarize
 from hbench.records import QUANTITIES, Trend
 from hbench.records.conformity.acceptance import Requirement
 from hbench.report.fleet.charts import chart_table, step_table

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.comparison.fleet_summary import summarize
-from hbench.analysis.comparison.precision import Tolerance
+from hbench.analysis.fleet.precision import Tolerance
+from hbench.analysis.fleet.summary import summarize
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.precision import limit_sentences

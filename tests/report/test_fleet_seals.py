@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.comparison.fleet_summary import summarize
+from hbench.analysis.fleet.summary import summarize
 from hbench.analysis.summary.fleet_numbers import fleet_numbers
 from hbench.analysis.summary.headline import at_working_speed, planned_speed_m_s
 from hbench.records import FleetRow

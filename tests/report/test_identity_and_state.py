@@ -8,7 +8,7 @@ import pytest
 from hbench.analysis.identification.steady_curves import laws_along_curves
 from hbench.records import Fit, IdentifiedLaw, QualityCheck
 from hbench.report.campaign.page import report_document
-from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.quality.verdict import quality_verdict
 from hbench.report.identification.text import parameter_words
 from hbench.report.render.document import page
 from hbench.report.render.markdown import markdown

@@ -26,12 +26,9 @@ from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.fit_tables import selection_words
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.page_tables import budget_table, cause_table, rejected_table
-from hbench.report.campaign.quality import (
-    next_step,
-    quality_table,
-    quality_verdict,
-    short_point_table,
-)
+from hbench.report.campaign.quality.completeness import short_point_table
+from hbench.report.campaign.quality.tables import quality_table
+from hbench.report.campaign.quality.verdict import next_step, quality_verdict
 from hbench.report.campaign.reasons import CAUSES
 from hbench.report.render.document import Section, anchor
 from hbench.report.render.document import page as page_of

@@ -7,7 +7,7 @@ import pytest
 
 from hbench.errors import DeviceError
 from hbench.protocol.codec import BY_NAME, pack, unpack
-from hbench.protocol.dictionary import ERROR, RECORD, REFUSALS, REPLY, dictionary_hash
+from hbench.protocol.dictionary import ERROR, RECORD, REFUSALS, REPLY
 from hbench.protocol.frames import Frame, Receiver, encode
 from hbench.rig.client import (
     ATTEMPTS,
@@ -17,18 +17,7 @@ from hbench.rig.client import (
     NoAnswer,
     Refused,
 )
-
-IDENTITY = {
-    "protocol": 1,
-    "dictionary": dictionary_hash(),
-    "firmware": "test 1",
-    "board": "paper",
-    "boots": 3,
-    "rate_hz": 10000,
-    "ring_records": 1024,
-    "max_steps": 128,
-    "max_segments": 128,
-}
+from tests.support.board.paper import IDENTITY
 
 
 class Line:

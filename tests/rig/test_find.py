@@ -11,22 +11,11 @@ from typer.testing import CliRunner
 from hbench.cli.main import app
 from hbench.errors import DeviceError
 from hbench.protocol.codec import BY_NAME, pack
-from hbench.protocol.dictionary import REPLY, dictionary_hash
+from hbench.protocol.dictionary import REPLY
 from hbench.protocol.frames import Frame, Receiver, encode
 from hbench.rig.discovery import ListedPort, probe_ports, system_ports
 from hbench.rig.ports import PortBusy, SerialPort
-
-IDENTITY = {
-    "protocol": 1,
-    "dictionary": dictionary_hash(),
-    "firmware": "test 1",
-    "board": "paper",
-    "boots": 3,
-    "rate_hz": 10000,
-    "ring_records": 1024,
-    "max_steps": 128,
-    "max_segments": 128,
-}
+from tests.support.board.paper import IDENTITY
 
 
 class Device:

@@ -17,6 +17,7 @@ from hbench.rig.client import RECORDS_PER_FRAME, BoardClient
 from hbench.rig.firmware import HostFirmware
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign.folder import load_campaign
+from tests.support.rig_campaign import measure_on_rig
 
 RECORD_OCTETS = 2 * len(RECORD)
 FRAMING = RECORDS_PER_FRAME * RECORD_OCTETS / (2 + 8 + RECORDS_PER_FRAME * RECORD_OCTETS + 2 + 2)
@@ -149,9 +150,7 @@ def test_octets_beyond_the_receive_buffer_are_lost_as_on_a_uart():
 
 
 def measure(schedule, folder, clock, **options):
-    experiment = workflow.load_experiment(schedule, None)
-    quiet = {"plant": None, "seed": 1, "resume": False, "report": lambda progress: None}
-    return workflow.measure(experiment, folder, port="sim", clock=clock, **quiet | options)
+    return measure_on_rig(workflow.load_experiment(schedule, None), folder, clock=clock, **options)
 
 
 def test_a_campaign_over_a_line_of_115200_baud_is_whole(short_schedule, tmp_path, clock):

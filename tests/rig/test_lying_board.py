@@ -10,7 +10,6 @@ from collections import Counter
 
 import pytest
 
-from hbench import workflow
 from hbench.cli.progress import ProgressLine
 from hbench.errors import DeviceError
 from hbench.rig import virtual
@@ -20,6 +19,7 @@ from hbench.workflow.watching import live
 from tests.support.faults.fault_story import LAST, check_nothing_rewritten, data_file
 from tests.support.faults.faulty_line import FLAGS, RUN, Script, World, attempts
 from tests.support.faults.lying_line import KINDS, Lie, LyingLine, applies
+from tests.support.rig_campaign import measure_on_rig
 
 STAGES = (  # each stage of a session: the request, and which of its replies
     *(("identify", 1), ("status", 1), ("write_settings", 2), ("write_segment", 1)),
@@ -48,12 +48,9 @@ def tell(quick_experiment, tmp_path, clock, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(virtual, "VirtualRig", lambda *_: line)
             try:
-                workflow.measure(
+                measure_on_rig(
                     quick_experiment,
                     folder,
-                    port="sim",
-                    plant=None,
-                    seed=1,
                     resume=(folder / "campaign.yaml").exists(),
                     take_over=True,
                     clock=clock,

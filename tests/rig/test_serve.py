@@ -23,6 +23,7 @@ from hbench.rig.ports import SerialPort
 from hbench.rig.serve import FullSpeed, WallClock, serve
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign.folder import load_campaign
+from tests.support.rig_campaign import measure_on_rig
 
 PATIENCE_S = 30.0
 ADDRESSES = [None, "localhost:0"]  # pseudo-terminal, socket
@@ -74,16 +75,7 @@ def test_a_campaign_on_a_served_rig_is_accepted_and_says_that_it_is_simulated(
 ):
     _, line = served(address, share_s)
     folder = tmp_path / "campaign"
-    workflow.measure(
-        experiment,
-        folder,
-        port=line.name,
-        plant=None,
-        seed=1,
-        resume=False,
-        clock=clock,
-        report=lambda progress: None,
-    )
+    measure_on_rig(experiment, folder, port=line.name, clock=clock)
     results = workflow.analyze(folder)
     assert [run.accepted for run in results.runs] == [True]
     header = load_campaign(folder).header
@@ -98,15 +90,11 @@ def test_setting_the_computer_s_clock_does_not_change_the_times_of_runs(
     _, line = served(share_s=1.0)
     hours = count()
     start = datetime(2026, 3, 29, tzinfo=UTC)
-    workflow.measure(
+    measure_on_rig(
         experiment,
         tmp_path / "campaign",
         port=line.name,
-        plant=None,
-        seed=1,
-        resume=False,
         clock=lambda: start + timedelta(hours=next(hours)),
-        report=lambda progress: None,
     )
     (entry,) = load_campaign(tmp_path / "campaign").entries
     began, ended = map(datetime.fromisoformat, (entry.started, entry.stop.at))

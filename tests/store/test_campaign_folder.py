@@ -10,8 +10,9 @@ import yaml
 from hbench.analysis.screening.limitations import overdue
 from hbench.config.schedule import Screening, parse_schedule
 from hbench.errors import ConfigError, DataError
-from hbench.store.campaign.dsp_log import parse_words
-from hbench.store.campaign.folder import CampaignWriter, load_campaign, write_results
+from hbench.store.campaign.folder import load_campaign, write_results
+from hbench.store.campaign.writer import CampaignWriter
+from hbench.store.dsp_logs.dsp_log import parse_words
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

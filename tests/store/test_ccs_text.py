@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hbench.errors import DataError
-from hbench.store.campaign.ccs_text import parse_ccs
+from hbench.store.dsp_logs.ccs_text import parse_ccs
 
 
 def read(text, **kwargs):

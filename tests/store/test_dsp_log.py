@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from hbench.errors import DataError
-from hbench.store.campaign.ccs_text import parse_ccs
-from hbench.store.campaign.dsp_log import format_words, parse_records, parse_words
+from hbench.store.dsp_logs.ccs_text import parse_ccs
+from hbench.store.dsp_logs.dsp_log import format_words, parse_records, parse_words
 
 words = arrays(np.uint16, st.integers(0, 60), elements=st.integers(0, 0xFFFF))
 

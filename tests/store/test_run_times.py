@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from hbench.store.campaign.folder import CampaignWriter, load_campaign
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.writer import CampaignWriter
 from hbench.store.importing.importer import import_folder
 
 NOON = datetime(2026, 10, 25, 0, 50, tzinfo=UTC)

@@ -1,1 +1,1 @@
-"""Comparison of two campaigns, and statistics of many."""
+"""Comparison of two campaigns."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
+    CampaignValue,
     Contributions,
     corrected,
     tested,
@@ -143,14 +144,23 @@ def _difference(a: Band, b: Band, name: str, both: OfInstruments, same: bool) ->
     error = welch([(-1.0, getattr(a, f"trials_{name}")), (1.0, getattr(b, f"trials_{name}"))])
     if error is None:
         return untested(getattr(a, name), getattr(b, name), NO_SCATTER)
-    return tested(getattr(a, name), getattr(b, name), *error, both, same)
+    values = getattr(a, name), getattr(b, name)
+    return tested(*_with_instruments(values, both), *error, same)
 
 
 def _slope(a: PressureLine, b: PressureLine, both: OfInstruments, same: bool) -> Difference:
     se, dof = satterthwaite([a.slope_se_n_pa**2, b.slope_se_n_pa**2], [a.slope_dof, b.slope_dof])
     if se == 0.0:
         return untested(a.slope_n_pa, b.slope_n_pa, "no scatter")
-    return tested(a.slope_n_pa, b.slope_n_pa, se, dof, both, same)
+    values = a.slope_n_pa, b.slope_n_pa
+    return tested(*_with_instruments(values, both), se, dof, same)
+
+
+def _with_instruments(
+    values: tuple[float, float], both: OfInstruments
+) -> tuple[CampaignValue, CampaignValue]:
+    of_a, of_b = both or (None, None)
+    return CampaignValue(values[0], of_a), CampaignValue(values[1], of_b)
 
 
 def _of_instruments(

@@ -50,42 +50,41 @@ def welch(terms: Terms) -> tuple[float, float] | None:
     return None if se <= ROUNDING * size else (se, dof)
 
 
-def tested(
-    a: float,
-    b: float,
-    se: float,
-    dof: float,
-    contributions: tuple[Contributions, Contributions] | None,
-    same: bool,
-    drifts: Sequence[float] = (),
-    errors: Sequence[tuple[float, float] | None] = (),
-) -> Difference:
-    """Return the difference with its interval and p value.
+class CampaignValue(NamedTuple):
+    """A number of one campaign, with what is known of its errors."""
 
-    ``contributions`` are the instruments' to a and to b, if known; ``same`` are the instruments of
-    both. ``drifts`` are standard uncertainties by a drift within a and within b. ``errors`` are
-    standard error and degrees of freedom of a and of b by themselves, if their U are wanted.
+    value: float
+    instruments: Contributions | None = None  # contributions of their errors; None: not known
+    drift: float = 0.0  # standard uncertainty by a significant drift
+    trials: tuple[float, float] | None = None  # standard error, and its degrees of freedom
+
+
+def tested(
+    a: CampaignValue, b: CampaignValue, se: float, dof: float, same_instruments: bool
+) -> Difference:
+    """Return the difference b - a with its interval and p value.
+
+    ``se`` and ``dof`` are standard error and degrees of freedom of the difference by the trials.
+    It has an expanded uncertainty if the instruments' contributions to both are known; a and b
+    have one of their own if their ``trials`` are known too.
     """
-    known = zip(errors, contributions or (), drifts, strict=False)
-    own = [_own_u95(error, parts, drift) for error, parts, drift in known] or [None, None]
-    ci95 = student_factor(dof) * se
+    u95 = u95_a = u95_b = None
+    if a.instruments is not None and b.instruments is not None:
+        parts = [StandardUncertainty(se, dof), *map(StandardUncertainty, (a.drift, b.drift))]
+        parts += _of_instruments(a.instruments, b.instruments, same_instruments)
+        u95 = combined(parts).expanded()
+        u95_a, u95_b = (
+            _own_u95(side.trials, side.instruments or {}, side.drift) for side in (a, b)
+        )
     return Difference(
-        a=a,
-        b=b,
+        a=a.value,
+        b=b.value,
         se=se,
-        ci95=float(ci95),
-        u95=None
-        if contributions is None
-        else combined(
-            [
-                StandardUncertainty(se, dof),
-                *map(StandardUncertainty, drifts),
-                *_of_instruments(*contributions, same),
-            ]
-        ).expanded(),
-        p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
-        u95_a=own[0],
-        u95_b=own[1],
+        ci95=float(student_factor(dof) * se),
+        u95=u95,
+        p_value=float(2 * stdtr(dof, -abs(b.value - a.value) / se)),
+        u95_a=u95_a,
+        u95_b=u95_b,
         dof=dof,
     )
 

@@ -4,22 +4,26 @@ Curves are compared at A's speeds within B's range. Curves with few speeds, whic
 pressure, also match at equal pressures, such as those of another bore.
 """
 
-from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from statistics import fmean
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
 
 from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
+    CampaignValue,
+    Contributions,
+    Terms,
     corrected,
     tested,
     untested,
     weighted,
     welch,
 )
+from hbench.analysis.comparison.efficiency_differences import efficiency_difference
 from hbench.analysis.comparison.matching import (
     SPEED_TOLERANCE,
     Distinction,
@@ -28,21 +32,18 @@ from hbench.analysis.comparison.matching import (
     nearest_set_point,
     series_key,
 )
+from hbench.analysis.comparison.point_weights import Weights, mean_weights, paired_weights
 from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.rounding import ROUNDING
-from hbench.analysis.statistics.student import satterthwaite
-from hbench.analysis.summary.drift import efficiency_drift
-from hbench.analysis.uncertainty.budget import errors_of, friction_contributions, with_dof
+from hbench.analysis.uncertainty.budget import friction_contributions
 from hbench.config.sensors import Instruments
 from hbench.records import (
     KINDS,
     Curve,
     CurveDifference,
-    CurvePoint,
     Difference,
     EfficiencyCurve,
-    EfficiencyPoint,
     FitDifference,
     FitParameter,
     FrictionDifference,
@@ -51,13 +52,20 @@ from hbench.records import (
 from hbench.records.numbers import NORMAL_95
 
 CurveKey = tuple
-Weights = Mapping[int, float]  # of a curve's points, by their numbers
+Pair = tuple[Instruments | None, Instruments | None]  # of A and of B; None: not known
+
+
+class WeightedPoints(NamedTuple):
+    """Weighted sum of the points of one campaign's curve."""
+
+    curve: Curve
+    weights: Weights  # by the points' numbers
 
 
 def campaign_differences(
     a: Results,
     b: Results,
-    instruments: tuple[Instruments | None, Instruments | None],
+    instruments: Pair,
     same_instruments: bool,
     tolerance: float = SPEED_TOLERANCE,
 ) -> tuple[tuple[CurveDifference, ...], tuple[str, ...]]:
@@ -80,7 +88,7 @@ def campaign_differences(
             notes.append(f"{_name(curve)}: only in A")
             continue
         other = curves_b[partner]
-        difference = _curves(curve, other, instruments, same_instruments, tolerance)
+        difference = _curve_difference(curve, other, instruments, same_instruments, tolerance)
         if not difference.points:
             notes.append(
                 f"{_name(curve)}: no speeds in common; {_speeds(curve)} in A and "
@@ -89,7 +97,7 @@ def campaign_differences(
             continue
         if key in etas[0] and partner in etas[1] and KINDS[curve.kind].has_constant_speed:
             pair = (curve, etas[0][key]), (other, etas[1][partner])
-            efficiency = _efficiency(*pair, instruments, same_instruments, tolerance)
+            efficiency = efficiency_difference(*pair, instruments, same_instruments, tolerance)
             difference = replace(difference, efficiency=efficiency)
         compared.append(difference)
     paired = set(partners.values())
@@ -129,106 +137,80 @@ def _name(curve: Curve) -> str:
     return " ".join(filter(None, (curve.label, curve.kind, a, curve.direction, load)))
 
 
-def _curves(
-    a: Curve,
-    b: Curve,
-    instruments: tuple[Instruments | None, Instruments | None],
-    same: bool,
-    tolerance: float,
+def _curve_difference(
+    a: Curve, b: Curve, instruments: Pair, same_instruments: bool, tolerance: float
 ) -> CurveDifference:
-    weights = paired_weights(a, b, tolerance)
+    """Compare two curves at A's speeds, in the mean over these, and in their fitted parameters."""
+
+    def difference(weights_a: Weights, weights_b: Weights) -> Difference:
+        points = WeightedPoints(a, weights_a), WeightedPoints(b, weights_b)
+        return _friction_difference(*points, instruments, same_instruments)
+
     points = tuple(
         FrictionDifference(
             v_m_s=a.points[next(iter(weights_a))].v_m_s,
-            friction_n=_friction((a, weights_a), (b, weights_b), instruments, same),
+            friction_n=difference(weights_a, weights_b),
             between=len(weights_b) > 1,
         )
-        for weights_a, weights_b in weights
+        for weights_a, weights_b in paired_weights(a, b, tolerance)
     )
-    means = mean_weights(a, b, tolerance)
     return CurveDifference(
         a=a,
         b=b,
         points=points,
-        mean_n=_friction((a, means[0]), (b, means[1]), instruments, same) if points else None,
+        mean_n=difference(*mean_weights(a, b, tolerance)) if points else None,
         efficiency=None,
         parameters=tuple(_parameters(a, b)),
     )
 
 
-def paired_weights(a: Curve, b: Curve, tolerance: float) -> list[tuple[Weights, Weights]]:
-    """Return the weights of A's and B's points at each speed of A that B has too."""
-    speeds = [abs(point.v_m_s) for point in a.points]
-    weights = [({i: 1.0}, _weights(speed, b, tolerance)) for i, speed in enumerate(speeds)]
-    return [(weights_a, weights_b) for weights_a, weights_b in weights if weights_b]
-
-
-def mean_weights(a: Curve, b: Curve, tolerance: float) -> tuple[Weights, Weights]:
-    """Return the weights of A's and of B's points in the means over the speeds of both."""
-    pairs = paired_weights(a, b, tolerance)
-    of_a, of_b = (_mean_weights([pair[side] for pair in pairs]) for side in (0, 1))
-    return of_a, of_b
-
-
-def _weights(speed: float, curve: Curve, tolerance: float) -> Weights:
-    """Return the weights of the point at a speed, or of its two neighbours, by their numbers."""
-    v = [abs(point.v_m_s) for point in curve.points]
-    near = min(range(len(v)), key=lambda i: abs(v[i] - speed))
-    limit = SPEED_TOLERANCE if curve.over_velocity else tolerance
-    if abs(v[near] - speed) <= limit * speed:
-        return {near: 1.0}
-    low = max((i for i in range(len(v)) if v[i] < speed), key=lambda i: v[i], default=None)
-    high = min((i for i in range(len(v)) if v[i] > speed), key=lambda i: v[i], default=None)
-    if low is None or high is None:
-        return {}
-    share = (speed - v[low]) / (v[high] - v[low])
-    return {low: 1.0 - share, high: share}
-
-
-def _mean_weights(sums: Sequence[Weights]) -> Weights:
-    """Return the weights of the mean of weighted sums."""
-    total: dict[int, float] = defaultdict(float)
-    for weights in sums:
-        for i, weight in weights.items():
-            total[i] += weight / len(sums)
-    return total
-
-
-def _friction(
-    a: tuple[Curve, Weights],
-    b: tuple[Curve, Weights],
-    instruments: tuple[Instruments | None, Instruments | None],
-    same: bool,
+def _friction_difference(
+    a: WeightedPoints, b: WeightedPoints, instruments: Pair, same_instruments: bool
 ) -> Difference:
     """Return the difference of weighted sums of |F|."""
-    terms, sums, contributions, drifts, errors = [], [], [], [], []
-    for (curve, weights), side, known in zip((a, b), (-1.0, 1.0), instruments, strict=True):
-        curve_terms = _terms(curve, weights)
-        terms += [(side * w, trials) for w, trials in curve_terms]
-        errors.append(welch(curve_terms))
-        sums.append(sum(w * float(np.mean(trials)) for w, trials in curve_terms))
-        drifts.append(sum(w * (curve.points[i].sigma_drift_n or 0.0) for i, w in weights.items()))
-        if known is not None:
-            points = [
-                (w, friction_contributions(curve.points[i], curve.specimen, known))
-                for i, w in weights.items()
-            ]
-            if points[0][1]:
-                contributions.append(weighted(points))
-    mean_a, mean_b = sums
-    error = welch(terms)
+    terms_a, terms_b = _terms(a), _terms(b)
+    value_a, value_b = (
+        _friction_value(points, terms, known)
+        for points, terms, known in zip((a, b), (terms_a, terms_b), instruments, strict=True)
+    )
+    error = welch([*((-w, trials) for w, trials in terms_a), *terms_b])
     if error is None:
-        return untested(mean_a, mean_b, NO_SCATTER)
-    both = (contributions[0], contributions[1]) if len(contributions) == 2 else None
-    return tested(mean_a, mean_b, *error, both, same, drifts, errors)
+        return untested(value_a.value, value_b.value, NO_SCATTER)
+    return tested(value_a, value_b, *error, same_instruments)
 
 
-def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
+def _friction_value(
+    points: WeightedPoints, terms: Terms, instruments: Instruments | None
+) -> CampaignValue:
+    """Return one campaign's weighted sum of |F|, with its errors; ``terms`` are its means."""
+    curve, weights = points
+    return CampaignValue(
+        value=sum(w * float(np.mean(trials)) for w, trials in terms),
+        instruments=_contributions(points, instruments),
+        drift=sum(w * (curve.points[i].sigma_drift_n or 0.0) for i, w in weights.items()),
+        trials=welch(terms),
+    )
+
+
+def _contributions(points: WeightedPoints, instruments: Instruments | None) -> Contributions | None:
+    """Return the contributions of the instruments; None where they are not known."""
+    if instruments is None:
+        return None
+    curve, weights = points
+    parts = [
+        (w, friction_contributions(curve.points[i], curve.specimen, instruments))
+        for i, w in weights.items()
+    ]
+    return weighted(parts) if parts[0][1] else None
+
+
+def _terms(weighted_points: WeightedPoints) -> list[tuple[float, list[float]]]:
     """Return the independent means, with weights, of a weighted sum of |F| over points.
 
     Steady runs are independent, so each point's trials form a mean. The points of any other curve
     share their strokes: a trial's sum over the points is then one value.
     """
+    curve, weights = weighted_points
     points = [(w, curve.points[i]) for i, w in weights.items()]
     if KINDS[curve.kind].has_constant_speed or len(points) == 1:
         return [(w, [sign(curve) * trial for trial in p.trials_n]) for w, p in points]
@@ -242,63 +224,6 @@ def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
         for trial in sorted(common)
     ]
     return [(1.0, sums)]
-
-
-def _efficiency(
-    a: tuple[Curve, EfficiencyCurve],
-    b: tuple[Curve, EfficiencyCurve],
-    instruments: tuple[Instruments | None, Instruments | None],
-    same: bool,
-    tolerance: float,
-) -> Difference | None:
-    """Return the difference of the means over the speeds at which both efficiencies are defined."""
-    limit = SPEED_TOLERANCE if b[0].over_velocity else tolerance
-    pairs = []
-    for point, eta in _with_efficiency(*a):
-        for other, eta_b in _with_efficiency(*b):
-            if abs(other.v_m_s - point.v_m_s) <= limit * abs(point.v_m_s):
-                pairs.append(((point, eta), (other, eta_b)))
-    if not pairs:
-        return None
-    mean_a, mean_b = (
-        float(np.mean([pair[side][1].efficiency for pair in pairs])) for side in (0, 1)
-    )
-    sides = [[pair[side] for pair in pairs] for side in (0, 1)]
-    points = sides[0] + sides[1]
-    if any(eta.sigma_trials is None for _, eta in points):
-        return untested(mean_a, mean_b, NO_SCATTER)
-    (se, dof), *errors = (
-        satterthwaite(
-            [((eta.sigma_trials or 0.0) / len(pairs)) ** 2 for _, eta in some],
-            [point.n - 1 for point, _ in some],
-        )
-        for some in (points, *sides)
-    )
-    if se <= ROUNDING * max(abs(mean_a), abs(mean_b)):
-        return untested(mean_a, mean_b, "no scatter between the trials")
-    of_a, of_b = (
-        weighted(
-            (1 / len(pairs), with_dof(eta.parts, errors_of(point, curve.specimen, known)))
-            for point, eta in (pair[side] for pair in pairs)
-        )
-        if known is not None
-        else {}
-        for side, curve, known in zip((0, 1), (a[0], b[0]), instruments, strict=True)
-    )
-    both = (of_a, of_b) if of_a and of_b else None
-    drifts = [
-        sum(efficiency_drift(eta, point) for point, eta in (pair[side] for pair in pairs))
-        / len(pairs)
-        for side in (0, 1)
-    ]
-    return tested(mean_a, mean_b, se, dof, both, same, drifts, errors)
-
-
-def _with_efficiency(
-    curve: Curve, efficiencies: EfficiencyCurve
-) -> list[tuple[CurvePoint, EfficiencyPoint]]:
-    pairs = zip(curve.points, efficiencies.points, strict=True)
-    return [(point, eta) for point, eta in pairs if eta.efficiency is not None]
 
 
 def _parameters(a: Curve, b: Curve) -> Iterable[FitDifference]:

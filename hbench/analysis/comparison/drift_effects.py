@@ -18,8 +18,8 @@ from math import hypot
 from statistics import fmean
 
 from hbench.analysis.comparison.difference_tests import WeightedCurve, mean_with_test
-from hbench.analysis.comparison.differences import Weights, mean_weights, paired_weights
-from hbench.analysis.summary.drift import RunClock, campaign_place
+from hbench.analysis.comparison.point_weights import Weights, mean_weights, paired_weights
+from hbench.analysis.summary.run_clock import RunClock, campaign_place
 from hbench.records import (
     KINDS,
     Curve,

@@ -15,7 +15,7 @@ times too large.
 import numpy as np
 
 from hbench.analysis.screening.friction_channels import friction_channels
-from hbench.motion.speeds import resolution
+from hbench.motion.noise import resolution
 from hbench.records import Run
 
 _LEAST = 0.01  # of friction; a smaller part of its uncertainty is neglected

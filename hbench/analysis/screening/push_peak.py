@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from hbench.motion.noise import noise_of_differences
+
 _FALL = 0.03  # of the largest friction, by which it falls after the maximum
 _FALL_NOISE = 5.0  # or so many standard deviations of the noise, if that is more
 _HIGH = 0.7  # of the largest friction: humps below it are those of the loop as the push begins
@@ -16,8 +18,7 @@ def first_peak(friction_n: np.ndarray) -> int | None:
     if len(friction_n) < 4 or not (most := float(friction_n.max())) > 0.0:
         return None
     highest = np.maximum.accumulate(friction_n)
-    # Second differences of white noise have six times its variance; those of a ramp are zero.
-    noise = float(np.median(np.abs(np.diff(friction_n, 2)))) / (0.6745 * np.sqrt(6))
+    noise = noise_of_differences(np.diff(friction_n, 2), 2)  # second ones: the push is a ramp
     fallen = highest - friction_n > max(_FALL * most, _FALL_NOISE * noise)
     fallen &= highest >= _HIGH * most
     if not fallen.any():

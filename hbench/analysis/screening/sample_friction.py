@@ -20,12 +20,12 @@ from hbench.analysis.screening.friction_channels import (
     test_force,
 )
 from hbench.errors import DataError
-from hbench.motion.speeds import noise_over_motion, resolution
+from hbench.motion.noise import noise_over_motion, resolution, robust_sigma
 from hbench.records import Run
 
 _WINDOW_S, _FEWEST, _ORDER = 0.06, 7, 4  # samples at least; of the polynomial
-_REST_S, _STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
-_MEDIAN_TO_SIGMA = 1.4826 / 0.66  # of what seven samples leave of white noise
+REST_S, STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
+_RESIDUAL = 0.66  # of white noise, what a polynomial of seven samples leaves
 _MEMORY_M = 0.02  # about ten presliding lengths, after which the initial state has no effect
 
 
@@ -72,7 +72,7 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         )
     v = savgol_filter(run.x_m, window, _ORDER, deriv=1, delta=dt)
     a = savgol_filter(run.x_m, window, _ORDER, deriv=2, delta=dt)
-    long = max(window, _odd(_REST_S / dt))
+    long = max(window, _odd(REST_S / dt))
     if len(run.t_s) >= long:
         at_rest = _at_rest(run, savgol_filter(run.x_m, window, _ORDER), long)
         v = np.where(at_rest, savgol_filter(run.x_m, long, 1, deriv=1, delta=dt), v)
@@ -105,9 +105,9 @@ def _at_rest(run: Run, smooth: np.ndarray, samples: int) -> np.ndarray:
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow import
 
     span = maximum_filter1d(run.x_m, samples) - minimum_filter1d(run.x_m, samples)
-    left = _MEDIAN_TO_SIGMA * float(np.median(np.abs(run.x_m - smooth)))
-    left = max(left, resolution(run.x_m) / np.sqrt(12))
-    return span <= _STILL * min(noise_over_motion(run.t_s, run.x_m), left)
+    residual = robust_sigma(run.x_m - smooth) / _RESIDUAL
+    noise = max(residual, resolution(run.x_m) / np.sqrt(12))
+    return span <= STILL * min(noise_over_motion(run.t_s, run.x_m), noise)
 
 
 def _pressure(run: Run, name: str) -> np.ndarray:

@@ -25,8 +25,9 @@ from hbench.analysis.screening.steady_window import (
 )
 from hbench.analysis.uncertainty.efficiency import SteadyForces, efficiency_of
 from hbench.config.schedule import Screening
+from hbench.motion.noise import noise_over_motion
 from hbench.motion.reversals import travel
-from hbench.motion.speeds import mean_speed, noise_over_motion
+from hbench.motion.speeds import mean_speed
 from hbench.records import KINDS, TEMPERATURES, Run, ScreenedRun, SteadyMeans
 
 # Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".

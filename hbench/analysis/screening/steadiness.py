@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammaincinv
 
+from hbench.motion.noise import noise_of_differences, position_noise, robust_sigma
 from hbench.motion.rest import largest_step
-from hbench.motion.speeds import BlockSpeeds, block_speeds, position_noise
+from hbench.motion.speeds import BlockSpeeds, block_speeds
 
 BLOCK_S = 0.1
 _STEP_BLOCKS = 12  # of a window, between which a load may step
-_MAD_TO_SIGMA = 1.4826  # of a normal distribution
 _MEDIAN_TO_MEAN = 1.2533  # standard error of a normal sample's median against its mean's
 _FAR = 10.0  # robust standard deviations of a window; farther samples are faults of the log ...
 _FEW = 0.05  # ... if they are few: a motion that sticks and slips has more
@@ -77,15 +77,15 @@ def drift(t_s: np.ndarray, y: np.ndarray) -> Drift:
         return Drift(0.0, np.inf)
     slopes = (y[-h:] - y[:h]) / (t_s[-h:] - t_s[:h])
     slope = np.median(slopes)
-    scatter = _MAD_TO_SIGMA * np.median(np.abs(slopes - slope))
+    scatter = robust_sigma(slopes - slope)
     window = t_s[-1] - t_s[0]
     return Drift(float(window * slope), float(window * _MEDIAN_TO_MEAN * scatter / np.sqrt(h)))
 
 
 def outliers(y: np.ndarray) -> Outliers:
     """Return the samples of ``y`` (n,), n > 0, that are far from the median; none if many are."""
-    distance = np.abs(y - np.median(y))
-    far = distance > _FAR * _MAD_TO_SIGMA * np.median(distance)
+    deviation = y - np.median(y)
+    far = np.abs(deviation) > _FAR * robust_sigma(deviation)
     if not 0 < far.mean() <= _FEW:
         return Outliers(0, 0.0)
     return Outliers(int(far.sum()), float(np.mean(y) - np.mean(y[~far])))
@@ -98,5 +98,4 @@ def load_step(y: np.ndarray) -> float:
         return 0.0
     edges = np.linspace(0, len(y), blocks + 1).astype(int)
     means = np.add.reduceat(y, edges[:-1]) / np.diff(edges)
-    scatter = _MAD_TO_SIGMA * float(np.median(np.abs(np.diff(means)))) / np.sqrt(2)
-    return largest_step(means, scatter)[0]
+    return largest_step(means, noise_of_differences(np.diff(means), 1))[0]

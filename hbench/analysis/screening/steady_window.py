@@ -4,7 +4,8 @@ import numpy as np
 
 from hbench.analysis.screening.steadiness import BLOCK_S, speeds_over_tenths
 from hbench.config.schedule import Screening
-from hbench.motion.plateaus import plateau_at, plateaus, settled
+from hbench.motion.plateaus import plateau_at, plateaus
+from hbench.motion.settling import settled
 from hbench.records import Run
 
 NOTHING = slice(0, 0)

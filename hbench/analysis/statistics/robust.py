@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.analysis.statistics.bounded import Problem, Solution, descend, rounding
+from hbench.motion.noise import robust_sigma
 
 _TUNING = 1.345  # 95 % as efficient as least squares for normal errors
-_MEDIAN = 0.6745  # of |z| for a normal z
 _ITERATIONS = 200
 _WEIGHT_CHANGE = 1e-6  # tolerance; a descent is exact to some 1e-7 of the standard errors
 
@@ -66,7 +66,7 @@ def minimise_robust(problem: Problem, solution: Solution, loss: str) -> RobustSo
 
 def _size(residual: np.ndarray, p: int) -> float:
     n = len(residual)
-    return float(np.median(np.abs(residual)) / _MEDIAN * np.sqrt(n / max(n - p, 1)))
+    return robust_sigma(residual) * float(np.sqrt(n / max(n - p, 1)))
 
 
 def _weights(z: np.ndarray, loss: str) -> np.ndarray:

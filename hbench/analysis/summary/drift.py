@@ -1,4 +1,4 @@
-"""Drift of steady friction over a campaign: test, estimate, and its part of the points' intervals.
+"""Drift of steady friction over a campaign: its test, its estimate, and its grade.
 
 Friction y_ij of trial j of point i (direction, load, speed) at run time t_ij is
 
@@ -34,67 +34,25 @@ described by its mean rate, and friction that wanders slowly appears as drift to
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from statistics import fmean
 
 import numpy as np
 from scipy.special import stdtr
 
-from hbench.analysis.fitting.fit import CURVE_LAWS, typical_sizes
-from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.rounding import ROUNDING
-from hbench.analysis.statistics.intervals import too_wide
 from hbench.analysis.statistics.student import student_factor
-from hbench.analysis.summary.setups import means_of_setups, setups_of, sizes_and_sets
-from hbench.records import (
-    Curve,
-    CurvePoint,
-    Drift,
-    EfficiencyCurve,
-    EfficiencyPoint,
-    Fit,
-    Grade,
-    QualityCheck,
-    ScreenedRun,
-)
-from hbench.records.numbers import NORMAL_95
+from hbench.analysis.statistics.within import group_means, is_proportional, within
+from hbench.analysis.summary.run_clock import RunClock
+from hbench.analysis.summary.setups import means_of_setups, sizes_and_sets
+from hbench.records import Curve, Drift, Grade, QualityCheck, ScreenedRun
 from hbench.records.summary import LARGE_DRIFT, SEPARATED_VIF
 
 LARGEST_SHARE = 0.25  # of a plan that separates drift from speed
 _GOOD = 5.0  # change over the campaign, % of friction; as for repeatability, as is LARGE_DRIFT
 _LEAST_DOF = 2
 _HOUR_S = 3600.0
-
-
-@dataclass(frozen=True)
-class RunClock:
-    """Time of each run by its id: start in s after the first run, or its place in the order."""
-
-    times: Mapping[str, float]
-    known: bool  # whether these are start times
-    setups: Mapping[str, str] = field(default_factory=dict)  # of runs that are not independent
-
-    @classmethod
-    def of(
-        cls,
-        runs: Iterable[ScreenedRun],
-        start_times_s: Mapping[str, float],
-        files: Mapping[str, str] | None = None,
-    ) -> "RunClock":
-        """Return a clock of start times [s], or of the order of ``runs`` if there are none.
-
-        ``files`` are those that imported runs were cut from.
-        """
-        runs = tuple(runs)
-        order = {run.run.plan.run: float(place) for place, run in enumerate(runs)}
-        known = bool(order) and order.keys() <= start_times_s.keys()
-        times = {run: start_times_s[run] for run in order} if known else order
-        return cls(times, known, setups_of(runs, files or {}))
-
-    def of_point(self, point: CurvePoint) -> float:
-        """Return the mean time of a point's runs."""
-        return fmean(self.times[run] for run in point.runs)
 
 
 @dataclass(frozen=True)
@@ -128,7 +86,7 @@ def friction_drift(
     dof = len(size) - sets - 1
     if dof < _LEAST_DOF or spread == 0.0:
         return None
-    mean_n = np.abs(_means(trials.friction_n, trials.point))
+    mean_n = np.abs(group_means(trials.friction_n, trials.point))
     if not np.median(mean_n) > 0.0:
         return None
     deviation = within(trials.friction_n, trials.point)
@@ -142,7 +100,7 @@ def friction_drift(
     residual = y_k - rate * tau_k
     se = float(np.sqrt(size @ residual**2 / dof / of_setups))
     half = student_factor(dof) * se
-    span = _span(curves, clock)
+    span = clock.span(curves)
     percent = 100.0 if relative else 100.0 / float(np.median(mean_n))
     hour = _HOUR_S if clock.known else None
     in_curve = within(trials.t, trials.curve)
@@ -171,114 +129,6 @@ def friction_drift(
         temp_correlation=correlation,
         temp_p=temp_p,
     )
-
-
-def with_drift(
-    curves: Sequence[Curve], drift: Drift | None, clock: RunClock, weights: str = "trials"
-) -> tuple[Curve, ...]:
-    """Return ``curves`` with a significant drift as a part of each point's and fit's interval.
-
-    The measured friction of a point is that at its own mean time t_i; its result is understood as
-    that at the campaign's mean time t. The deviation between them is estimated, not corrected, and
-    counts as a standard uncertainty, with that of the estimate (JCGM 100:2008, F.2.4.5 and (10)):
-
-        u_i = |t_i - t| sqrt(d^2 + se^2),   U95_i^2 <- U95_i^2 + (1.96 u_i)^2
-
-    d and se are those of ``friction_drift``, for a relative drift times the point's friction. The
-    drift within a point is part of the scatter of its trials. u_i has the same cause in all points:
-    it shifts the parameters of a fit with the Jacobian J by J^+ (t_i - t) sqrt(d^2 + se^2), which
-    widens their intervals in the same way, and so can make them not determined. ``weights`` are
-    those of the fits.
-
-    Where only the order of the runs is known, which may be that of file names, a drift that is not
-    separated from speed adds nothing: it would be extrapolated from neighbours to a whole campaign.
-    """
-    if drift is None or not drift.significant or not any(curve.points for curve in curves):
-        return tuple(curves)
-    if drift.of_unknown_size:
-        return tuple(curves)
-    place = campaign_place(curves, clock)
-    se = drift.change_ci95 / student_factor(drift.dof)
-    per_span = float(np.hypot(drift.change, se))
-
-    def deviation(point: CurvePoint) -> float:
-        scale_n = abs(point.friction_n) if drift.scale == "relative" else 1.0
-        return place(point) * per_span * scale_n
-
-    def widened(curve: Curve) -> Curve:
-        deviations = [deviation(point) for point in curve.points]
-        points = (_wider(p, d) for p, d in zip(curve.points, deviations, strict=True))
-        fits = (_wider_fit(fit, curve, np.array(deviations), weights) for fit in curve.fits)
-        return replace(curve, points=tuple(points), fits=tuple(fits))
-
-    return tuple(map(widened, curves))
-
-
-def campaign_place(curves: Iterable[Curve], clock: RunClock) -> Callable[[CurvePoint], float]:
-    """Return the function (t_i - t) / span of a point: its place about the campaign's mean time."""
-    curves = tuple(curves)
-    middle = fmean(clock.of_point(point) for curve in curves for point in curve.points)
-    span = _span(curves, clock)
-    return lambda point: (clock.of_point(point) - middle) / span
-
-
-def efficiency_with_drift(
-    efficiencies: Iterable[EfficiencyCurve], curves: Iterable[Curve]
-) -> tuple[EfficiencyCurve, ...]:
-    """Return efficiencies with the drift of their ``curves``' points, those of ``with_drift``.
-
-    Friction is a part of F_T, so that u(eta) = |eta / F_T| u_i (6.10).
-    """
-
-    def widened(point: EfficiencyPoint, measured: CurvePoint) -> EfficiencyPoint:
-        if point.efficiency is None or point.u95 is None or not measured.sigma_drift_n:
-            return point
-        sigma = efficiency_drift(point, measured)
-        return replace(point, u95=float(np.hypot(point.u95, NORMAL_95 * sigma)))
-
-    return tuple(
-        replace(eta, points=tuple(map(widened, eta.points, curve.points)))
-        for eta, curve in zip(efficiencies, curves, strict=True)
-    )
-
-
-def efficiency_drift(point: EfficiencyPoint, measured: CurvePoint) -> float:
-    """Return u(eta) of a significant drift, with the sign of the friction's; 0 without one."""
-    if point.efficiency is None or measured.sigma_drift_n is None:
-        return 0.0
-    return abs(point.efficiency / measured.f_test_n) * measured.sigma_drift_n
-
-
-def _wider(point: CurvePoint, sigma_n: float) -> CurvePoint:
-    before = point.ci95_n if point.u95_n is None else point.u95_n
-    u95 = None if before is None else float(np.hypot(before, NORMAL_95 * sigma_n))
-    return replace(point, sigma_drift_n=sigma_n, u95_n=u95)
-
-
-def _wider_fit(fit: Fit, curve: Curve, deviations_n: np.ndarray, weights: str) -> Fit:
-    """Return the fit with the shifts of its parameters by ``deviations_n`` (n,) in ``ci95``."""
-    if fit.law not in CURVE_LAWS or not fit.parameters or not fit.converged:
-        return fit
-    data, law = fit_points([curve], weights), CURVE_LAWS[fit.law]
-    force_n, sizes = typical_sizes(law, data)
-    lower, upper = law.limits(data.inputs, force_n, {})
-    values = np.array([parameter.value for parameter in fit.parameters.values()])
-    free = np.array([parameter.at_bound is None for parameter in fit.parameters.values()])
-    jacobian = law.jacobian(data.inputs, values) / data.sigma[:, None]
-    shifts = np.zeros(len(values))
-    shifts[free] = np.linalg.lstsq(jacobian[:, free], deviations_n / data.sigma, rcond=None)[0]
-    parameters = {}
-    for i, (name, parameter) in enumerate(fit.parameters.items()):
-        ends, wide, shift = parameter.ci95, parameter.wide, float(shifts[i])
-        if ends is not None and parameter.at_bound is None:
-            low, high = (np.hypot(parameter.value - end, NORMAL_95 * shift) for end in ends)
-            ends = (parameter.value - float(low), parameter.value + float(high))
-            cut_off = not (lower[i] < ends[0] and ends[1] < upper[i])
-            half = np.array((ends[1] - ends[0]) / 2)
-            wide |= bool(too_wide(half, np.array(parameter.value), sizes[i], cut_off))
-        parameters[name] = replace(parameter, ci95=ends, wide=wide)
-    message = "; ".join(filter(None, (fit.message, "the intervals contain the drift")))
-    return replace(fit, parameters=parameters, message=message)
 
 
 def drift_checks(drift: Drift | None) -> tuple[QualityCheck, ...]:
@@ -353,37 +203,15 @@ def _speed_share(trials: _Trials, span: float) -> float:
     return float(reach * (v @ trials.t) / (v @ v) / span)
 
 
-def _means(values: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Return the mean of each value's group (n,)."""
-    _, index = np.unique(group, return_inverse=True)
-    return (np.bincount(index, values) / np.bincount(index))[index]
-
-
-def within(values: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Return the deviations from the means of the groups (n,)."""
-    return values - _means(values, group)
-
-
 def _is_relative(deviation_n: np.ndarray, mean_n: np.ndarray) -> bool:
-    """Return whether the scatter is proportional to friction rather than the same everywhere.
-
-    Gaussian log-likelihoods, each at its own best variance: with s_i = s F_i against s_i = s,
-    -n log(sum (dev/F)^2) / 2 - sum log F  >  -n log(sum dev^2) / 2.
-    """
-    if not mean_n.min() > 0.0 or not deviation_n.any():
+    """Return whether the scatter is proportional to friction; not where a point has none."""
+    if not mean_n.min() > 0.0:
         return False
     share = deviation_n / mean_n
-    n = len(share)
-    gain = 0.5 * n * np.log((deviation_n @ deviation_n) / (share @ share))
-    return bool(gain > np.log(mean_n).sum())
+    return is_proportional(deviation_n @ deviation_n, share @ share, mean_n)
 
 
 def _p_value(rate: float, se: float, dof: int) -> float:
     if se == 0.0:
         return 1.0 if rate == 0.0 else 0.0
     return float(2.0 * stdtr(dof, -abs(rate / se)))
-
-
-def _span(curves: Sequence[Curve], clock: RunClock) -> float:
-    times = [clock.times[run] for curve in curves for point in curve.points for run in point.runs]
-    return max(times) - min(times)

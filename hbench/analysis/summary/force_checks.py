@@ -22,7 +22,7 @@ if it is beyond its uncertainty and the same at all speeds and loads: a force is
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from statistics import fmean, median
 from typing import NamedTuple
 
@@ -39,8 +39,8 @@ _SAME_FORCE = 0.2  # largest distance of an m from their mean, as a share of it
 _SAME_SPEED = 0.05  # relative difference of speeds with the same reference
 
 
-class _Both(NamedTuple):
-    """Both directions at one speed and load."""
+class _Directions(NamedTuple):
+    """Friction of both directions at one speed and load, or its mean."""
 
     load_n: float  # F_applied, mean
     middle_n: float  # m
@@ -71,24 +71,21 @@ def load_balance(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
 
     The grade is that of the end of its interval that is nearer to zero.
     """
-    x, middles, u, friction = [], [], [], []
-    for of_speed in _both_directions(curves):
-        mean = fmean(both.load_n for both in of_speed)
-        for both in of_speed:
-            x.append(both.load_n - mean)
-            middles.append(both.middle_n)
-            u.append(both.u_n)
-            friction.append(abs(both.half_n))
-    loads, square = np.array(x), float(np.dot(x, x))
+    rows = []
+    for loads in _both_directions(curves):
+        mean_n = fmean(each.load_n for each in loads)
+        rows += [(e.load_n - mean_n, e.middle_n, e.u_n, abs(e.half_n)) for e in loads]
+    x, middle, u, friction = np.array(rows).reshape(-1, 4).T
+    square = float(x @ x)
     if square == 0.0:
         return
-    change = 100 * abs(float(loads @ np.array(middles))) / square
-    half = 100 * float(np.linalg.norm(loads * np.array(u))) / square
-    sure = max(change - half, 0.0)
-    if sure * np.ptp(loads) < _SMALL * fmean(friction):
-        sure = 0.0
+    change = 100 * abs(float(x @ middle)) / square
+    half = 100 * float(np.linalg.norm(x * u)) / square
+    least = max(change - half, 0.0)
+    if least * np.ptp(x) < _SMALL * friction.mean():
+        least = 0.0
     grade: Grade = (
-        "good" if sure <= _CHANGE_GOOD else "poor" if sure > _CHANGE_POOR else "with care"
+        "good" if least <= _CHANGE_GOOD else "poor" if least > _CHANGE_POOR else "with care"
     )
     if grade != "good" or half <= _CHANGE_GOOD:
         yield QualityCheck("load_balance", grade, change, "%", _CHANGE_GOOD, _CHANGE_POOR)
@@ -100,27 +97,27 @@ def equal_directions(curves: Iterable[Curve], loops: Iterable[Loop] = ()) -> Ite
     It is poor if friction drives one direction of most ``loops``, the means over whole strokes of
     triangles.
     """
-    found = [both for of_speed in _both_directions(curves) for both in of_speed]
-    of_loops = [*map(_over_strokes, loops)]
-    found += of_loops
-    driven = sum(abs(both.middle_n) > abs(both.half_n) for both in of_loops)
+    strokes = [_over_strokes(loop) for loop in loops]
+    measured = [*_all_directions(curves), *strokes]
+    driven = sum(abs(each.middle_n) > abs(each.half_n) for each in strokes)
     beyond = [
-        both
-        for both in found
-        if 100 * (abs(both.middle_n) - both.u_all_n) > _DIFFERENCE_GOOD * abs(both.half_n)
+        each
+        for each in measured
+        if 100 * (abs(each.middle_n) - each.u_all_n) > _DIFFERENCE_GOOD * abs(each.half_n)
     ]
     if beyond:
-        shares = (100 * abs(both.middle_n / both.half_n) for both in beyond if both.half_n)
+        shares = (100 * abs(each.middle_n / each.half_n) for each in beyond if each.half_n)
         largest = max(shares, default=None)
-        counts = len(beyond), len(found)
-        grade: Grade = "poor" if 2 * driven > len(found) else "with care"
+        counts = len(beyond), len(measured)
+        grade: Grade = "poor" if 2 * driven > len(measured) else "with care"
         yield QualityCheck("equal_directions", grade, largest, "%", _DIFFERENCE_GOOD, None, *counts)
 
 
 def constant_force(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
     """Yield a mean of both directions that is the same at all speeds and loads, % of friction."""
-    if (both := _constant_force(curves)) is not None:
-        share = 100 * abs(both.middle_n) / both.half_n
+    mean = _constant_force(curves)
+    if mean is not None:
+        share = 100 * abs(mean.middle_n) / mean.half_n
         yield QualityCheck("constant_force", "with care", share, "%", _SMALL, None)
 
 
@@ -134,72 +131,81 @@ def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
             "offset or a weight that is not measured is then a part of friction that no check "
             "shows. Measure both directions"
         )
-    elif (both := _constant_force(curves)) is not None:
+    elif (mean := _constant_force(curves)) is not None:
         yield (
-            f"directions: the mean friction of both directions is {both.middle_n:.3g} N (U "
-            f"{both.u_all_n:.2g} N) at all speeds and loads, as by a constant force that is not "
+            f"directions: the mean friction of both directions is {mean.middle_n:.3g} N (U "
+            f"{mean.u_all_n:.2g} N) at all speeds and loads, as by a constant force that is not "
             "measured: the weight of an upright piston and rod, a zero offset, absolute pressures. "
             "It is part of the friction of each direction; half the difference of both, "
-            f"{both.half_n:.3g} N, is free of it"
+            f"{mean.half_n:.3g} N, is free of it"
         )
 
 
-def _constant_force(curves: Iterable[Curve]) -> _Both | None:
+def _constant_force(curves: Iterable[Curve]) -> _Directions | None:
     """Return the mean of all speeds and loads if their m is the same, and beyond its U."""
-    found = [both for of_speed in _both_directions(curves) for both in of_speed]
-    if len(found) < 2:
+    measured = _all_directions(curves)
+    if len(measured) < 2:
         return None
-    mean = _Both(*map(fmean, zip(*found, strict=True)))
-    mean = mean._replace(half_n=fmean(abs(both.half_n) for both in found))
-    furthest = max(abs(both.middle_n - mean.middle_n) for both in found)
+    mean = _Directions(*map(fmean, zip(*measured, strict=True)))
+    mean = mean._replace(half_n=fmean(abs(each.half_n) for each in measured))
+    furthest = max(abs(each.middle_n - mean.middle_n) for each in measured)
     beyond = abs(mean.middle_n) > max(mean.u_all_n, _SMALL / 100 * mean.half_n)
     return mean if beyond and furthest <= _SAME_FORCE * abs(mean.middle_n) else None
 
 
-def _over_strokes(loop: Loop) -> _Both:
+def _all_directions(curves: Iterable[Curve]) -> list[_Directions]:
+    """Return what was measured in both directions at all speeds and loads."""
+    return [each for loads in _both_directions(curves) for each in loads]
+
+
+def _over_strokes(loop: Loop) -> _Directions:
     """Return both directions of a loop: the means of its friction over the distance.
 
     Their intervals are not known and are taken as 0.
     """
     _, v, friction = np.array(loop.trace).T
-    extend, retract = (np.average(friction, weights=np.maximum(way * v, 0)) for way in (1, -1))
+    extend, retract = (np.average(friction, weights=np.maximum(sign * v, 0)) for sign in (1, -1))
     load = loop.series.f_load_n or 0.0
     middle, half = (extend + retract) / 2, (extend - retract) / 2
-    return _Both(load, float(middle), 0.0, 0.0, float(half))
+    return _Directions(load, float(middle), 0.0, 0.0, float(half))
 
 
-def _both_directions(curves: Iterable[Curve]) -> Iterator[list[_Both]]:
+def _both_directions(curves: Iterable[Curve]) -> Iterator[list[_Directions]]:
     """Yield what was measured in both directions: a list for each speed, an entry for each load."""
     series: dict[tuple, dict[float | None, dict[str, Curve]]] = defaultdict(dict)
     for curve in curves:
-        made = curve.kind, curve.label, curve.factors, curve.specimen, curve.a_ref_m_s2
-        series[*made, curve.p_lr_ref_pa].setdefault(curve.f_load_n, {})[curve.direction] = curve
-    for loads in series.values():
-        speeds: list[tuple[float, dict[float | None, _Both]]] = []
-        for load, both in loads.items():
-            if len(both) < 2:
-                continue
-            for extend in both["extend"].points:
-                retract = _nearest(both["retract"].points, extend.v_m_s)
-                middle = None if retract is None else _middle(extend, retract)
-                if middle is None:
-                    continue
-                same = [each for each in speeds if load not in each[1]]
-                same = [each for each in same if _alike(each[0], extend.v_m_s)]
+        conditions = curve.kind, curve.label, curve.factors, curve.specimen, curve.a_ref_m_s2
+        by_load = series[*conditions, curve.p_lr_ref_pa]
+        by_load.setdefault(curve.f_load_n, {})[curve.direction] = curve
+    for by_load in series.values():
+        speeds: list[tuple[float, dict[float | None, _Directions]]] = []
+        for load_n, pair in by_load.items():
+            for v_m_s, directions in _paired(pair) if len(pair) == 2 else ():
+                free = [(v, loads) for v, loads in speeds if load_n not in loads]
+                same = [(v, loads) for v, loads in free if _is_same(v, v_m_s)]
                 if same:
-                    nearest = min(same, key=lambda each: abs(each[0] - extend.v_m_s))
-                    nearest[1][load] = middle
+                    _, loads = min(same, key=lambda entry: abs(entry[0] - v_m_s))
+                    loads[load_n] = directions
                 else:
-                    speeds.append((extend.v_m_s, {load: middle}))
-        yield from (list(found.values()) for _, found in speeds)
+                    speeds.append((v_m_s, {load_n: directions}))
+        yield from (list(loads.values()) for _, loads in speeds)
 
 
-def _middle(extend: CurvePoint, retract: CurvePoint) -> _Both | None:
+def _paired(pair: Mapping[str, Curve]) -> Iterator[tuple[float, _Directions]]:
+    """Yield the speeds that a pair of curves has in both directions, with their friction."""
+    for extend in pair["extend"].points:
+        retract = _nearest(pair["retract"].points, extend.v_m_s)
+        directions = None if retract is None else _of_points(extend, retract)
+        if directions is not None:
+            yield extend.v_m_s, directions
+
+
+def _of_points(extend: CurvePoint, retract: CurvePoint) -> _Directions | None:
     """Return both directions together; None where one has a single trial."""
     if extend.ci95_n is None or retract.ci95_n is None:
         return None
-    u95 = [each.u95_n or each.ci95_n or 0.0 for each in (extend, retract)]
-    return _Both(
+    u95 = [point.u95_n or point.ci95_n or 0.0 for point in (extend, retract)]
+    return _Directions(
         (extend.f_applied_n + retract.f_applied_n) / 2,
         (extend.friction_n + retract.friction_n) / 2,
         float(np.hypot(extend.ci95_n, retract.ci95_n)) / 2,
@@ -210,10 +216,10 @@ def _middle(extend: CurvePoint, retract: CurvePoint) -> _Both | None:
 
 def _nearest(points: Sequence[CurvePoint], v_m_s: float) -> CurvePoint | None:
     """Return the point whose speed is nearest; None where none is the same."""
-    same = [point for point in points if _alike(point.v_m_s, v_m_s)]
+    same = [point for point in points if _is_same(point.v_m_s, v_m_s)]
     return min(same, key=lambda point: abs(abs(point.v_m_s) - abs(v_m_s)), default=None)
 
 
-def _alike(a: float, b: float) -> bool:
+def _is_same(a: float, b: float) -> bool:
     """Return whether two speeds are the same, in any direction."""
     return abs(abs(a) - abs(b)) <= _SAME_SPEED * max(abs(a), abs(b))

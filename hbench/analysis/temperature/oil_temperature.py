@@ -5,7 +5,9 @@ from statistics import fmean
 
 from hbench.analysis.curves.average import temperature_sensor
 from hbench.analysis.fitting.joint import fitted
-from hbench.analysis.summary.drift import RunClock, friction_drift, with_drift
+from hbench.analysis.summary.drift import friction_drift
+from hbench.analysis.summary.drift_uncertainty import with_drift
+from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.temperature.reduction import reduced_curves
 from hbench.config.fitting import Fitting
 from hbench.config.setup import Setup

@@ -9,7 +9,7 @@ temperature, as far as it follows the viscosity of the oil's record; c_0 is what
 viscosity at any speed, such as boundary friction that falls with temperature (c_0 > 0), or mixed
 friction that rises as the film thins (c_0 < 0). With a wrong record both are wrong, but hardly
 their product with r, which is the reduction. They are estimated from trials of one point at
-different temperatures alone (fixed effects, as in ``summary/drift.py``), together for all loads of
+different temperatures alone (fixed effects, ``statistics/within.py``), together for all loads of
 a label and direction:
 
     y_ij - y_i = (c_0 + c_1 |v_i|) (r_ij - r_i) + e_ij
@@ -42,7 +42,7 @@ from scipy.special import fdtrc
 
 from hbench.analysis.curves.average import student_interval
 from hbench.analysis.statistics.student import student_factor
-from hbench.analysis.summary.drift import within
+from hbench.analysis.statistics.within import is_proportional, within
 from hbench.analysis.uncertainty.budget import (
     combined,
     finite_or_none,
@@ -149,9 +149,7 @@ def viscosity_coefficients(trials: _Trials) -> Estimate | None:
     mean_n = np.abs(trials.friction_n - y)
     if mean_n.min() > 0.0:
         of_shares, squares_of_shares = _least_squares(x / mean_n[:, None], y / mean_n, dof)
-        # Gaussian log-likelihoods, each at its own best variance, as in summary/drift.py.
-        gain = 0.5 * len(y) * (np.log(squares) - np.log(squares_of_shares))
-        if gain > np.log(mean_n).sum():
+        if is_proportional(squares, squares_of_shares, mean_n):
             return of_shares
     return estimate
 

@@ -10,7 +10,7 @@ from hbench.cli.printed import AS_JSON
 from hbench.errors import ConfigError, ExitCode
 
 if TYPE_CHECKING:
-    from hbench.analysis.comparison.precision import Tolerance
+    from hbench.analysis.fleet.precision import Tolerance
 
 
 def fleet(
@@ -84,7 +84,7 @@ def fleet(
 
 def _tolerance(text: str) -> "Tolerance":
     """Return the value of ``--tolerance``. Raises ``ConfigError``."""
-    from hbench.analysis.comparison.precision import Tolerance
+    from hbench.analysis.fleet.precision import Tolerance
     from hbench.units import to_si
 
     for unit in ("N", "%"):

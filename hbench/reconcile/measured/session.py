@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from hbench.analysis.screening.sample_friction import REST_S, STILL
 from hbench.errors import DataError
+from hbench.motion.noise import robust_sigma
 from hbench.reconcile.measured.weak import EVEN, Window, sampling, window
 from hbench.records import Run
 
@@ -19,8 +21,6 @@ COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 _RECORD_S = 0.01  # of a log with the board's rate; the records of faster ones are averaged
 _SMOOTHED, _ORDER = 7, 4  # samples of a polynomial, and its order
 _VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least five samples
-_REST_S, _STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
-_MEDIAN = 0.6745  # of |z| for a normal z
 _OSCILLATING = 10.0  # times the fluctuation of the median window
 _VISIBLE = 0.01  # of a channel's range: a smaller oscillation does not matter
 _SUSTAINED = 4  # windows: what ends earlier is a transient
@@ -80,11 +80,11 @@ class Session:
         There its noise would relax the bristles of a friction law, since the mean of |v| is not 0.
         """
         x, dt_s = self.channels["x_m"], self.window.dt_s
-        short, long = (max(5, _odd(duration / dt_s)) for duration in (_VELOCITY_S, _REST_S))
+        short, long = (max(5, _odd(duration / dt_s)) for duration in (_VELOCITY_S, REST_S))
         own = 1 - _weights(_SMOOTHED, _ORDER, 0, _SMOOTHED // 2)[_SMOOTHED // 2]
-        noise = np.median(np.abs(x - self.smooth("x_m", _ORDER))) / (_MEDIAN * np.sqrt(own))
+        noise = robust_sigma(x - self.smooth("x_m", _ORDER)) / np.sqrt(own)
         return np.where(
-            _range(x, self.edges, long) > _STILL * noise,
+            _range(x, self.edges, long) > STILL * noise,
             _filtered(x, self.edges, short, _ORDER, 1, dt_s),
             _filtered(x, self.edges, long, 1, 1, dt_s),
         )

@@ -10,7 +10,7 @@ from itertools import combinations
 from hbench.records import Fit, FitParameter, Results, Selection
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.page_tables import WHO, table, who, who_text
+from hbench.report.campaign.table_columns import WHO, table, who, who_text
 from hbench.report.render.numbers import NONE, half_width, number, significant, span, with_ends
 from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table

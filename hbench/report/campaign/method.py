@@ -2,7 +2,7 @@
 
 from hbench.records import KINDS, Results
 from hbench.records.friction_laws import FRICTION_LAWS, FrictionLaw
-from hbench.report.campaign.quality import RULE
+from hbench.report.campaign.quality.verdict import RULE
 from hbench.report.render.document import Section
 
 SOURCE = (

@@ -8,7 +8,11 @@ from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
-from hbench.report.campaign.quality import decision_reserve, instruments_percent, quality_verdict
+from hbench.report.campaign.quality.verdict import (
+    decision_reserve,
+    instruments_percent,
+    quality_verdict,
+)
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section

@@ -11,8 +11,8 @@ from hbench.report.campaign.motion_rows import (
     distance_words,
     series_words,
 )
-from hbench.report.campaign.page_tables import table
 from hbench.report.campaign.series_words import TITLES
+from hbench.report.campaign.table_columns import table
 from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si

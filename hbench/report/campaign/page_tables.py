@@ -5,7 +5,6 @@ from math import copysign, hypot, sqrt
 from statistics import stdev
 
 from hbench.records import (
-    Curve,
     EfficiencyCurve,
     PressureLine,
     Results,
@@ -14,10 +13,19 @@ from hbench.records import (
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import CAUSES, code_of, first_reason_counts, reason_counts
-from hbench.report.campaign.series_words import TITLES, AnySeries, kind_words, load_words
+from hbench.report.campaign.table_columns import (
+    HERSEY,
+    OF_DIRECTIONS,
+    OIL,
+    ROD_SIDE,
+    WHO,
+    in_bar,
+    rod_side,
+    table,
+    who,
+)
 from hbench.report.render.numbers import (
     NONE,
-    force,
     number,
     significant,
     span,
@@ -27,6 +35,8 @@ from hbench.report.render.numbers import (
 from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
+
+_RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
 
 
 def point_table(results: Results) -> Table:
@@ -41,8 +51,8 @@ def point_table(results: Results) -> Table:
         "F_applied (N)",
         "p_Tp (bar)",
         "p_Tr (bar)",
-        _OIL,
-        _HERSEY,
+        OIL,
+        HERSEY,
     )
     rows: list[tuple[str | Cell, ...]] = [
         (
@@ -56,8 +66,8 @@ def point_table(results: Results) -> Table:
             "" if point.u95_n is None else significant(point.u95_n, 2),
             number(point.f_test_n),
             number(point.f_applied_n),
-            _bar(point.p_tp_pa),
-            _bar(point.p_tr_pa),
+            in_bar(point.p_tp_pa),
+            in_bar(point.p_tr_pa),
             "" if point.temp_k is None else number(from_si(point.temp_k, "degC"), 1),
             "" if point.hersey_m is None else significant(1e9 * point.hersey_m, 3),
         )
@@ -166,8 +176,8 @@ def band_table(results: Results) -> Table:
     rows = [
         (
             band.label,
-            _rod_side(band.p_lr_ref_pa),
-            _bar(band.p_tp_pa),
+            rod_side(band.p_lr_ref_pa),
+            in_bar(band.p_tp_pa),
             number(1e3 * band.v_m_s),
             with_interval(band.extend.friction_n, band.extend.ci95_n),
             with_interval(band.retract.friction_n, band.retract.ci95_n),
@@ -179,7 +189,7 @@ def band_table(results: Results) -> Table:
         for band in without_common_rod_pressure(results.bands)
     ]
     head = (
-        *("Label", _ROD_SIDE, "Pressure (bar)", "Speed (mm/s)", *OF_DIRECTIONS),
+        *("Label", ROD_SIDE, "Pressure (bar)", "Speed (mm/s)", *OF_DIRECTIONS),
         *("Half band (N)", "Middle of band (N)", "Energy of a cycle (J)", "Trials of both"),
     )
     return table(head, rows)
@@ -190,7 +200,7 @@ def trend_table(results: Results) -> Table:
     rows = [
         (
             trend.label,
-            _rod_side(trend.p_lr_ref_pa),
+            rod_side(trend.p_lr_ref_pa),
             span([from_si(p, "bar") for p in trend.pressures_pa]),
             *_line(trend.half),
             *_line(trend.middle),
@@ -198,7 +208,7 @@ def trend_table(results: Results) -> Table:
         for trend in without_common_rod_pressure(results.band_trends)
     ]
     head = (
-        *("Label", _ROD_SIDE, "Pressures (bar)"),
+        *("Label", ROD_SIDE, "Pressures (bar)"),
         *("Half band, slope (N/bar)", "at 0 bar (N)"),
         *("Middle, slope (N/bar)", "at 0 bar (N)"),
     )
@@ -260,69 +270,6 @@ def remark_table(results: Results) -> Table:
     return table((*_RUN, "Remark"), rows)
 
 
-_ROD_SIDE = "P_Lr (bar)"
-LOAD_CELL = "Load cell F_applied (N)"
-_OIL, _HERSEY = "Oil (°C)", "η|v|/p (nm)"
-WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
-BALANCE = "Coulomb and viscous friction from both directions"
-OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
-_RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
-_WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
-_WHERE_GIVEN = (
-    *("Label", "Kind", _ROD_SIDE, LOAD_CELL, "Remark"),
-    *("Trials alone (N)", "U with instruments (N)", "Energy of a cycle (J)"),
-    *("Friction ± U (N)", "Friction ± U (bar)", "Breakaway ± U (N)", "Breakaway ± U (bar)"),
-    *("Efficiency ± U (%)", _OIL, _HERSEY, "ν"),
-)
-
-
-def table(
-    head: tuple[str, ...],
-    rows: Iterable[tuple[str | Cell, ...]],
-    messages: list[str] | tuple = (),
-    words: tuple[str, ...] = (),
-) -> Table:
-    """Build a table; a column of ``_WHERE_GIVEN`` without any entry is left out.
-
-    An empty kind is written as steady where other kinds are present. Columns in ``words`` hold
-    no numbers.
-    """
-    cells = [tuple(c if isinstance(c, Cell) else Cell(c) for c in row) for row in rows]
-    if "Kind" in head and any(row[head.index("Kind")].text for row in cells):
-        at = head.index("Kind")
-        steady = Cell("steady")
-        cells = [row if row[at].text else (*row[:at], steady, *row[at + 1 :]) for row in cells]
-    kept = [
-        i
-        for i, name in enumerate(head)
-        if name not in _WHERE_GIVEN or any(row[i].text not in ("", NONE) for row in cells)
-    ]
-    return Table(
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in cells),
-        _WORDS | set(words),
-        tuple(messages),
-    )
-
-
-def who(curve: AnySeries) -> tuple[str, ...]:
-    """Return the identification of a curve, in the columns ``WHO``."""
-    load = force(curve.f_load_n).removesuffix(" N")
-    direction = TITLES[curve.direction].lower()
-    return curve.label, kind_words(curve), direction, load, _rod_side(curve.p_lr_ref_pa)
-
-
-def _rod_side(pressure_pa: float | None) -> str:
-    return "" if pressure_pa is None else _bar(pressure_pa)
-
-
-def who_text(curve: Curve) -> str:
-    """Return the identification of a curve as text."""
-    load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
-    texts = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
-    return ", ".join(filter(None, texts))
-
-
 def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:
     plans = without_common_rod_pressure(run.run.plan for run in results.runs)
     return list(zip(results.runs, plans, strict=True))
@@ -335,10 +282,6 @@ def _run(plan: RunPlan) -> tuple[str, ...]:
 def _reason_words(reason: str) -> str:
     code = code_of(reason)
     return with_minus(reason.replace(code, code.replace("_", " "), 1))
-
-
-def _bar(pressure_pa: float | None) -> str:
-    return number(None if pressure_pa is None else from_si(pressure_pa, "bar"), 2)
 
 
 def _line(line: PressureLine) -> tuple[str, str]:

@@ -10,16 +10,11 @@ from hbench.records import KINDS, Curve, Fit, FitParameter, JointFit, Results, W
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.motion_rows import motion_lines
-from hbench.report.campaign.page_tables import (
-    BALANCE,
-    OF_DIRECTIONS,
-    balance_table,
-    band_table,
-    trend_table,
-)
-from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.page_tables import balance_table, band_table, trend_table
+from hbench.report.campaign.quality.verdict import quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
+from hbench.report.campaign.table_columns import BALANCE, OF_DIRECTIONS
 from hbench.report.drift import drift_words
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.numbers import short, significant, span, with_interval

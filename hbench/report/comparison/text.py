@@ -10,7 +10,8 @@ from hbench.records import (
     Difference,
     WordTable,
 )
-from hbench.report.campaign.quality import missing_words, quality_verdict
+from hbench.report.campaign.quality.completeness import missing_words
+from hbench.report.campaign.quality.verdict import quality_verdict
 from hbench.report.comparison.bands import (
     band_table,
     bands_document,

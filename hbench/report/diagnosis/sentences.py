@@ -7,6 +7,7 @@ from hbench.records import (
     AddedEffect,
     Candidate,
     Diagnosis,
+    FitParameter,
 )
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 from hbench.report.diagnosis.names import (
@@ -258,11 +259,7 @@ def refit_words(diagnosis: Diagnosis) -> str:
 
     Those count whose 95 % interval does not contain 1, in relation to their assumed accuracy.
     """
-    changed = {
-        path: factor
-        for path, factor in diagnosis.refitted.items()
-        if factor.ci95 is not None and not factor.ci95[0] <= 1 <= factor.ci95[1]
-    }
+    changed = _changed_values(diagnosis)
     largest = sorted(changed, key=lambda path: -_priors_off(diagnosis, path))[:_MOST_FACTORS]
     parts = [f"{value_words(path)} {parameter_text(changed[path])}" for path in largest]
     if not parts or diagnosis.refit_refused:
@@ -276,19 +273,42 @@ def refit_words(diagnosis: Diagnosis) -> str:
     )
 
 
-def doubtful_volume(diagnosis: Diagnosis) -> str:
-    """Return the dead volumes of chambers with an unexplained flow that the refit clearly changes.
+def doubtful_values(diagnosis: Diagnosis) -> str:
+    """Return the volumes and masses that the refit moves far beyond their assumed accuracy.
 
-    Empty without any. A volume is known from drawings: one that is far off may be the cause itself.
+    Empty without any. They are known from drawings and by weighing. If such a value is right in
+    the model file, the refit has changed it in place of an effect that the model does not contain.
+    Where flows to chambers are unexplained, these are the dead volumes there, which are then a hint
+    from one assumed standard deviation.
     """
-    parts = []
-    for gap in diagnosis.rest:
-        path = _DEAD_VOLUMES.get(gap.name, "")
-        factor = diagnosis.refitted.get(path)
-        if factor and _priors_off(diagnosis, path) > 1:
-            place = CHAMBERS[gap.name.removeprefix("flow_")]
-            parts.append(f"at {place} {number(factor.value, 2)} times")
-    if not parts or diagnosis.refit_refused:
+    if diagnosis.refit_refused:
+        return ""
+    if diagnosis.verdict == "unknown":
+        return _volume_hint(diagnosis)
+    parts = [
+        f"{value_words(path)} {parameter_text(factor)}"
+        for path, factor in _changed_values(diagnosis).items()
+        if path.startswith(_MASSES) or path in _DEAD_VOLUMES.values()
+        if _priors_off(diagnosis, path) > _DOUBTFUL
+    ]
+    if not parts:
+        return ""
+    return (
+        "Check these values of the model file with drawings or by weighing. The refit multiplies "
+        f"them by a factor: {'; '.join(parts)}. If the file is right, an effect is missing in the "
+        "model."
+    )
+
+
+def _volume_hint(diagnosis: Diagnosis) -> str:
+    paths = {gap.name: _DEAD_VOLUMES.get(gap.name, "") for gap in diagnosis.rest}
+    parts = [
+        f"at {CHAMBERS[balance.removeprefix('flow_')]} "
+        f"{number(diagnosis.refitted[path].value, 2)} times"
+        for balance, path in paths.items()
+        if path in diagnosis.refitted and _priors_off(diagnosis, path) > 1
+    ]
+    if not parts:
         return ""
     return (
         f"A hint: the refit gives a dead volume {listed(parts)} that of the model file; compare it "
@@ -296,26 +316,13 @@ def doubtful_volume(diagnosis: Diagnosis) -> str:
     )
 
 
-def doubtful_values(diagnosis: Diagnosis) -> str:
-    """Return the volumes and masses that the refit moves far beyond their assumed accuracy.
-
-    Empty without any. They are known from drawings and by weighing. If such a value is right in
-    the model file, the refit has changed it in place of an effect that the model does not contain.
-    """
-    parts = [
-        f"{value_words(path)} {parameter_text(factor)}"
+def _changed_values(diagnosis: Diagnosis) -> dict[str, FitParameter]:
+    """Return the refitted factors whose 95 % interval does not contain 1, by their paths."""
+    return {
+        path: factor
         for path, factor in diagnosis.refitted.items()
-        if path.startswith(_MASSES) or path in _DEAD_VOLUMES.values()
         if factor.ci95 is not None and not factor.ci95[0] <= 1 <= factor.ci95[1]
-        if _priors_off(diagnosis, path) > _DOUBTFUL
-    ]
-    if not parts or diagnosis.refit_refused:
-        return ""
-    return (
-        "Check these values of the model file with drawings or by weighing. The refit multiplies "
-        f"them by a factor: {'; '.join(parts)}. If the file is right, an effect is missing in the "
-        "model."
-    )
+    }
 
 
 def _priors_off(diagnosis: Diagnosis, path: str) -> float:

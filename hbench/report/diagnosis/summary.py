@@ -17,7 +17,6 @@ from hbench.report.diagnosis.sentences import (
     best_candidate,
     closeness,
     doubtful_values,
-    doubtful_volume,
     gap_change,
     hint,
     odds_words,
@@ -204,7 +203,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield best_candidate(diagnosis)
             yield next_step(diagnosis)
             yield starting_reason(diagnosis)
-            yield doubtful_volume(diagnosis)
+            yield doubtful_values(diagnosis)
             yield from further_inspections(diagnosis)
             if not diagnosis.next_experiment:
                 yield narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
@@ -298,7 +297,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _INSPECT, starting_reason(diagnosis)
     for sentence in further_inspections(diagnosis):
         yield _INSPECT, sentence
-    yield _INSPECT, doubtful_volume(diagnosis)
+    yield _INSPECT, doubtful_values(diagnosis)
     yield "Sensors", sensors_words(diagnosis, gaps)
     yield "Next runs", diagnosis.next_experiment or ""
     yield _MODEL, predictions_words(diagnosis)

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 
 from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, ScreenedRun, Side
-from hbench.report.campaign.quality import missing_words, weak_checks
+from hbench.report.campaign.quality.completeness import missing_words
+from hbench.report.campaign.quality.verdict import weak_checks
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable

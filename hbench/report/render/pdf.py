@@ -288,16 +288,7 @@ def _figure_row(pen: Pen, row: list[Drawing], captions: list[list[str]], below: 
     pen.space(6)
     top, bottom = pen.y, pen.y + max(heights) + 2
     for column, (image, height) in enumerate(zip(images, heights, strict=True)):
-        left = LEFT + column * (_FIGURE + _GAP)
-        box = (
-            left / SHEET_WIDTH,
-            1 - (top + height) / SHEET_HEIGHT,
-            wide / SHEET_WIDTH,
-            height / SHEET_HEIGHT,
-        )
-        axes = pen.done[-1].add_axes(box)
-        axes.imshow(image, aspect="auto", interpolation="none")
-        axes.set_axis_off()
+        pen.image(image, LEFT + column * (_FIGURE + _GAP), wide, height, interpolation="none")
     for column, lines in enumerate(captions, start=int(beside)):
         pen.y = top + _BESIDE if beside else bottom
         for line in lines:

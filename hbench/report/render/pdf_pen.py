@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import cache
 
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -101,6 +102,18 @@ class Pen:
             linewidth=width,
         )
         self.done[-1].add_artist(box)
+
+    def image(self, pixels: np.ndarray, left: float, wide: float, high: float, **look: str) -> None:
+        """Set an image [pt] at this height; the height stays, since others may stand beside it."""
+        box = (
+            left / SHEET_WIDTH,
+            1 - (self.y + high) / SHEET_HEIGHT,
+            wide / SHEET_WIDTH,
+            high / SHEET_HEIGHT,
+        )
+        axes = self.done[-1].add_axes(box)
+        axes.imshow(pixels, aspect="auto", **look)
+        axes.set_axis_off()
 
     def bar(self, top: float, bottom: float, color: str, width: float = 4.0) -> None:
         """Draw a bar at the left of the column between two heights of this sheet."""

@@ -1,8 +1,6 @@
 """The campaign folder: ``campaign.yaml``, ``runs/`` with the raw logs, ``results/``.
 
-A raw log is on disk before its run's stop part, and both before any result is derived. A raw log
-is never rewritten: when a run is repeated, the log of the previous attempt is kept as
-``runs/<id>~1.dat`` (then ``~2`` and so on).
+Its reader; ``writer.py`` writes it during a measurement.
 """
 
 import hashlib
@@ -22,14 +20,14 @@ from hbench.config.import_map import ImportMap, parse_import_map
 from hbench.config.schedule import Schedule, Screening, parse_schedule
 from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
-from hbench.records import Outcome, Provenance, RawRun, Run, RunPlan
+from hbench.records import Provenance, RawRun, Run, RunPlan
 from hbench.store.campaign import journal
-from hbench.store.campaign.dsp_log import format_words, parse_records
-from hbench.store.campaign.journal import Entry, Stop
-from hbench.store.campaign.log_layout import read_layout
+from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.run_csv import parse_run
 from hbench.store.campaign.run_times import clock_fault, latest_moment, moment, start_times_s
-from hbench.store.files.atomic import append, rename, truncate, write_atomic, write_files
+from hbench.store.dsp_logs.dsp_log import parse_records
+from hbench.store.dsp_logs.log_layout import read_layout
+from hbench.store.files.atomic import write_files
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_file
 from hbench.untrusted_text import printable
 
@@ -48,58 +46,6 @@ _SETTINGS = (  # for the report
     *("specimen", "test", "oil"),
     *("instruments", "sensors", "controllers", "limits", "screening"),
 )
-
-
-class CampaignWriter:
-    """Writer of a campaign during its measurement: the header, then each run's start and stop."""
-
-    def __init__(self, folder: Path):
-        self._folder = folder
-        self._journal = folder / JOURNAL
-        self._started: RunPlan | None = None
-
-    @classmethod
-    def create(cls, folder: Path, header: Mapping[str, Any]) -> "CampaignWriter":
-        """Begin a campaign. Raises ``ConfigError`` if ``folder`` contains one already."""
-        refuse_existing(
-            folder, "Choose another folder, or continue an interrupted campaign with --resume."
-        )
-        write_atomic(folder / JOURNAL, journal.journal_header(header).encode())
-        return cls(folder)
-
-    @classmethod
-    def resume(cls, folder: Path) -> "CampaignWriter":
-        """Continue a campaign; a half-written last line is cut off. Raises ``DataError``."""
-        path = folder / JOURNAL
-        check_inside(folder, path)
-        data = _read_journal(path)
-        journal.parse_journal(data, str(path))
-        check_inside(folder, folder / "runs")
-        truncate(path, journal.intact_length(data))
-        return cls(folder)
-
-    def start_run(self, plan: RunPlan, at: datetime, after_rejection: str = "") -> None:
-        """Append the start part of a run; ``after_rejection`` is the reason for a repetition."""
-        text = journal.start_text(plan, at, after_rejection=after_rejection)
-        append(self._journal, text.encode())
-        self._started = plan
-
-    def finish_run(
-        self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
-    ) -> None:
-        """Write the raw log of the run that was started last, then append its stop part.
-
-        ``words`` is (records, words of a record), uint16.
-        """
-        if plan != self._started:
-            raise ValueError(f"run {plan.run} is not the run that was started last")
-        log = format_words(words)
-        path = self._folder / "runs" / f"{plan.run}.dat"
-        _keep_earlier(path)
-        write_atomic(path, log, overwrite=False)
-        stop = Stop(at.isoformat(), outcome, len(words), sha256(log), why)
-        append(self._journal, journal.stop_text(stop).encode())
-        self._started = None
 
 
 @dataclass(frozen=True)
@@ -311,7 +257,7 @@ def load_campaign(folder: Path) -> StoredCampaign:
     """Read a campaign's journal. Raises ``DataError``."""
     path = folder / JOURNAL
     check_inside(folder, path)
-    content = journal.parse_journal(_read_journal(path), str(path))
+    content = journal.parse_journal(read_journal(path), str(path))
     warnings = [str(note) for note in content.header.get("notes") or ()]
     warnings += [*content.warnings, *_unlisted_logs(folder, content), *_repeated_runs(content)]
     if content.header["source"] != "imported" and (fault := clock_fault(content.entries)):
@@ -323,7 +269,7 @@ def load_header(folder: Path) -> StoredCampaign:
     """Read a campaign's journal without its runs, in less time. Raises ``DataError``."""
     path = folder / JOURNAL
     check_inside(folder, path)
-    head, runs, _ = _read_journal(path).partition(b"\nruns:")
+    head, runs, _ = read_journal(path).partition(b"\nruns:")
     content = journal.parse_journal(head + (b"\nruns: []\n" if runs else b""), str(path))
     return StoredCampaign(folder, content.header, (), ())
 
@@ -351,7 +297,8 @@ def _repeated_runs(content: journal.JournalContent) -> Iterator[str]:
         )
 
 
-def _read_journal(path: Path) -> bytes:
+def read_journal(path: Path) -> bytes:
+    """Return the text of a campaign's journal. Raises ``DataError``."""
     if path.parent.is_file():
         raise DataError(f"{path.parent}: is a file, not a campaign", _campaign_hint(path.parent))
     return read_file(path, LARGEST_JOURNAL, _campaign_hint(path.parent))
@@ -378,15 +325,6 @@ def write_results(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write derived files below ``results/`` of a campaign, each whole or not at all."""
     check_inside(folder, folder / "results")
     write_files(folder / "results", files)
-
-
-def _keep_earlier(path: Path) -> None:
-    """Rename an existing log to the name of an earlier attempt."""
-    if path.exists():
-        number = 1
-        while (kept := path.with_name(f"{path.stem}~{number}{path.suffix}")).exists():
-            number += 1
-        rename(path, kept.name)
 
 
 def sha256(data: bytes) -> str:

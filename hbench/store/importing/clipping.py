@@ -11,6 +11,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from hbench.motion.noise import noise_of_differences
+
 LEAST_SAMPLES = 3  # consecutive
 _LEAST_NOISE = 1.5  # in units of the resolution
 _NEAR = 30  # samples before and after, which the noise is of
@@ -77,9 +79,4 @@ def _noise_near(values: np.ndarray, within: np.ndarray, start: int, stop: int) -
     """Return the noise of the samples ``within`` the limits next to those of start to stop."""
     before = values[:start][within[:start]][-_NEAR:]
     after = values[stop:][within[stop:]][:_NEAR]
-    return _noise(np.concatenate([np.diff(before, 2), np.diff(after, 2)]))
-
-
-def _noise(bends: np.ndarray) -> float:
-    """Return the standard deviation of white noise on a smooth signal from second differences."""
-    return float(np.median(np.abs(bends)) / (0.6745 * np.sqrt(6))) if len(bends) else 0.0
+    return noise_of_differences(np.concatenate([np.diff(before, 2), np.diff(after, 2)]), 2)

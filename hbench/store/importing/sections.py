@@ -1,12 +1,14 @@
 """Cutting of a file's channels into the sections that become runs."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
-from hbench.motion.plateaus import Plateau, plateau_at, plateaus, settled
+from hbench.motion.covered_positions import Positions, covered_positions, shared_positions
+from hbench.motion.plateaus import plateaus
 from hbench.motion.reversals import (
     LONGEST_STEP_S,
     cut_at_reversals,
@@ -19,11 +21,6 @@ from hbench.store.importing.file_notes import FileNote
 
 _BLOCK_S = 0.1
 _AS_FAST = 0.9  # of the top speed: as fast, but for noise
-_LEAST_SHARED = 0.2  # of a stroke: positions that both directions cover
-_MOST = 0.75  # of these: a stroke that covers less is left out
-
-Positions = tuple[float, float]  # lowest and highest [m]
-_NOWHERE: Positions = (np.inf, -np.inf)
 
 _CUT_OFF = (
     "The start or the end of the file cuts its strokes off: leave the file out, or import it as a "
@@ -82,31 +79,31 @@ def _whole(
     whole = slice(0, len(x_m))
     if speed is not None:
         return Sections((Section(whole, float(np.copysign(speed, x_m[-1] - x_m[0]))),))
-    found = plateaus(t_s, x_m, least_m=rules.min_stroke)
-    if not found:
+    constant = plateaus(t_s, x_m, least_m=rules.min_stroke)
+    if not constant:
         return Sections((Section(whole, stroke_speed(t_s, x_m)),))
-    longest = max(found, key=lambda p: t_s[p.section.stop - 1] - t_s[p.section.start])
+    longest = max(constant, key=lambda p: t_s[p.section.stop - 1] - t_s[p.section.start])
     notes = []
-    if len(found) > 1:
+    if len(constant) > 1:
         text = "{count} sections of constant speed; only the longest is used (cut: plateaus)"
-        notes.append(FileNote(name, text, {"count": len(found)}))
+        notes.append(FileNote(name, text, {"count": len(constant)}))
     return Sections((Section(whole, longest.v_m_s),), tuple(notes))
 
 
 def _at_plateaus(t_s: np.ndarray, x_m: np.ndarray, source: str, rules: ImportMap) -> Sections:
     """Return a section for each plateau: from the end of the one before to its own end."""
-    found: list[Plateau] = plateaus(t_s, x_m, rules.screening.min_window, rules.min_stroke)
-    if not found:
+    constant = plateaus(t_s, x_m, rules.screening.min_window, rules.min_stroke)
+    if not constant:
         raise DataError(
             f"{source}: holds no constant speed over min_stroke = {1e3 * rules.min_stroke:g} mm "
             f"and min_window = {rules.screening.min_window:g} s",
             "Reduce 'min_stroke' or 'screening.min_window' in the map.",
         )
-    starts = [0, *(p.section.stop for p in found[:-1])]
+    starts = [0, *(plateau.section.stop for plateau in constant[:-1])]
     return Sections(
         tuple(
-            Section(slice(start, p.section.stop), p.v_m_s)
-            for start, p in zip(starts, found, strict=True)
+            Section(slice(start, plateau.section.stop), plateau.v_m_s)
+            for start, plateau in zip(starts, constant, strict=True)
         )
     )
 
@@ -118,55 +115,73 @@ def _at_reversals(
     rules: ImportMap,
     speed: float | None,
 ) -> Sections:
+    """Return a section for each stroke between two reversals, without run-in and run-out."""
     t_s, x_m = channels["t_s"], channels["x_m"]
-    found = cut_at_reversals(t_s, x_m, rules.min_stroke)
-    if not found.pieces:
+    strokes, notes = _strokes(t_s, x_m, source, name, rules)
+    if KINDS[rules.kind].has_constant_speed:
+        sections, on_positions = _with_shared_positions(t_s, x_m, strokes, name, rules)
+        return Sections(sections, (*notes, *on_positions))
+    parts = ({key: y[stroke] for key, y in channels.items()} for stroke in strokes)
+    speeds = (_top_speed(part, rules.kind, speed) for part in parts)
+    return Sections(tuple(map(Section, strokes, speeds)), notes)
+
+
+def _strokes(
+    t_s: np.ndarray, x_m: np.ndarray, source: str, name: str, rules: ImportMap
+) -> tuple[tuple[slice, ...], tuple[FileNote, ...]]:
+    """Return the strokes of a file, and notes on those left out. Raises ``DataError``."""
+    cuts = cut_at_reversals(t_s, x_m, rules.min_stroke)
+    if not cuts.pieces:
         low, high = 1e3 * float(np.min(x_m)), 1e3 * float(np.max(x_m))
+        cut_off = bool(cuts.partial) and high - low > 1e3 * rules.min_stroke
         raise DataError(
             f"{source}: no stroke between two reversals, or from or to a rest, is longer than "
             f"min_stroke = {1e3 * rules.min_stroke:g} mm; the file has positions from {low:.4g} to "
             f"{high:.4g} mm in {t_s[-1] - t_s[0]:.4g} s",
-            _no_stroke_hint(
-                t_s, cut_off=bool(found.partial) and high - low > 1e3 * rules.min_stroke
-            ),
+            _no_stroke_hint(t_s, cut_off=cut_off),
         )
-    pieces = settled_strokes(t_s, x_m, found.pieces)
+    strokes = settled_strokes(t_s, x_m, cuts.pieces)
+    run_in = cuts.pieces.index(strokes[0])
+    run_out = len(cuts.pieces) - 1 - cuts.pieces.index(strokes[-1])
+    differ = "strokes differ in length or duration and are left out"
     left_out = {
-        "{count} sections without a known start or end left out": found.partial,
-        f"{{count}} strokes shorter than {1e3 * rules.min_stroke:g} mm left out": found.short,
-        "run-in: the first {count} strokes differ in length or duration and are left out": (
-            found.pieces.index(pieces[0])
-        ),
-        "run-out: the last {count} strokes differ in length or duration and are left out": (
-            len(found.pieces) - 1 - found.pieces.index(pieces[-1])
-        ),
+        "{count} sections without a known start or end left out": cuts.partial,
+        f"{{count}} strokes shorter than {1e3 * rules.min_stroke:g} mm left out": cuts.short,
+        f"run-in: the first {{count}} {differ}": run_in,
+        f"run-out: the last {{count}} {differ}": run_out,
     }
-    notes = [FileNote(name, text, {"count": n}) for text, n in left_out.items() if n]
-    if not KINDS[rules.kind].has_constant_speed:
-        return Sections(
-            tuple(
-                Section(p, _top_speed({k: y[p] for k, y in channels.items()}, rules.kind, speed))
-                for p in pieces
-            ),
-            tuple(notes),
-        )
-    speeds = [stroke_speed(t_s[p], x_m[p]) for p in pieces]
+    notes = (FileNote(name, text, {"count": n}) for text, n in left_out.items() if n)
+    return strokes, tuple(notes)
+
+
+def _with_shared_positions(
+    t_s: np.ndarray, x_m: np.ndarray, strokes: Sequence[slice], name: str, rules: ImportMap
+) -> tuple[tuple[Section, ...], tuple[FileNote, ...]]:
+    """Return the strokes as sections, with the positions to average over, and notes.
+
+    Strokes that do not cover these positions are left out. Without positions that both directions
+    cover, all strokes are sections.
+    """
+    settle = rules.screening.settle_time, rules.screening.settle_travel
+    speeds = [stroke_speed(t_s[stroke], x_m[stroke]) for stroke in strokes]
     covered = [
-        _covered(t_s[piece], x_m[piece], v, rules) for piece, v in zip(pieces, speeds, strict=True)
+        covered_positions(t_s[stroke], x_m[stroke], v, *settle)
+        for stroke, v in zip(strokes, speeds, strict=True)
     ]
-    travel = float(np.median([np.ptp(x_m[piece]) for piece in pieces]))
-    shared = _shared_positions(covered, speeds, _LEAST_SHARED * travel)
+    travel_m = float(np.median([np.ptp(x_m[stroke]) for stroke in strokes]))
+    shared = shared_positions(covered, speeds, travel_m)
     if shared is None:
-        if min(speeds) < 0 < max(speeds):
-            text = "extending and retracting share too few positions after settling: not compared"
-            notes.append(FileNote(name, text))
-        return Sections(tuple(map(Section, pieces, speeds)), tuple(notes))
-    whole = [low <= shared[0] and high >= shared[1] for low, high in covered]
-    if few := whole.count(False):
-        text = "{count} strokes cover too few of the positions of the others and are left out"
-        notes.append(FileNote(name, text, {"count": few}))
-    kept = (Section(p, v, shared) for p, v, k in zip(pieces, speeds, whole, strict=True) if k)
-    return Sections(tuple(kept), tuple(notes))
+        text = "extending and retracting share too few positions after settling: not compared"
+        both = min(speeds) < 0 < max(speeds)
+        return tuple(map(Section, strokes, speeds)), (FileNote(name, text),) if both else ()
+    sections = tuple(
+        Section(stroke, v, shared)
+        for stroke, v, (low, high) in zip(strokes, speeds, covered, strict=True)
+        if low <= shared[0] and high >= shared[1]
+    )
+    few = len(strokes) - len(sections)
+    text = "{count} strokes cover too few of the positions of the others and are left out"
+    return sections, (FileNote(name, text, {"count": few}),) if few else ()
 
 
 def _no_stroke_hint(t_s: np.ndarray, *, cut_off: bool) -> str:
@@ -177,47 +192,6 @@ def _no_stroke_hint(t_s: np.ndarray, *, cut_off: bool) -> str:
             "on: log faster, or check the unit of t_s in the map."
         )
     return _CUT_OFF if cut_off else _TOO_SHORT
-
-
-def _shared_positions(
-    covered: list[Positions], speeds: list[float], least_m: float
-) -> Positions | None:
-    """Return the positions that the settled strokes of both directions cover; None if few.
-
-    Only strokes that cover at least three quarters of the positions common to the median strokes of
-    both directions count.
-    """
-    directions = [
-        [positions for positions, v in zip(covered, speeds, strict=True) if (v > 0) == extends]
-        for extends in (True, False)
-    ]
-    settled_ones = [[each for each in own if each != _NOWHERE] for own in directions]
-    if not all(settled_ones):
-        return None
-    common = _intersection(*(np.median(np.array(own), axis=0).tolist() for own in settled_ones))
-    most = [
-        [each for each in own if _width(_intersection(common, each)) >= _MOST * _width(common)]
-        for own in settled_ones
-    ]
-    if _width(common) < least_m or not all(most):
-        return None
-    return _intersection(*most[0], *most[1])
-
-
-def _covered(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float, rules: ImportMap) -> Positions:
-    """Return the positions of a stroke's settled part."""
-    limits = rules.screening
-    part = settled(t_s, x_m, plateau_at(t_s, x_m, v_m_s), limits.settle_time, limits.settle_travel)
-    x = x_m[part]
-    return (float(x.min()), float(x.max())) if len(x) > 1 else _NOWHERE
-
-
-def _width(positions: Positions) -> float:
-    return positions[1] - positions[0]
-
-
-def _intersection(*positions: Positions) -> Positions:
-    return max(low for low, _ in positions), min(high for _, high in positions)
 
 
 def _top_speed(channels: dict[str, np.ndarray], kind: str, speed: float | None) -> float:

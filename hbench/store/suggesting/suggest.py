@@ -21,15 +21,15 @@ from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.duplicates import duplicates
 from hbench.store.suggesting.factors import column_factors
-from hbench.store.suggesting.file_names import NamePattern, name_patterns, numbers_of
+from hbench.store.suggesting.file_names import NamePattern, name_patterns
 from hbench.store.suggesting.force_balance import ForceBalance, force_balance
-from hbench.store.suggesting.map_text import (
+from hbench.store.suggesting.map_yaml.map_text import map_text
+from hbench.store.suggesting.map_yaml.suggested_map import (
     SuggestedMap,
     SuggestedSeries,
-    constants_of,
-    map_text,
 )
 from hbench.store.suggesting.motion import motion_of
+from hbench.store.suggesting.name_fields import numbers_of
 from hbench.store.suggesting.quantities import meaning
 from hbench.store.suggesting.samples import (
     SampleColumn,
@@ -81,10 +81,10 @@ def suggest_map(folder: Path) -> Suggestion:
         by_signature[sample.signature].append(pattern)
     alike = max(by_signature.values(), key=lambda group: sum(len(p.names) for p in group))
     files = {name: file for p in alike for name, file in _more_of(folder, p, samples[p], alike)}
-    found = _found(folder, list(files.values()), alike, len(names))
-    found = _verified(folder, found, patterns, faults)
-    notes = (*_notes(found, faults), *_joined_or_split(samples, alike))
-    return Suggestion(map_text(found), notes)
+    suggested = _suggested_map(folder, list(files.values()), alike, len(names))
+    suggested = _verified(folder, suggested, patterns, faults)
+    notes = (*_notes(suggested, faults), *_joined_or_split(samples, alike))
+    return Suggestion(map_text(suggested), notes)
 
 
 def _joined_or_split(
@@ -151,7 +151,7 @@ def _more_of(
                 yield name, sample
 
 
-def _found(
+def _suggested_map(
     folder: Path, files: list[SampleFile], alike: Sequence[NamePattern], count: int
 ) -> SuggestedMap:
     columns = sample_columns(files)
@@ -259,8 +259,8 @@ def _drive_signed(
     """Turn the sign of a drive's force that acts against the motion at constant speed."""
     choice = choices.get("f_drive_n")
     means: dict[bool, list[float]] = {True: [], False: []}
-    for file, found in zip(channels, steady, strict=True):
-        for plateau in found if "f_drive_n" in file else ():
+    for file, sections in zip(channels, steady, strict=True):
+        for plateau in sections if "f_drive_n" in file else ():
             mean = float(np.nanmean(file["f_drive_n"][plateau.section]))
             means[plateau.v_m_s > 0].append(mean)
     if choice is None or not all(means.values()):
@@ -273,7 +273,7 @@ def _drive_signed(
 
 def _verified(
     folder: Path,
-    found: SuggestedMap,
+    suggested: SuggestedMap,
     patterns: Sequence[NamePattern],
     faults: Mapping[str, str],
 ) -> SuggestedMap:
@@ -281,26 +281,26 @@ def _verified(
 
     Patterns of other columns are added if the map reads them too.
     """
-    known = {series.pattern.files: series for series in found.series}
+    known = {series.pattern.files: series for series in suggested.series}
     others = [
         SuggestedSeries(p) for p in patterns if p.files not in known and p.names[0] not in faults
     ]
-    rules = _rules(replace(found, series=(*found.series, *others)))
+    rules = _rules(replace(suggested, series=(*suggested.series, *others)))
     if isinstance(rules, str):
-        return found
+        return suggested
     matches = {match.name: match for match in match_files(folder, rules).files}
     checked = []
-    for series in (*found.series, *others):
+    for series in (*suggested.series, *others):
         match = matches.get(series.pattern.names[0])
         fault = "" if match is None else _import_fault(folder, match, rules)
         checked.append(replace(series, fault=fault))
     checked.sort(key=lambda series: series.pattern.names[0])
-    return replace(found, series=tuple(checked))
+    return replace(suggested, series=tuple(checked))
 
 
-def _rules(found: SuggestedMap) -> ImportMap | str:
+def _rules(suggested: SuggestedMap) -> ImportMap | str:
     """Return the map with assumed sizes, or why it is invalid."""
-    text = map_text(found).replace(f"piston_diameter: {UNFILLED}", "piston_diameter: 40")
+    text = map_text(suggested).replace(f"piston_diameter: {UNFILLED}", "piston_diameter: 40")
     text = text.replace(f"rod_diameter: {UNFILLED}", "rod_diameter: 0")
     text = text.replace(f"displacement: {UNFILLED}", "displacement: 10")
     try:
@@ -318,26 +318,26 @@ def _import_fault(folder: Path, match: FileMatch, rules: ImportMap) -> str:
     return ""
 
 
-def _notes(found: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
-    yield f"read {len(found.files)} files: {listed(found.files)}"
+def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
+    yield f"read {len(suggested.files)} files: {listed(suggested.files)}"
     for name, fault in faults.items():
         yield f"not read: {name}: {fault}"
-    for name, fault in found.unread.items():
+    for name, fault in suggested.unread.items():
         means = meaning(name)
-        if means.is_sure and means.channel not in ("", *found.choices):
+        if means.is_sure and means.channel not in ("", *suggested.choices):
             yield f"{means.channel}: column {name!r} can't be read: {fault}"
-    for series in found.series:
+    for series in suggested.series:
         if series.fault:
             count = len(series.pattern.names)
             yield f"not in the map: {series.pattern.files} ({count} files): {series.fault}"
-    if isinstance(rules := _rules(found), str):
+    if isinstance(rules := _rules(suggested), str):
         yield f"the map is not complete: {rules}"
-    for channel, names in found.left_out.items():
-        used = found.choices[channel].column.name
+    for channel, names in suggested.left_out.items():
+        used = suggested.choices[channel].column.name
         yield f"{channel} is {used}; left out: {', '.join(names)}"
-    guesses = [c for c, choice in found.choices.items() if choice.certainty == GUESS]
-    guesses += constants_of(found.choices)
+    guesses = [c for c, choice in suggested.choices.items() if choice.certainty == GUESS]
+    guesses += suggested.assumed_constants
     if guesses:
         yield f"guesses to check: {', '.join(guesses)}"
-    if not found.is_driven:
+    if not suggested.is_driven:
         yield f"fill in what is marked {UNFILLED}: the size of the cylinder is not in the files"

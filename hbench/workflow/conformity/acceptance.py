@@ -7,7 +7,8 @@ from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.loading import file_sha256, read_yaml
 from hbench.records import Results
 from hbench.records.conformity.acceptance import Acceptance
-from hbench.report.campaign.quality import grade_words, missing_words
+from hbench.report.campaign.quality.completeness import missing_words
+from hbench.report.campaign.quality.verdict import grade_words
 from hbench.report.conformity.acceptance_document import acceptance_json
 from hbench.report.conformity.text import junit_xml
 from hbench.report.creep_words import creep_facts

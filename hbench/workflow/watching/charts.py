@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.comparison.control_chart import centre_and_sigma
-from hbench.analysis.comparison.run_rules import run_rules
 from hbench.analysis.conformity.series import Series, checks_by_series
+from hbench.analysis.fleet.control_chart import centre_and_sigma
+from hbench.analysis.fleet.run_rules import run_rules
 from hbench.records import FEWEST_CAMPAIGNS
 from hbench.records.conformity.acceptance import ConformityCheck
 from hbench.report.conformity.decision_section import nearest_words

@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hbench import workflow
 from hbench.errors import DeviceError
 from hbench.protocol.dictionary import RECORD_FLAGS as FLAG_NAMES
 from hbench.rig import virtual
-from hbench.store.campaign import folder as campaign_folder
+from hbench.store.campaign import writer
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.files import atomic
 from tests.support.faults.faulty_line import FLAGS, INDEX, RUN, Killed, Script, World, attempts
+from tests.support.rig_campaign import measure_on_rig
 
 LAST = 1 << FLAG_NAMES.index("last")
 MOST_SESSIONS = 150  # most of them while the port is gone, by an operator without patience
@@ -60,16 +60,7 @@ def play(script: Script, experiment, folder: Path, clock) -> Story:
 def session(experiment, folder: Path, clock, story: Story) -> bool:
     """Run or resume; True when the campaign is complete. Any other error than these is a bug."""
     try:
-        workflow.measure(
-            experiment,
-            folder,
-            port="sim",
-            plant=None,
-            seed=1,
-            resume=(folder / "campaign.yaml").exists(),
-            clock=clock,
-            report=lambda progress: None,
-        )
+        measure_on_rig(experiment, folder, resume=(folder / "campaign.yaml").exists(), clock=clock)
     except DeviceError as error:
         story.errors.append(error.message)
         return False
@@ -85,7 +76,7 @@ def mortal_disk(patch, world: World) -> None:
     Flushing is left out: a killed process loses nothing that it has given to the system.
     """
     writes = iter(range(10**6))
-    rename = campaign_folder.rename
+    rename = writer.rename
 
     def dies() -> bool:
         world.check_alive()
@@ -113,7 +104,7 @@ def mortal_disk(patch, world: World) -> None:
 
     patch.setattr(atomic, "_flush", mortal_flush)
     patch.setattr(atomic, "_flush_folder", mortal_flush_folder)
-    patch.setattr(campaign_folder, "rename", mortal_rename)
+    patch.setattr(writer, "rename", mortal_rename)
 
 
 def check_nothing_rewritten(folder: Path, before: dict) -> dict:

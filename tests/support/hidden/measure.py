@@ -25,7 +25,7 @@ from hbench.protocol.dictionary import RECORD_FLAGS
 from hbench.records import Outcome, RawRun, Run, RunPlan
 from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
-from hbench.store.campaign.folder import CampaignWriter
+from hbench.store.campaign.writer import CampaignWriter
 from hbench.workflow import Experiment
 from tests.support.hidden.background import SIDES, wandering
 from tests.support.hidden.cases import Case, truth

@@ -1,14 +1,21 @@
 """Logs of the plant without noise, sensors or a controller: means over records of 10 ms."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, V, X
+from hbench.config.sensors import ForceInstrument, Instruments, PressureInstrument
+from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate
 from hbench.records import Run, RunPlan, Specimen
 
 TICKS = 100  # of 100 us, in a record
 RECORD_S = 0.01
 SPECIMEN = Specimen(1e-3, 8e-4)
+INSTRUMENTS = Instruments(
+    force=ForceInstrument.model_construct(tolerance=0.01, of="reading", full_scale=2e4),
+    pressure=PressureInstrument.model_construct(tolerance=0.002, of="full_scale", full_scale=25e6),
+)
 
 
 def smooth_strokes(seconds=2.6):
@@ -49,6 +56,25 @@ def logged(run: str, par, state, commands, trial=1):
         **channels,
     )
     return log, made
+
+
+def logged_points(par, shares):
+    """Return logs with noisy pressures: an operating point for each share of the usual commands.
+
+    Its two trials differ a little in the pressure at the start.
+    """
+    rng, made = np.random.default_rng(0), []
+    for number, share in enumerate(shares):
+        commands = share * smooth_strokes()
+        for trial in (1, 2):
+            start = initial_state(par, 0.15, 15e5, (19 + number + 0.1 * trial) * 1e5)
+            log, _ = logged(f"{2 * number + trial:04d}", par, start, commands, trial)
+            noisy = {
+                name: getattr(log, name) + 500 * rng.standard_normal(len(log.t_s))
+                for name in ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
+            }
+            made.append(replace(log, plan=replace(log.plan, v_ref_m_s=0.01 * number), **noisy))
+    return tuple(made)
 
 
 def record_means(samples):

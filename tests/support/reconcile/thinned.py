@@ -5,7 +5,8 @@ from datetime import datetime
 from pathlib import Path
 
 from hbench.records import RunPlan
-from hbench.store.campaign.folder import CampaignWriter, load_campaign
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.writer import CampaignWriter
 
 
 def thinned(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hbench.analysis.comparison.fleet_summary import summarize
+from hbench.analysis.fleet.summary import summarize
 from hbench.records import Fleet, FleetNumber, FleetRow
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from hbench.workflow.fleet import report_link

@@ -5,10 +5,11 @@ from math import floor
 import numpy as np
 from matplotlib.figure import Figure
 
-from hbench.records import DIRECTIONS, EfficiencyCurve, Results
+from hbench.records import EfficiencyCurve, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import (
     BANDS,
+    by_direction,
     by_load,
     load_legend,
     load_ranks,
@@ -33,10 +34,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
     )
     ranks = load_ranks(curves)
     figures: dict[str, Figure] = {}
-    for direction in DIRECTIONS:
-        chosen = [curve for curve in curves if curve.direction == direction]
-        if not chosen:
-            continue
+    for direction, chosen in by_direction(curves):
         figure = figures[direction] = style.new_figure(height_in=3.9)
         axes = figure.add_subplot()
         for curve in by_load(chosen):

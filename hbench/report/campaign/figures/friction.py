@@ -1,6 +1,6 @@
 """Stribeck curves: friction over velocity, measured points with intervals and fitted lines."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -48,10 +48,8 @@ def friction_magnitude(results: Results, title: str = "Friction") -> dict[str, F
     curves = over_velocity(results)
     ranks = load_ranks(curves)
     figures: dict[str, Figure] = {}
-    for direction in DIRECTIONS:
-        chosen = [curve for curve in curves if curve.direction == direction]
-        if chosen:
-            figures[direction] = _one_direction(results, title, direction, chosen, ranks)
+    for direction, chosen in by_direction(curves):
+        figures[direction] = _one_direction(results, title, direction, chosen, ranks)
     for panel in range(min((len(figure.axes) for figure in figures.values()), default=0)):
         style.share_limits(figure.axes[panel] for figure in figures.values())
     return figures
@@ -119,6 +117,15 @@ def by_load(curves: Iterable[AnyCurve]) -> list[AnyCurve]:
 def load_key(curve: AnyCurve) -> LoadKey:
     """Return the magnitude of the load and the rod-side pressure, which share a colour."""
     return None if curve.f_load_n is None else abs(curve.f_load_n), curve.p_lr_ref_pa
+
+
+def by_direction(curves: Iterable[AnyCurve]) -> Iterator[tuple[Direction, list[AnyCurve]]]:
+    """Yield each direction that has curves, with these."""
+    curves = tuple(curves)
+    for direction in DIRECTIONS:
+        chosen = [curve for curve in curves if curve.direction == direction]
+        if chosen:
+            yield direction, chosen
 
 
 def load_ranks(curves: Iterable[AnyCurve]) -> dict[LoadKey, int]:

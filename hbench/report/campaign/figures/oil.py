@@ -4,8 +4,9 @@ from dataclasses import replace
 
 from matplotlib.figure import Figure
 
-from hbench.records import DIRECTIONS, Curve, Results
+from hbench.records import Curve, Results
 from hbench.report.campaign.figures.friction import (
+    by_direction,
     friction_magnitude,
     load_legend,
     load_ranks,
@@ -40,10 +41,7 @@ def friction_hersey(results: Results) -> dict[str, Figure]:
     curves = _with_hersey(results)
     ranks = load_ranks(curves)
     figures: dict[str, Figure] = {}
-    for direction in DIRECTIONS:
-        chosen = [curve for curve in curves if curve.direction == direction]
-        if not chosen:
-            continue
+    for direction, chosen in by_direction(curves):
         figure = style.new_figure(height_in=3.8)
         axes = figure.add_subplot()
         for curve in chosen:

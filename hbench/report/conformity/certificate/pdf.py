@@ -94,8 +94,7 @@ def _mark_margins(sheet: Figure, text: str) -> None:
 
 
 def _header(pen: Pen, certificate: Certificate, shown: Content) -> None:
-    top = pen.y
-    logo_height = _logo(pen, certificate, top)
+    top, logo_height = pen.y, _logo(pen, certificate)
     pen.width = INNER - (_LOGO[0] + _GAP if certificate.logo else 0)
     pen.words(shown.title, _TITLE, weight="bold", color=_ACCENT)
     pen.words(certificate.file.laboratory.name, _HEADING, weight="bold")
@@ -105,8 +104,8 @@ def _header(pen: Pen, certificate: Certificate, shown: Content) -> None:
     pen.rule(_ACCENT, 1.5)
 
 
-def _logo(pen: Pen, certificate: Certificate, top: float) -> float:
-    """Draw the logo at the top right; return its height."""
+def _logo(pen: Pen, certificate: Certificate) -> float:
+    """Set the logo at the right; return its height."""
     logo = certificate.logo
     if logo is None:
         return 0.0
@@ -122,16 +121,7 @@ def _logo(pen: Pen, certificate: Certificate, top: float) -> float:
     high, wide = image.shape[:2]
     scale = min(_LOGO[0] / wide, _LOGO[1] / high)
     wide, high = wide * scale, high * scale
-    left = SHEET_WIDTH - LEFT - wide
-    box = (
-        left / SHEET_WIDTH,
-        1 - (top + high) / SHEET_HEIGHT,
-        wide / SHEET_WIDTH,
-        high / SHEET_HEIGHT,
-    )
-    axes = pen.done[-1].add_axes(box)
-    axes.imshow(image, aspect="auto", cmap="gray")
-    axes.set_axis_off()
+    pen.image(image, SHEET_WIDTH - LEFT - wide, wide, high, cmap="gray")
     return high
 
 

@@ -11,7 +11,7 @@ from binascii import hexlify, unhexlify
 import numpy as np
 
 from hbench.errors import DataError
-from hbench.store.campaign.ccs_text import CcsData, count_warnings, parse_ccs
+from hbench.store.dsp_logs.ccs_text import CcsData, count_warnings, parse_ccs
 
 LARGEST_OTHER = 16_000_000  # bytes; reading line by line takes 25 times the memory
 

@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.comparison.change_point import StepChange, change_point
-from hbench.analysis.comparison.ewma import WEIGHT, WIDTH, ewma
-from hbench.analysis.comparison.run_rules import run_rules
+from hbench.analysis.fleet.change_point import StepChange, change_point
+from hbench.analysis.fleet.ewma import WEIGHT, WIDTH, ewma
+from hbench.analysis.fleet.run_rules import run_rules
 from hbench.analysis.statistics.holm import holm
 from hbench.records import (
     FEWEST_CAMPAIGNS,

@@ -28,9 +28,9 @@ import numpy as np
 from scipy.special import chdtri, stdtr, stdtrit
 
 from hbench.analysis.rounding import ROUNDING, is_constant, merged
+from hbench.motion.noise import NORMAL_MEDIAN, robust_sigma
 from hbench.records import FEWEST_CAMPAIGNS
 
-_MEDIAN = 0.6745  # of |z| for a normal z
 _EFFICIENCY = 0.37  # of the median absolute deviation against the standard deviation
 _NOISY = 3.0  # times the median standard error
 _MOST_PAIRS = 1000  # values whose pairs are all taken; more are grouped to as many medians
@@ -109,14 +109,14 @@ def _between_scatter(distance: np.ndarray, within: np.ndarray) -> float:
         with np.errstate(divide="ignore", invalid="ignore"):
             return float(np.median(np.where(distance > 0, distance / np.hypot(tau, within), 0.0)))
 
-    low, high = 0.0, float(np.median(distance)) / _MEDIAN
-    if median_z(low) <= _MEDIAN:
+    low, high = 0.0, robust_sigma(distance)
+    if median_z(low) <= NORMAL_MEDIAN:
         return low
     for _ in range(_BISECTIONS):
         between = (low + high) / 2
         if between in (low, high):
             break
-        low, high = (between, high) if median_z(between) > _MEDIAN else (low, between)
+        low, high = (between, high) if median_z(between) > NORMAL_MEDIAN else (low, between)
     return high
 
 
@@ -155,7 +155,7 @@ def histogram(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int, int]:
     (robust) standard deviations from the median are counted as below or above.
     """
     middle = float(np.median(x))
-    sigma = float(np.median(np.abs(x - middle))) / _MEDIAN
+    sigma = robust_sigma(x - middle)
     reach = _REACH * sigma if sigma > 0 else np.inf
     low, high = max(float(x.min()), middle - reach), min(float(x.max()), middle + reach)
     if low == high:

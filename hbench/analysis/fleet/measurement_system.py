@@ -6,9 +6,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from hbench.analysis.comparison.control_chart import Charted, control_charts
-from hbench.analysis.comparison.precision import Tolerance, plan_of, precision_of
-from hbench.analysis.comparison.wear import WEARING, corrected, cumulated, wear_trends
+from hbench.analysis.fleet.control_chart import Charted, control_charts
+from hbench.analysis.fleet.precision import Tolerance, plan_of, precision_of
+from hbench.analysis.fleet.wear import WEARING, corrected, cumulated, wear_trends
 from hbench.records import CYLINDER, QUANTITIES, ControlChart, Precision, Quantity, Side, WearTrend
 from hbench.store.fleet.table import FleetTable
 

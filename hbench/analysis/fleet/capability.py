@@ -17,11 +17,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.analysis.comparison.control_chart import centre_and_sigma
 from hbench.analysis.conformity.series import Series, checks_by_series
+from hbench.analysis.fleet.control_chart import centre_and_sigma
 from hbench.records import FEWEST_CAMPAIGNS, QUANTITIES, Estimate, Quantity, Side
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
-from hbench.records.fleet import Capability
+from hbench.records.fleet.process_control import Capability
 from hbench.records.numbers import NORMAL_95
 
 _QUANTITIES = {"friction": "friction_n", "breakaway": "breakaway_n", "efficiency": "efficiency"}

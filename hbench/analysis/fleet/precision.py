@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.comparison.variance_components import (
+from hbench.analysis.fleet.variance_components import (
     REPEATS,
     Component,
     PlanData,

@@ -1,0 +1,1 @@
+"""Statistics of a fleet: spreads, precision of the measurement, control charts, wear."""

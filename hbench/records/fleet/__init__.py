@@ -1,0 +1,1 @@
+"""Fleet of campaigns: their numbers, and the statistics over all of them."""

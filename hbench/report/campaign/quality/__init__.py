@@ -1,0 +1,1 @@
+"""Quality of a campaign's data in words and tables."""

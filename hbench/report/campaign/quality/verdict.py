@@ -1,0 +1,149 @@
+"""Verdict on a campaign's data, its meaning for a decision, and what improves the data."""
+
+from hbench.records import Quality, QualityCheck
+from hbench.report.campaign.quality.completeness import incomplete_words
+from hbench.report.campaign.quality.finding import is_without_trial, reason
+from hbench.report.campaign.quality.plausibility import contradictions
+from hbench.report.quality_words import NAMES, STEPS
+from hbench.report.render.numbers import number
+from hbench.report.render.symbols import capital
+
+RULE = (
+    "Each check is good, to be used with care, or poor; the verdict is the worst of them. The "
+    "limits are hbench's own; no standard sets them. Each fit has its own verdict."
+)
+_NO_TOLERANCES = "state the tolerances of the sensors in the {file}"
+_CONTINUE = (
+    "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged"
+)
+
+
+def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = False) -> str:
+    """Return the verdict in a few sentences; an incomplete campaign is reported first.
+
+    Points without enough trials of a complete one are reported after what makes the data poor.
+
+    Without ``count_runs`` it is not, where a page's alarm counts the completed runs and states
+    that the numbers are theirs. U and a possible drift that are ``stated`` before are not repeated.
+    """
+    worst = _worst(quality)
+    incomplete = incomplete_words(quality.completeness) if count_runs else ""
+    other = "completed runs" if quality.completeness.not_completed else "other points"
+    named = [
+        check
+        for check in worst
+        if not (incomplete and is_without_trial(check))  # not twice
+        if count_runs or check.name != "complete"
+    ]
+    said = [reason(check, stated) for check in named if not (stated and check.drift is not None)]
+    reasons = ". ".join(map(capital, said))
+    if quality.grade == "good":
+        verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
+    elif quality.grade == "with care":
+        verdict = f"Use the data with care. {reasons}." if reasons else "Use the data with care."
+    elif all(check.name == "complete" or is_without_trial(check) for check in worst):
+        why = f"{reasons}." if reasons else ""
+        numbers = f"The numbers below are those of the {other}." if count_runs else ""
+        verdict = " ".join(filter(None, ("The data is poor.", why, numbers)))
+    else:
+        why = f" {reasons}." if reasons else ""
+        verdict = f"The data is poor; do not rely on the numbers below.{why}"
+        if not quality.completeness.not_completed:
+            incomplete, verdict = verdict, incomplete  # all runs were made, but rejected
+    return " ".join(filter(None, (incomplete, verdict, contradictions(quality.implausible))))
+
+
+def quality_count(quality: Quality) -> str:
+    """Count the checks that are good."""
+    good = sum(check.grade == "good" for check in quality.checks)
+    return f"{good} of {len(quality.checks)} checks {'is' if good == 1 else 'are'} good"
+
+
+def grade_words(quality: Quality) -> str:
+    """Write the grade of the data, and what the worst checks found."""
+    worst = map(reason, _worst(quality))
+    return f"data rated '{quality.grade}'; {'; '.join(worst)}"
+
+
+def weak_checks(quality: Quality) -> str:
+    """Name the checks that give the data its grade, with commas between; empty if it is good."""
+    worst = _worst(quality) if quality.grade != "good" else []
+    return ", ".join(NAMES[check.name].lower() for check in worst)
+
+
+def _worst(quality: Quality) -> list[QualityCheck]:
+    return [check for check in quality.checks if check.grade == quality.grade]
+
+
+def instruments_percent(quality: Quality) -> str:
+    """Return the uncertainty of friction (95 %) by the instruments alone; empty if not known."""
+    known = (check.value for check in quality.checks if check.name == "instruments")
+    return "".join(number(value, 0) for value in known if value is not None)
+
+
+def decision_reserve(quality: Quality, complete_u: str) -> str:
+    """State a reservation on the data, and which U contain it; empty without one.
+
+    ``complete_u`` names the U that contain the instruments; empty if none does.
+    """
+    worst = _worst(quality)
+    if quality.grade == "good" or not worst:
+        return ""
+    outside = [check for check in worst if not _is_in_u(check)]
+    if not complete_u or len(outside) == len(worst):
+        in_u = "U does not take this into account"
+    elif outside:
+        in_u = f"{complete_u} takes only a part of this into account"
+    else:
+        in_u = f"{complete_u} takes this into account"
+    if quality.grade == "poor":
+        return f"The data is poor ({weak_checks(quality)}); do not rely on the decision. {in_u}."
+    return f"Use the data with care ({weak_checks(quality)}); {in_u}."
+
+
+def _is_in_u(check: QualityCheck) -> bool:
+    """Return whether U contains what a check grades."""
+    if check.name == "instruments":
+        return check.value is not None
+    if check.drift is not None:
+        return check.drift.separated
+    return check.name == "repeatability"
+
+
+def next_step(
+    quality: Quality,
+    parts: str,
+    aborted: bool = False,
+    imported: bool = False,
+    beyond_u: bool = False,
+) -> str:
+    """Return what improves the worst checks; empty if all are good.
+
+    ``parts`` names the largest parts of the uncertainty and their table, as far as known. An
+    ``aborted`` campaign is continued first, which makes its missing runs and trials; --resume
+    refuses another bench file or schedule, so what changes them comes afterwards. The tolerances
+    of an ``imported`` campaign are stated in its map. With ``beyond_u`` the steps are those of
+    what U does not contain.
+    """
+    missing = ("complete", "trials_per_point") if aborted else ()
+    file = "map, then import again" if imported else "bench file"
+    if not quality.completeness.not_completed:
+        missing = (*missing, "complete")  # no run is missing, but trials are
+    steps = [
+        _step(check).format(parts=f" ({parts})" if parts else "", file=file)
+        for check in _worst(quality)
+        if check.grade != "good" and check.name not in missing
+        if not (beyond_u and _is_in_u(check))
+    ]
+    if aborted:
+        first = [f"before the next campaign, {step}" for step in steps[:1]]
+        steps = [_CONTINUE, *first, *steps[1:]]
+    return " ".join(f"{capital(step)}." for step in steps)
+
+
+def _step(check: QualityCheck) -> str:
+    """Return what improves a check; tolerances that are not known are stated first."""
+    unknown = check.name == "instruments" and check.value is None
+    if check.drift is not None and not check.drift.significant:
+        return STEPS["possible_drift"]
+    return _NO_TOLERANCES if unknown else STEPS[check.name]

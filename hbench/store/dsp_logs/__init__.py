@@ -1,0 +1,1 @@
+"""Raw logs of the board as Code Composer Studio data files, and the layout of their records."""

@@ -1,0 +1,1 @@
+"""Suggested import map as YAML text, with a comment on each choice."""
