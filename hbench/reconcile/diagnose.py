@@ -276,10 +276,13 @@ def _undecided(
 
 
 def expected_variance(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
-    """Return the variance (w, c) of the residuals by the parameters' uncertainty, in scatters."""
+    """Return the variance (w, c) of the residuals by the parameters' uncertainty, in scatters.
+
+    That by the residuals alone: where they are far below what is material, so is this.
+    """
     names = [final.data.names[i] for i in estimates.chosen]
     columns = np.stack([np.nan_to_num(final.columns[name]) for name in names], axis=-1)
-    variance = np.einsum("wcj,jk,wck->wc", columns, estimates.covariance, columns, optimize=True)
+    variance = np.einsum("wcj,jk,wck->wc", columns, estimates.sandwich, columns, optimize=True)
     return variance / final.gap_map.scatter**2
 
 

@@ -11,7 +11,7 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.evidence import intervals, maximum_likelihood
+from hbench.reconcile.evidence import maximum_likelihood, spread
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
     Hypothesis,
@@ -35,6 +35,7 @@ class ParameterEstimates:
     chosen: tuple[int, ...]  # (q,) indices of the model's columns
     beta: np.ndarray  # (q,)
     covariance: np.ndarray  # (q, q)
+    sandwich: np.ndarray  # (q, q) covariance from the residuals alone; see ``evidence.py``
     dof: np.ndarray  # (q,)
     low: np.ndarray  # (q,)
     high: np.ndarray  # (q,)
@@ -153,6 +154,5 @@ def fit_coefficients(
     """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``."""
     chosen, priors = tuple(model.index(names)), model.priors(names)
     beta = maximum_likelihood(model.data, priors, chosen, train)[0]
-    covariance, dof = intervals(model.data, priors, chosen, beta, train)
-    bounds = priors.select(chosen)
-    return ParameterEstimates(plant, model, chosen, beta, covariance, dof, bounds.low, bounds.high)
+    of_fit, bounds = spread(model.data, priors, chosen, beta, train), priors.select(chosen)
+    return ParameterEstimates(plant, model, chosen, beta, *of_fit, bounds.low, bounds.high)

@@ -13,10 +13,10 @@ from hbench.reconcile.evidence import (
     Priors,
     cost,
     cross_validate,
-    intervals,
     log_likelihood,
     maximum_likelihood,
     random_signs,
+    spread,
     touched,
 )
 from hbench.reconcile.products import Products, column_products
@@ -325,9 +325,10 @@ def covered(points, slow, count=200):
         d = raw.d - raw.columns @ truth + np.sum(columns * own, axis=-1)
         data, free = Drawn(d, columns).products(), freedom(2)
         beta = maximum_likelihood(data, free, [0, 1], everywhere(data))[0]
-        spread, dof = intervals(data, free, [0, 1], beta, everywhere(data))
+        covariance, _, dof = spread(data, free, [0, 1], beta, everywhere(data))
         half = [
-            student_factor(int(n)) * np.sqrt(v) for n, v in zip(dof, np.diag(spread), strict=True)
+            student_factor(int(n)) * np.sqrt(v)
+            for n, v in zip(dof, np.diag(covariance), strict=True)
         ]
         hits += np.abs(beta - truth) < half
     return np.mean(hits) / count
@@ -351,12 +352,12 @@ def test_the_sum_of_two_parameters_is_as_certain_as_one_in_their_place(seed):
     raw = drawn(rng, [1.0, -0.5, 0.3], points=12)
     twin = raw.columns[..., :1] + 0.02 * rng.standard_normal((*raw.d.shape, 1))
     data = Drawn(raw.d, np.concatenate([raw.columns, twin], axis=-1)).products()
-    spread = []
+    found = []
     for chosen in ([0, 1, 2], [0, 1, 2, 3]):
         beta = maximum_likelihood(data, freedom(4, prior=3.0), chosen, everywhere(data))[0]
-        spread.append(intervals(data, freedom(4, prior=3.0), chosen, beta, everywhere(data))[0])
-    one, of_sum = spread[0][0, 0], spread[1][np.ix_([0, 3], [0, 3])].sum()
-    assert of_sum == pytest.approx(one, rel=0.3) and spread[1][0, 0] > 100 * one
+        found.append(spread(data, freedom(4, prior=3.0), chosen, beta, everywhere(data)).covariance)
+    one, of_sum = found[0][0, 0], found[1][np.ix_([0, 3], [0, 3])].sum()
+    assert of_sum == pytest.approx(one, rel=0.3) and found[1][0, 0] > 100 * one
 
 
 def test_degrees_of_freedom_are_the_points_that_tell_a_parameter():
@@ -371,5 +372,5 @@ def test_degrees_of_freedom_are_the_points_that_tell_a_parameter():
         **{name: getattr(data, name) * known for name in ("squares", "noise", "windows")},
     )  # the second group is measured at five points alone
     beta = maximum_likelihood(few, freedom(2), [0, 1], np.arange(20))[0]
-    _, dof = intervals(few, freedom(2), [0, 1], beta, np.arange(20))
+    _, _, dof = spread(few, freedom(2), [0, 1], beta, np.arange(20))
     assert dof == pytest.approx([19, 4])

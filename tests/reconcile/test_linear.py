@@ -547,7 +547,15 @@ def test_whether_coefficients_together_may_be_0(measured, values, correlation, m
     beta = np.array([values[0] - 1.0, values[1], 5.0])
     none = np.full(3, np.inf)
     estimates = ParameterEstimates(
-        measured.plant, model, (0, 1, 2), beta, covariance, np.full(3, 40.0), -none, none
+        measured.plant,
+        model,
+        (0, 1, 2),
+        beta,
+        covariance,
+        covariance,
+        np.full(3, 40.0),
+        -none,
+        none,
     )
     assert estimates.may_be_zero("internal_leakage") == may_be_zero
 
@@ -561,7 +569,14 @@ def test_a_coefficient_that_changes_nothing_does_not_make_an_effect_0(measured, 
     model = linearise_residuals(measured, Hypothesis(), model.gap_map, columns)
     beta, none = np.array([test, 0.0]), np.full(2, np.inf)
     estimates = ParameterEstimates(
-        measured.plant, model, (0, 1), beta, np.eye(2), np.array([40.0, 1.0]), -none, none
+        measured.plant,
+        model,
+        (0, 1),
+        beta,
+        *[np.eye(2)] * 2,
+        np.array([40.0, 1.0]),
+        -none,
+        none,
     )
     assert estimates.may_be_zero("internal_leakage") == may_be_zero
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from hbench.analysis.rounding import ranked
 from hbench.reconcile.estimates import whole_dof
-from hbench.reconcile.evidence import Comparison, Fit, Priors, intervals
+from hbench.reconcile.evidence import Comparison, Fit, Priors, spread
 from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.measured.balances import WindowedRun
@@ -59,7 +59,7 @@ def test_degrees_of_freedom_are_those_of_the_operating_points(points, groups, se
     )
     for shake in (np.asarray, lambda values: shaken(values, seed)):
         data = products(shake(d), shake(columns))
-        _, dof = intervals(data, FREE, [0, 1, 2], np.zeros(3), np.arange(points))
+        _, _, dof = spread(data, FREE, [0, 1, 2], np.zeros(3), np.arange(points))
         assert [whole_dof(float(one)) for one in dof] == [points - 1] * 3
 
 

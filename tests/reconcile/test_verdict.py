@@ -378,7 +378,7 @@ def test_an_effect_that_was_taken_keeps_its_own_score_though_another_scored_more
     ]
     data = Products((), *[np.zeros(0)] * 5, ())
     empty = LinearisedModel(Hypothesis(), None, {}, data, None, None)
-    nothing = ParameterEstimates(bench, empty, (), *[np.zeros(0)] * 5)
+    nothing = ParameterEstimates(bench, empty, (), *[np.zeros(0)] * 6)
     found = added_effect("load_friction", tried, nothing, 3.0, 1.0)
     assert (found.name, found.score, found.gap_before, found.gap_after) == (
         "load_friction", 12.0, 3.0, 1.0,
