@@ -207,8 +207,10 @@ class ImportMap(CampaignSettings):
             raise ValueError("series: rotary and linear actuators need maps of their own")
         for name in (*self.columns, *self.constants):
             if name not in CHANNELS:
-                near = difflib.get_close_matches(name, CHANNELS, n=1)
-                meant = f"did you mean '{near[0]}'" if near else f"known are {', '.join(CHANNELS)}"
+                near = [f"'{channel}'" for channel in CHANNELS if channel.startswith(name)]
+                near = near or [f"'{c}'" for c in difflib.get_close_matches(name, CHANNELS, n=1)]
+                known = f"known are {', '.join(CHANNELS)}"
+                meant = f"did you mean {' or '.join(near)}" if near else known
                 raise ValueError(f"unknown channel '{name}'; {meant}{'?' * bool(near)}")
         if "x_m" not in self.columns:
             raise ValueError("columns.x_m is missing; the analysis needs it")

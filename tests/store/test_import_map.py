@@ -243,6 +243,8 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
         ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa .*columns.*constants"),
         ({"constants": {"p_xx_pa": "0 bar"}}, "unknown channel 'p_xx_pa'"),
         ({"constants": {"p_tp_bar": "0 bar"}}, "'p_tp_bar'; did you mean 'p_tp_pa'[?]"),
+        ({"constants": {"p_tp": "0 bar"}}, "'p_tp'; did you mean 'p_tp_pa'[?]"),
+        ({"constants": {"p_t": "0 bar"}}, "'p_t'; did you mean 'p_tp_pa' or 'p_tr_pa'[?]"),
         ({"format": {"decimal": ","}}, "decimal ','.*separator"),
         (
             {"columns": {"t_s": {"column": 0, "unit": "ms"}, "x_m": {"column": 1, "unit": "mm"}}},
