@@ -36,11 +36,12 @@ def test_character_sets_are_told_from_the_bytes(charset):
     ("charset", "name"),
     [
         ("gb18030", "无杆腔压力(MPa)"),  # of a spreadsheet in China
+        ("cp932", "ヘッド側圧力[MPa]"),  # of a data logger in Japan
         ("cp1252", "Meßgröße"),  # öß alone could be a Chinese character
         ("cp1252", "Überdruckmeßgröße"),
     ],
 )
-def test_chinese_and_western_names_are_read_as_they_were_written(charset, name):
+def test_asian_and_western_names_are_read_as_they_were_written(charset, name):
     text = f"t,{name}\n0,1.5\n1,-2.25\n"
     assert column(text.encode(charset), name) == [1.5, -2.25]
 

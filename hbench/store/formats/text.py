@@ -20,6 +20,7 @@ from hbench.store.formats.header_row import ends_with_comment, layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
+_KANA = re.compile("[ぁ-ヶ]{2}")  # two in a row
 _ABOVE_ASCII = re.compile(rb"[\x80-\xff]+")
 _GAPS = ("", "nan", "na", "n/a", "null")
 _MOST_SHORT = 5  # rows at the end with too few cells, which are left out
@@ -267,8 +268,9 @@ def _unequal(rows: list[list[str]] | PlainRows, width: int) -> Iterator[tuple[in
 def decoded(data: bytes) -> str:
     """Return the text; byte-order mark, zero bytes or UTF-8 faults determine its encoding.
 
-    Text that is not UTF-8 is Chinese (GB 18030) if its bytes above 127 come in pairs, two of them
-    in a row at least once, and else that of Western Europe.
+    Text that is not UTF-8 is Japanese (Windows code page 932) if it contains kana in that encoding,
+    Chinese (GB 18030) if its bytes above 127 come in pairs, two of them in a row at least once, and
+    else that of Western Europe.
     """
     for mark, name in _BOMS.items():
         if data.startswith(mark):
@@ -278,6 +280,9 @@ def decoded(data: bytes) -> str:
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
+        with suppress(UnicodeDecodeError):
+            if _KANA.search(japanese := data.decode("cp932")):
+                return japanese
         lengths = [len(part) for part in _ABOVE_ASCII.findall(data)]
         if max(lengths) >= 4 and not any(length % 2 for length in lengths):
             with suppress(UnicodeDecodeError):
