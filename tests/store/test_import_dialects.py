@@ -58,6 +58,9 @@ def test_asian_and_western_names_are_read_as_they_were_written(charset, name):
         ("t;x\n0;1'234.5\n1;2\n", {**SEMICOLON, "thousands": "'"}),
         ("t;x\n0;1 234,5\n1;2\n", {**GERMAN, "thousands": " "}),
         ('t,x\n0,"1,234.5"\n"1","2"\n', {"thousands": ","}),
+        ("t;x\n0;1\u202f234,5\n1;2\n", {**GERMAN, "thousands": " "}),
+        ("t;x\n0;1\u00a0234,5\n1;2\n", {**GERMAN, "thousands": " "}),
+        ("t;x\n0;1\u2019234.5\n1;2\n", {**SEMICOLON, "thousands": "'"}),
         ("t,x\n0,1.2345e3\n\n1,2\n\n", {}),
         ("# by a logger\n#\nt,x\n0,1234.5\n# pause\n1,2\n", {"comment": "#"}),
         ("Logger 5\n3.5.24, 12:00\n\nt,x\n0,1234.5\n1,2\n", {"preamble": 2}),
@@ -67,6 +70,10 @@ def test_asian_and_western_names_are_read_as_they_were_written(charset, name):
 )
 def test_dialects_give_the_same_numbers(text, layout):
     assert column(text, **layout) == [1234.5, 2.0]
+
+
+def test_a_typographic_minus_is_one():
+    assert column("t,x\n0,−1.5\n1,−.5\n") == [-1.5, -0.5]
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,11 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import check_inside, read_whole
+from hbench.store.formats.encoding import decoded
 from hbench.store.formats.opening import FileFormat, open_foreign
 from hbench.store.formats.reading import open_table
 from hbench.store.formats.table import Table
-from hbench.store.formats.text import TextTable, decoded
+from hbench.store.formats.text import TextTable
 from hbench.store.suggesting.dialect import Dialect, rows_dialect, text_dialect
 from hbench.store.suggesting.quantities import Meaning, common_words, meaning
 from hbench.store.suggesting.units import unit_in, unknown_unit
