@@ -233,6 +233,29 @@ def test_what_was_not_measured_is_not_tested_and_what_was_is_listed(small):
         assert check.decision == "NOT TESTED" and check.reason
 
 
+def test_points_at_which_every_run_was_rejected_are_not_tested(small):
+    """Nothing is known of them, although the other points pass."""
+
+    def screened(each, rejected):
+        plan = each.run.plan
+        slow = plan.kind == "steady" and plan.direction == "retract" and plan.v_ref_m_s > -0.03
+        return replace(each, reasons=("not_steady: x",)) if slow and rejected(plan) else each
+
+    def with_rejected(rejected):
+        runs = tuple(screened(each, rejected) for each in small.runs)
+        return checks(replace(small, runs=runs), {"quantity": "friction", "max": "9 kN"})
+
+    before = with_rejected(lambda plan: False)
+    assert with_rejected(lambda plan: plan.trial == 1) == before
+    passed, missing = [], []
+    for check in with_rejected(lambda plan: True):
+        (missing if check.measurement is None else passed).append(check)
+    assert all(check.decision == "PASS" for check in passed)
+    assert missing and all(check.decision == "NOT TESTED" for check in missing)
+    assert all("retracting" in check.reason for check in missing)
+    assert all("no run was accepted (not_steady)" in check.reason for check in missing)
+
+
 def test_a_drift_is_limited_both_ways(small):
     (requirement,) = requirements({"quantity": "drift", "max": "5 %"})
     assert (requirement.low, requirement.high) == pytest.approx((-0.05, 0.05))
