@@ -7,11 +7,14 @@ import pytest
 from scipy.stats import t as student
 
 from hbench.analysis.identification.driven_law import driven_friction
+from hbench.analysis.identification.identify import identify_laws
 from hbench.analysis.identification.leuven import (
     STEADY,
     fit_leuven,
 )
 from hbench.analysis.screening.sample_friction import LoggedMotion
+from hbench.config.friction import parse_friction
+from hbench.model.build import friction_parameters
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
 from tests.support.analysis.other_plant import (
@@ -108,6 +111,29 @@ def test_sliding_without_presliding_is_fitted_as_the_steady_law():
     assert fit.converged, fit.message
     assert fit.rmse_n < 20.0  # of 500 N; the curve of this friction is no Stribeck curve
     assert len(calls) < 1500
+
+
+def test_the_written_laws_err_along_the_motions_as_their_fits_do():
+    """Also in the damping of the bristles: of a viscoelastic contact with a curved viscous part."""
+    motions = []
+    for number, top in enumerate((0.03, 0.06, 0.1)):
+        t = np.arange(0, 6, 1e-4)
+        v = top * np.sin(2 * np.pi * 0.5 * t)
+        z, rate = np.zeros(len(t)), np.zeros(len(t))
+        for k in range(1, len(t)):
+            rate[k] = v[k] - abs(v[k]) * z[k - 1] * 3e5 / (240 + 90 / (1 + (v[k] / 0.02) ** 2))
+            z[k] = z[k - 1] + 1e-4 * rate[k]
+        force = 3e5 * z + 4e3 * rate + 150 * np.arcsinh(v / 0.05)
+        means = [signal.reshape(-1, 50).mean(axis=1) for signal in (v, force)]
+        motion = replace(motion_of(means[0]), dt_s=5e-3, friction_n=means[1])
+        motions.append(replace(motion, run=f"{number:04d}"))
+    laws = {law.law: law for law in identify_laws([], motions)}
+    for name in ("lugre", "leuven"):
+        law = laws[name]
+        par = friction_parameters(parse_friction(law.section, name))
+        errors = [(driven_friction(m, par) - m.friction_n)[m.compared] for m in motions]
+        rmse_n = np.sqrt(np.mean(np.concatenate(errors) ** 2))
+        assert rmse_n == pytest.approx(law.fit.rmse_n, rel=0.01), name
 
 
 @pytest.fixture
