@@ -81,6 +81,7 @@ def test_a_right_map_gives_the_friction_and_a_balance_over_the_load(analysed):
     balance = check_of(results, "load_balance")
     assert balance.grade == "good" and balance.value < 0.5
     assert check_of(results, "load_direction") is None
+    assert not any("of the load, as by" in note for note in results.notes)
 
 
 @pytest.mark.parametrize(
@@ -95,6 +96,14 @@ def test_a_wrong_bore_adds_its_part_of_the_load_to_the_mean_of_both_directions(
     assert balance.value == pytest.approx(100 * abs((bore / 40) ** 2 - 1), abs=0.5)
     assert "mean friction of both directions changes by" in quality_verdict(results.quality)
     assert "Check the diameters of the cylinder" in next_step(results.quality, "", imported=True)
+
+
+def test_a_change_with_the_load_that_is_small_for_the_load_alone_is_noted(analysed):
+    """2 % of 1500 N are 30 N of a friction of 180 N, and the interval of the trials is 1 N."""
+    results = analysed(force_scale=0.98)
+    assert check_of(results, "load_balance").grade == "good"
+    (note,) = [note for note in results.notes if "changes by" in note]
+    assert "changes by 2 +- 0" in note and "error of this size in an area" in note
 
 
 def test_a_load_cell_in_another_unit_is_out_of_balance(analysed):

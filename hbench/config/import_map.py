@@ -3,6 +3,7 @@
 import difflib
 import re
 from collections.abc import Iterator, Mapping
+from itertools import combinations
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
@@ -26,6 +27,8 @@ from hbench.errors import ConfigError
 from hbench.records import KINDS, kind_names
 from hbench.units import parse_unit, to_si
 
+# Channels of a sensor each: no two of them are one column.
+_SENSORS = ("x_m", "v_m_s", "p_tp_pa", "p_tr_pa", "f_applied_n", "f_drive_n")
 UNFILLED = "???"  # a value of a suggested map that the user must give
 FIELDS = ("pressure", "load", "speed", "trial")  # of file names, besides factors
 _FIELD = re.compile(r"\{([^{}]*)\}")
@@ -207,11 +210,16 @@ class ImportMap(CampaignSettings):
             raise ValueError("series: rotary and linear actuators need maps of their own")
         for name in (*self.columns, *self.constants):
             if name not in CHANNELS:
-                near = difflib.get_close_matches(name, CHANNELS, n=1)
-                meant = f"did you mean '{near[0]}'" if near else f"known are {', '.join(CHANNELS)}"
+                near = [f"'{channel}'" for channel in CHANNELS if channel.startswith(name)]
+                near = near or [f"'{c}'" for c in difflib.get_close_matches(name, CHANNELS, n=1)]
+                known = f"known are {', '.join(CHANNELS)}"
+                meant = f"did you mean {' or '.join(near)}" if near else known
                 raise ValueError(f"unknown channel '{name}'; {meant}{'?' * bool(near)}")
         if "x_m" not in self.columns:
             raise ValueError("columns.x_m is missing; the analysis needs it")
+        for one, other in combinations([c for c in _SENSORS if c in self.columns], 2):
+            if (both := self.columns[one].column) == self.columns[other].column:
+                raise ValueError(f"columns.{one} and columns.{other} are both {both!r}")
         for name, column in self.columns.items():
             for given in (column.column, column.time):
                 if isinstance(given, str) and not self.format.header:

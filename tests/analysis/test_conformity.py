@@ -233,6 +233,29 @@ def test_what_was_not_measured_is_not_tested_and_what_was_is_listed(small):
         assert check.decision == "NOT TESTED" and check.reason
 
 
+def test_points_at_which_every_run_was_rejected_are_not_tested(small):
+    """Nothing is known of them, although the other points pass."""
+
+    def screened(each, rejected):
+        plan = each.run.plan
+        slow = plan.kind == "steady" and plan.direction == "retract" and plan.v_ref_m_s > -0.03
+        return replace(each, reasons=("not_steady: x",)) if slow and rejected(plan) else each
+
+    def with_rejected(rejected):
+        runs = tuple(screened(each, rejected) for each in small.runs)
+        return checks(replace(small, runs=runs), {"quantity": "friction", "max": "9 kN"})
+
+    before = with_rejected(lambda plan: False)
+    assert with_rejected(lambda plan: plan.trial == 1) == before
+    passed, missing = [], []
+    for check in with_rejected(lambda plan: True):
+        (missing if check.measurement is None else passed).append(check)
+    assert all(check.decision == "PASS" for check in passed)
+    assert missing and all(check.decision == "NOT TESTED" for check in missing)
+    assert all("retracting" in check.reason for check in missing)
+    assert all("no run was accepted (not_steady)" in check.reason for check in missing)
+
+
 def test_a_drift_is_limited_both_ways(small):
     (requirement,) = requirements({"quantity": "drift", "max": "5 %"})
     assert (requirement.low, requirement.high) == pytest.approx((-0.05, 0.05))
@@ -260,6 +283,8 @@ def test_the_ripple_is_that_of_screening(small):
         {"quantity": "leakage", "max": "5 ml/min"},
         {"quantity": "friction", "min": "5 N", "max": "4 N"},
         {"quantity": "wear", "max": "5 N"},
+        {"quantity": "speed_ripple", "max": 5},
+        {"quantity": "efficiency", "min": "0.8"},
     ],
 )
 def test_a_limit_that_says_nothing_is_refused_with_its_place(limits):
@@ -267,6 +292,30 @@ def test_a_limit_that_says_nothing_is_refused_with_its_place(limits):
         parse_limits({"limits": [limits]}, "limits.yaml")
     assert "limits.yaml" in refused.value.message
     assert "limits.0" in refused.value.message
+
+
+@pytest.mark.parametrize("rule", ["simple", "guard_band", "shared_risk"])
+@pytest.mark.parametrize(
+    ("quantity", "limits", "value", "u95", "words"),
+    [
+        ("friction", {"high": 240.0}, -511.0, 11.0, "friction has the direction of the motion"),
+        ("breakaway", {"high": 240.0}, -2.0, None, "friction has the direction of the motion"),
+        ("efficiency", {"low": 0.75, "high": None}, 2.0, 0.05, "the efficiency is above 100 %"),
+    ],
+)
+def test_an_impossible_value_passes_no_limit(rule, quantity, limits, value, u95, words):
+    requirement = Requirement(quantity, "%", **{"low": None, **limits})
+    measured = Measurement(value, u95)
+    decided = decide(requirement, measured, rule, 0.5)
+    assert (decided.decision, decided.reason) == ("NOT TESTED", words)
+    check = ConformityCheck(requirement, measured, None, "NOT TESTED", words)
+    assert [step for _, step in next_steps([check])] == [
+        "check the signs, zeros and units of the channels, and the areas, then repeat hbench accept"
+    ]
+
+
+def test_a_value_that_is_impossible_within_its_uncertainty_is_decided():
+    assert decide(HIGHEST, Measurement(-3.0, 11.0), "guard_band").decision == "PASS"
 
 
 def test_a_largest_uncertainty_belongs_to_shared_risk():

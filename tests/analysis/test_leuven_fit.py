@@ -1,15 +1,20 @@
 """Leuven's elements: against a hand-made law and the rig's truth."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import t as student
 
 from hbench.analysis.identification.driven_law import driven_friction
+from hbench.analysis.identification.identify import identify_laws
 from hbench.analysis.identification.leuven import (
     STEADY,
     fit_leuven,
 )
 from hbench.analysis.screening.sample_friction import LoggedMotion
+from hbench.config.friction import parse_friction
+from hbench.model.build import friction_parameters
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
 from tests.support.analysis.other_plant import (
@@ -74,6 +79,61 @@ def test_the_law_along_a_motion_is_that_of_the_source_in_short_steps():
     found = driven_friction(motion_of(v[::100]), truth)
     expected = np.convolve(by_hand(v, 1e-4), np.ones(100) / 100, "same")[::100]
     assert np.abs(found - expected)[1:-1].max() < 3.0  # of 550 N
+
+
+def test_short_elements_are_the_steady_curve():
+    """Elements of 3 um carry 800 N and slip within 1 mm/s in each step of 1 ms."""
+    v = 0.04 * np.sin(2 * np.pi * 0.6 * np.arange(0, 4, 1e-2))
+    law = STEADY_KNOWN._replace(elements=(200.0, 200.0, 400.0), presliding=1e-5)
+    found = driven_friction(motion_of(v), law)
+    dry = 310 + 30 + 170 * np.exp(-np.abs(v) / 0.055)
+    sliding = np.abs(v) > 0.02
+    assert np.abs(found - np.sign(v) * dry - 2350 * v)[sliding].max() < 1.0
+
+
+def test_sliding_without_presliding_is_fitted_as_the_steady_law():
+    """Of a friction that depends on the velocity alone, the elements' stiffness is not found."""
+    t = np.arange(0, 8, 5e-3)
+    v = 0.06 * np.sin(2 * np.pi * 0.4 * t)
+    noise = 5.0 * np.random.default_rng(1).standard_normal(len(v))
+    friction = np.tanh(v / 1e-3) * (250 + 90 / (1 + (v / 0.02) ** 2)) + 900 * v + noise
+    motion = replace(motion_of(v), dt_s=5e-3, friction_n=friction)
+    calls = []
+
+    def counted(*arguments):
+        calls.append(1)
+        return driven_friction(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hbench.analysis.identification.lugre.driven_friction", counted)
+        start = GUESS._replace(presliding=5e-5, piston_seal=0.0, rod_seal=0.0)
+        fit = fit_leuven([motion], start, (*STEADY, "delta_max_m"), spans=(1.0,))
+    assert fit.converged, fit.message
+    assert fit.rmse_n < 20.0  # of 500 N; the curve of this friction is no Stribeck curve
+    assert len(calls) < 1500
+
+
+def test_the_written_laws_err_along_the_motions_as_their_fits_do():
+    """Also in the damping of the bristles: of a viscoelastic contact with a curved viscous part."""
+    motions = []
+    for number, top in enumerate((0.03, 0.06, 0.1)):
+        t = np.arange(0, 6, 1e-4)
+        v = top * np.sin(2 * np.pi * 0.5 * t)
+        z, rate = np.zeros(len(t)), np.zeros(len(t))
+        for k in range(1, len(t)):
+            rate[k] = v[k] - abs(v[k]) * z[k - 1] * 3e5 / (240 + 90 / (1 + (v[k] / 0.02) ** 2))
+            z[k] = z[k - 1] + 1e-4 * rate[k]
+        force = 3e5 * z + 4e3 * rate + 150 * np.arcsinh(v / 0.05)
+        means = [signal.reshape(-1, 50).mean(axis=1) for signal in (v, force)]
+        motion = replace(motion_of(means[0]), dt_s=5e-3, friction_n=means[1])
+        motions.append(replace(motion, run=f"{number:04d}"))
+    laws = {law.law: law for law in identify_laws([], motions)}
+    for name in ("lugre", "leuven"):
+        law = laws[name]
+        par = friction_parameters(parse_friction(law.section, name))
+        errors = [(driven_friction(m, par) - m.friction_n)[m.compared] for m in motions]
+        rmse_n = np.sqrt(np.mean(np.concatenate(errors) ** 2))
+        assert rmse_n == pytest.approx(law.fit.rmse_n, rel=0.01), name
 
 
 @pytest.fixture

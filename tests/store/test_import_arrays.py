@@ -98,7 +98,7 @@ def test_matlab_columns_that_are_not_there_are_told_with_those_that_are(
     content = {"data": {"t": T, "p": P}, "s": s, "name": "x", "short": [1.0, 2, 3], "holey": holey}
     savemat(tmp_path / "logs" / "a.mat", content, oned_as="column")
     with pytest.raises(DataError, match=message):
-        bring_in("a.mat", ["data.t", "data.t", column, "data.t"])
+        bring_in("a.mat", ["data.t", "data.p(:,2)", column, "data.t"])
 
 
 @pytest.mark.parametrize("content", [b"not a mat file at all" * 20, b"\x89HDF\r\n\x1a\n" * 99])

@@ -36,11 +36,12 @@ def test_character_sets_are_told_from_the_bytes(charset):
     ("charset", "name"),
     [
         ("gb18030", "无杆腔压力(MPa)"),  # of a spreadsheet in China
+        ("cp932", "ヘッド側圧力[MPa]"),  # of a data logger in Japan
         ("cp1252", "Meßgröße"),  # öß alone could be a Chinese character
         ("cp1252", "Überdruckmeßgröße"),
     ],
 )
-def test_chinese_and_western_names_are_read_as_they_were_written(charset, name):
+def test_asian_and_western_names_are_read_as_they_were_written(charset, name):
     text = f"t,{name}\n0,1.5\n1,-2.25\n"
     assert column(text.encode(charset), name) == [1.5, -2.25]
 
@@ -57,6 +58,9 @@ def test_chinese_and_western_names_are_read_as_they_were_written(charset, name):
         ("t;x\n0;1'234.5\n1;2\n", {**SEMICOLON, "thousands": "'"}),
         ("t;x\n0;1 234,5\n1;2\n", {**GERMAN, "thousands": " "}),
         ('t,x\n0,"1,234.5"\n"1","2"\n', {"thousands": ","}),
+        ("t;x\n0;1\u202f234,5\n1;2\n", {**GERMAN, "thousands": " "}),
+        ("t;x\n0;1\u00a0234,5\n1;2\n", {**GERMAN, "thousands": " "}),
+        ("t;x\n0;1\u2019234.5\n1;2\n", {**SEMICOLON, "thousands": "'"}),
         ("t,x\n0,1.2345e3\n\n1,2\n\n", {}),
         ("# by a logger\n#\nt,x\n0,1234.5\n# pause\n1,2\n", {"comment": "#"}),
         ("Logger 5\n3.5.24, 12:00\n\nt,x\n0,1234.5\n1,2\n", {"preamble": 2}),
@@ -66,6 +70,10 @@ def test_chinese_and_western_names_are_read_as_they_were_written(charset, name):
 )
 def test_dialects_give_the_same_numbers(text, layout):
     assert column(text, **layout) == [1234.5, 2.0]
+
+
+def test_a_typographic_minus_is_one():
+    assert column("t,x\n0,−1.5\n1,−.5\n") == [-1.5, -0.5]
 
 
 @pytest.mark.parametrize(

@@ -243,6 +243,17 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
         ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa .*columns.*constants"),
         ({"constants": {"p_xx_pa": "0 bar"}}, "unknown channel 'p_xx_pa'"),
         ({"constants": {"p_tp_bar": "0 bar"}}, "'p_tp_bar'; did you mean 'p_tp_pa'[?]"),
+        ({"constants": {"p_tp": "0 bar"}}, "'p_tp'; did you mean 'p_tp_pa'[?]"),
+        ({"constants": {"p_t": "0 bar"}}, "'p_t'; did you mean 'p_tp_pa' or 'p_tr_pa'[?]"),
+        (
+            {
+                "columns": {
+                    "x_m": {"column": 2, "unit": "mm"},
+                    "v_m_s": {"column": 2, "unit": "m/s"},
+                }
+            },
+            "columns.x_m and columns.v_m_s are both 2",
+        ),
         ({"format": {"decimal": ","}}, "decimal ','.*separator"),
         (
             {"columns": {"t_s": {"column": 0, "unit": "ms"}, "x_m": {"column": 1, "unit": "mm"}}},

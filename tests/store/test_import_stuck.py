@@ -9,7 +9,7 @@ from hbench import workflow
 AREA = np.pi / 4 * 0.04**2
 
 
-def log(seed, *, stuck=False, regulated=False, load=500.0):
+def log(seed, *, stuck=False, regulated=False, load=500.0, full_scale=np.inf):
     """Return a stroke out and back at 20 mm/s with 100 N of friction."""
     rng = np.random.default_rng(seed)
     t = 0.01 * np.arange(1200)
@@ -20,6 +20,7 @@ def log(seed, *, stuck=False, regulated=False, load=500.0):
     f = load + 0.1 * rng.standard_normal(len(t)) if load else np.zeros(len(t))
     if stuck:
         p_p[:] = p_p[0]
+    f = np.minimum(f, full_scale)
     rows = np.column_stack([t, 1e3 * x, p_p / 1e5, p_r / 1e5, f])
     return "t,x,a,b,f\n" + "".join(",".join(f"{v:.6f}" for v in row) + "\n" for row in rows)
 
@@ -60,6 +61,15 @@ def test_runs_of_a_stuck_sensor_are_rejected_and_the_file_is_named(bring_in):
     assert all(each[0].startswith("sensor_saturated: ") for each in reasons[2:4])
     assert all("P_Tp is constant at 24" in each[0] for each in reasons[2:4])
     assert [note for note in notes if "stuck" in note][0].startswith("2.csv: p_tp_pa: is 2")
+
+
+def test_a_load_cell_at_the_end_of_its_range_in_half_of_the_files_rejects_their_runs(bring_in):
+    loads = {"a": 300.0, "b": 300.0, "c": 800.0, "d": 800.0}
+    logs = {name: log(n, load=f, full_scale=750.0) for n, (name, f) in enumerate(loads.items())}
+    notes, reasons = bring_in(**logs)
+    assert [bool(each) for each in reasons] == [False] * 4 + [True] * 4
+    assert all("F_applied is constant at 750" in each[0] for each in reasons[4:])
+    assert any("f_applied_n: is 750 N" in note for note in notes if "stuck" in note), notes
 
 
 def test_a_regulated_pressure_and_an_idle_load_cell_are_not_accused(bring_in):

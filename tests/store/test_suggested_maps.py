@@ -136,12 +136,33 @@ def as_xlsx(path, run):
     sheet.to_excel(path.with_suffix(".xlsx"), index=False, startrow=2)
 
 
+def as_second_sheet(path, run):
+    pytest.importorskip("openpyxl")
+    columns = {"s": "t_s", "m": "x_m", "Pa": "p_tp_pa", "Pa ": "p_tr_pa", "N": "f_applied_n"}
+    table = pd.DataFrame({f"{name} [{unit.strip()}]": run[name] for unit, name in columns.items()})
+    with pd.ExcelWriter(path.with_suffix(".xlsx")) as book:
+        cover = pd.DataFrame([["Prüfer", "Müller"], ["Halle", "drei"]])
+        cover.to_excel(book, sheet_name="Deckblatt", index=False, header=False)
+        table.to_excel(book, sheet_name="Messdaten", index=False)
+
+
+def as_kgf_cm2(path, run):
+    columns = {"t (s)": run["t_s"], "x (mm)": 1e3 * run["x_m"]}
+    columns |= {
+        f"P{i} (kgf/cm2)": run[p] / 98066.5 for i, p in enumerate(("p_tp_pa", "p_tr_pa"), 1)
+    }
+    columns |= {"F (kgf)": run["f_applied_n"] / 9.80665}
+    pd.DataFrame(columns).to_csv(path.with_suffix(".csv"), index=False)
+
+
 def as_comment(path, run):
     columns = (run["t_s"], run["x_m"], run["p_tp_pa"], run["p_tr_pa"], run["f_applied_n"])
     np.savetxt(path, np.column_stack(columns), header="t x p1 p2 force", fmt="%.7g")
 
 
-@pytest.mark.parametrize("write", [as_mat, as_parquet, as_xlsx, as_comment])
+@pytest.mark.parametrize(
+    "write", [as_mat, as_parquet, as_xlsx, as_second_sheet, as_kgf_cm2, as_comment]
+)
 def test_formats(logs, imported, write):
     for trial in (1, 2):
         write(logs / f"run_{trial}.txt", one_stroke(0.05, 1000.0, trial))
@@ -368,13 +389,14 @@ def unchanged(_, cells):
     return cells
 
 
-def test_the_scale_of_an_unknown_unit_in_square_brackets_is_asked_for(logs):
-    stroke_with(logs, force="F [tons]", change=unchanged)
+@pytest.mark.parametrize(("name", "unit"), [("F [tons]", "tons"), ("F (lb/rev)", "lb/rev")])
+def test_the_scale_of_an_unknown_unit_in_brackets_is_asked_for(logs, name, unit):
+    stroke_with(logs, force=name, change=unchanged)
     text = suggest_map(logs).text
     assert parse_yaml(text)["columns"]["f_applied_n"] == {
-        "column": "F [tons]", "unit": "N", "scale": "???"
+        "column": name, "unit": "N", "scale": "???"
     }  # fmt: skip
-    assert "give N for each tons" in text
+    assert f"give N for each {unit}" in text
 
 
 def test_a_column_that_cannot_be_read_is_reported_with_its_line(logs):

@@ -1,6 +1,6 @@
 """Dialects, columns and file names, as a suggested map understands them."""
 
-from datetime import time
+from datetime import datetime, time
 
 import pytest
 
@@ -260,6 +260,21 @@ def test_a_time_of_day_is_a_date_time(text):
     assert parse_date_time(text).time() == time(9, 30, 15, 250_000)
 
 
-@pytest.mark.parametrize("text", ["9:30", "25:00:00", "0:00:61", "1:2:3"])
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("12/24/2024 6:30:00.5 PM", datetime(2024, 12, 24, 18, 30, 0, 500_000)),
+        ("5/3/2024, 12:00:01 a.m.", datetime(2024, 5, 3, 0, 0, 1)),
+        ("12:00:01 pm", datetime(1970, 1, 1, 12, 0, 1)),
+    ],
+)
+def test_a_12_hour_clock_is_read_with_the_month_first(text, meant):
+    assert is_date_time(text)
+    assert parse_date_time(text) == meant
+
+
+@pytest.mark.parametrize(
+    "text", ["9:30", "25:00:00", "0:00:61", "1:2:3", "13:00:00 PM", "0:01:02 AM"]
+)
 def test_what_is_no_time_of_day_is_no_date_time(text):
     assert not is_date_time(text)

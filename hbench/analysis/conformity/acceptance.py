@@ -10,6 +10,7 @@ from hbench.analysis.conformity.measured import (
     leaks_measured,
     measurements,
 )
+from hbench.analysis.conformity.rejected import rejected_points
 from hbench.records import Results
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement, Rule
 from hbench.units import from_si
@@ -54,8 +55,10 @@ def _checks(
         if key not in worst or _goodness(check) < _goodness(worst[key]):
             worst[key] = check
     yield from worst.values()
-    if not worst:
-        reason = _why_not(results, requirement)
+    missing = list(rejected_points(results, requirement))
+    if not worst and not missing:
+        missing = [_why_not(results, requirement)]
+    for reason in missing:
         yield ConformityCheck(requirement, None, None, "NOT TESTED", reason)
 
 

@@ -9,6 +9,9 @@ Of the quantity Y, given a measured value y with the standard uncertainty u,
     shared_risk   the same where U95 is small enough to be shared by both sides
     guard_band    PASS where T_L + U95 <= y <= T_U - U95, MARGINAL in the guard bands up to the
                   limits, FAIL beyond them                                       (JCGM 106, 8.3.2)
+
+A value that is impossible beyond its uncertainty decides nothing: it shows an error of a sign, a
+zero or an area.
 """
 
 from typing import NamedTuple
@@ -17,7 +20,20 @@ import numpy as np
 from scipy.special import stdtr
 
 from hbench.analysis.statistics.student import student_factor
-from hbench.records.conformity.acceptance import Conformity, Measurement, Requirement, Rule
+from hbench.records.conformity.acceptance import (
+    Conformity,
+    LimitQuantity,
+    Measurement,
+    Requirement,
+    Rule,
+)
+
+_DRIVES = "friction has the direction of the motion"
+_IMPOSSIBLE: dict[LimitQuantity, str] = {
+    "friction": _DRIVES,
+    "breakaway": _DRIVES,
+    "efficiency": "the efficiency is above 100 %",
+}
 
 
 class Decision(NamedTuple):
@@ -35,6 +51,8 @@ def decide(
     largest_uncertainty: float | None = None,
 ) -> Decision:
     """Return the decision on a measured value; ``largest_uncertainty`` is a share of the limit."""
+    if requirement.is_impossible(measured):
+        return Decision("NOT TESTED", None, _IMPOSSIBLE[requirement.quantity])
     probability = probability_of_conformity(requirement, measured)
     inside = requirement.margin(measured.value)
     if rule == "simple":

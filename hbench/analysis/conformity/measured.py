@@ -41,7 +41,7 @@ def measurements(results: Results, requirement: Requirement) -> tuple[Measuremen
 def _friction(results: Results, requirement: Requirement) -> Iterable[Measurement]:
     for curve in _steady(results.curves, requirement):
         for point in curve.points:
-            if _near(abs(point.v_m_s), requirement.v_m_s):
+            if near(abs(point.v_m_s), requirement.v_m_s):
                 per = _per(results, requirement, curve.direction)
                 u95 = point.u95_n or point.ci95_n
                 yield Measurement(
@@ -61,7 +61,7 @@ def _friction(results: Results, requirement: Requirement) -> Iterable[Measuremen
 def _efficiency(results: Results, requirement: Requirement) -> Iterable[Measurement]:
     for curve in _steady(results.efficiency, requirement):
         for point in curve.points:
-            if point.efficiency is not None and _near(abs(point.v_m_s), requirement.v_m_s):
+            if point.efficiency is not None and near(abs(point.v_m_s), requirement.v_m_s):
                 yield Measurement(
                     value=point.efficiency,
                     u95=point.u95 or point.ci95,
@@ -86,7 +86,7 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
     longest: dict[tuple, Breakaway] = {}
     for each in results.motions.breakaways:
         series, stated = each.series, requirement.dwell_s
-        if _applies(each, series, requirement) and _near(each.dwell_s, stated):
+        if applies(each, series, requirement) and near(each.dwell_s, stated):
             key = series, each.direction
             if key not in longest or (each.dwell_s or 0.0) > (longest[key].dwell_s or 0.0):
                 longest[key] = each
@@ -144,7 +144,7 @@ def _speed_ripple(results: Results, requirement: Requirement) -> Iterable[Measur
         plan = each.run.plan
         only_unsteady = all(reason.startswith(_UNSTEADY) for reason in each.reasons)
         if KINDS[plan.kind].has_constant_speed and only_unsteady and _ripple_of(each) is not None:
-            if _applies(plan, plan, requirement) and _near(abs(plan.v_ref_m_s), requirement.v_m_s):
+            if applies(plan, plan, requirement) and near(abs(plan.v_ref_m_s), requirement.v_m_s):
                 series = plan.label, plan.direction, plan.f_load_n, plan.p_lr_ref_pa
                 trials.setdefault((*series, abs(plan.v_ref_m_s)), []).append(each)
     for (label, direction, f_load_n, p_lr_ref_pa, v_m_s), runs in trials.items():
@@ -192,11 +192,11 @@ _MEASURED: dict[LimitQuantity, Callable[[Results, Requirement], Iterable[Measure
 
 def _steady(curves: Iterable[_SteadyCurve], requirement: Requirement) -> Iterator[_SteadyCurve]:
     for curve in curves:
-        if KINDS[curve.kind].has_constant_speed and _applies(curve, curve, requirement):
+        if KINDS[curve.kind].has_constant_speed and applies(curve, curve, requirement):
             yield curve
 
 
-def _applies(
+def applies(
     directed: Curve | EfficiencyCurve | Breakaway | RunPlan,
     series: Curve | EfficiencyCurve | Series | RunPlan,
     requirement: Requirement,
@@ -205,12 +205,12 @@ def _applies(
     return (
         requirement.label in (None, series.label)
         and requirement.direction in (None, directed.direction)
-        and _near(series.f_load_n, requirement.f_load_n)
-        and _near(series.p_lr_ref_pa, requirement.p_lr_ref_pa)
+        and near(series.f_load_n, requirement.f_load_n)
+        and near(series.p_lr_ref_pa, requirement.p_lr_ref_pa)
     )
 
 
-def _near(value: float | None, stated: float | None) -> bool:
+def near(value: float | None, stated: float | None) -> bool:
     """Whether a value is the stated one, within the tolerance; anything is where none is stated."""
     if stated is None:
         return True

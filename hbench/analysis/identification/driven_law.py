@@ -1,11 +1,11 @@
 """Friction of a law driven by a logged motion.
 
-A sample is the mean over its interval, as the board's records are. Within an interval, in ten
-steps, velocity and pressures are parabolas with this mean and, at each end, the mean of both
+A sample is the mean over its interval, as the board's records are. Within an interval, in steps of
+at most 1 ms, velocity and pressures are parabolas with this mean and, at each end, the mean of both
 neighbours, so that the bristles travel as far as the piston. (Linear interpolation between samples
 errs by a dt^2/8 at acceleration a: some um after a reversal at 100 Hz, which reduced a sigma_1 of
-100 N s/m by 30 N s/m at a sigma_0 of 2.6e5 N/m.) LuGre's bristles follow the exact solution of
-their equation over a step; the other laws use the explicit midpoint rule. All start relaxed.
+100 N s/m by 30 N s/m at a sigma_0 of 2.6e5 N/m.) LuGre's and Leuven's states follow the exact
+solution over a step; the other laws use the explicit midpoint rule. All start relaxed.
 """
 
 import numpy as np
@@ -15,20 +15,23 @@ from hbench.model.compiled import compiled, inlined
 from hbench.model.friction.laws import exact_step
 from hbench.model.parameters import FrictionParameters
 
-_STEPS = 10  # of an interval
+_LONGEST_STEP_S = 1e-3
+_ROUNDING = 1e-6  # of a number of steps
 _NOMINAL = 1.0  # level of friction
 
 
 def driven_friction(motion: LoggedMotion, par: FrictionParameters) -> np.ndarray:
     """Return the law's friction [N] at each sample (n,) of a motion, from relaxed bristles on."""
     out = np.zeros(len(motion.v_m_s))
+    steps = int(np.ceil(motion.dt_s / _LONGEST_STEP_S - _ROUNDING))
     state, work = np.zeros(2 * len(par.elements)), np.zeros((2, 2 * len(par.elements)))
-    _along(motion.dt_s, motion.v_m_s, motion.p_p_pa, motion.p_r_pa, par, state, work, out)
+    _along(steps, motion.dt_s, motion.v_m_s, motion.p_p_pa, motion.p_r_pa, par, state, work, out)
     return out
 
 
 @compiled
 def _along(
+    steps: int,
     dt: float,
     v: np.ndarray,
     p_p: np.ndarray,
@@ -38,16 +41,16 @@ def _along(
     work: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    h, last = dt / _STEPS, len(v) - 1
+    h, last = dt / steps, len(v) - 1
     for k in range(len(v)):
         before, after = max(k - 1, 0), min(k + 1, last)
-        for i in range(_STEPS):
-            s = (i + 0.5) / _STEPS
+        for i in range(steps):
+            s = (i + 0.5) / steps
             v_now = within(v[before], v[k], v[after], s)
             p_now = within(p_p[before], p_p[k], p_p[after], s)
             r_now = within(p_r[before], p_r[k], p_r[after], s)
             force = exact_step(v_now, state, p_now, r_now, _NOMINAL, h, par, work)
-            out[k] += force / _STEPS
+            out[k] += force / steps
 
 
 @inlined

@@ -222,5 +222,6 @@ def _leuven(motions: Sequence[LoggedMotion], lugre: Fit | None) -> Fit:
         tried.append((fit.rmse_n, guess._replace(elements=fitted)))
     _, best = min(tried, key=lambda candidate: candidate[0])
     seals = [name for name in _unknowns(motions) if name in _SEALS]
-    fit = fit_leuven(motions, best, (*STEADY, *seals, "delta_max_m"), spans=(1.0,))
+    names = (*STEADY, "sigma1_n_s_m", *seals, "delta_max_m")
+    fit = fit_leuven(motions, best, names, spans=(1.0,))
     return replace(fit, message="; ".join(filter(None, (fit.message, _SEVERAL_MINIMA))))

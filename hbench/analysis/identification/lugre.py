@@ -53,6 +53,7 @@ _LIMITS = {  # bounds and typical size
 UNKNOWNS: Mapping[str, Unknown] = {name: unknown(name, *limits) for name, limits in _LIMITS.items()}
 _STIFFNESSES = np.geomspace(3e4, 3e6, 7)  # candidates for a start
 _STEP = 1e-5  # of a parameter's size, for its derivative
+_TOLERANCE = 1e-8  # of the sum of squares: a hundredth of the share of one in a million samples
 
 
 def fit_lugre(
@@ -118,7 +119,7 @@ def fit_to_motions(
         return float(np.sum(residual(x) ** 2))
 
     inside = [[np.clip(start, lower, upper) for start in group] for group in starts]
-    solution = solve(problem, [min(group, key=cost) for group in inside])
+    solution = solve(problem, [min(group, key=cost) for group in inside], _TOLERANCE)
     left = residual(solution.x)
     run = np.repeat(np.arange(len(motions)), [int(m.compared.sum()) for m in motions])
     bounds = [solution.at_bound(problem, i) for i in range(len(size))]

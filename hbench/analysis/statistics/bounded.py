@@ -84,12 +84,14 @@ def _rounding(jacobian: np.ndarray, scale: np.ndarray) -> float:
     return ROUNDING * float(np.linalg.norm(jacobian * scale))
 
 
-def solve(problem: Problem, starts: Sequence[np.ndarray]) -> Solution:
+def solve(
+    problem: Problem, starts: Sequence[np.ndarray], tolerance: float = _TOLERANCE
+) -> Solution:
     """Minimise the sum of squares within the bounds from all ``starts``.
 
-    Of solutions that differ by rounding, the first is returned.
+    Of solutions that differ by rounding, the first is returned. ``tolerance`` is as of ``descend``.
     """
-    solutions = [descend(problem, start) for start in starts]
+    solutions = [descend(problem, start, (), tolerance) for start in starts]
     costs = np.array([sum_of_squares(problem, solution.x) for solution in solutions])
     best = costs.argmin()
     tie = rounding(problem, solutions[best].x) ** 2

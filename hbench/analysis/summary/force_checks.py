@@ -49,6 +49,14 @@ class _Directions(NamedTuple):
     half_n: float  # h
 
 
+class _Change(NamedTuple):
+    """Change of the mean of both directions with the load, in % of it."""
+
+    change: float
+    half_width: float  # of its interval
+    least: float  # end of the interval that is nearer to zero; 0 where it does not matter
+
+
 def load_direction(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
     """Yield the share of friction that the load supplies (median), if it helps at every point.
 
@@ -71,6 +79,19 @@ def load_balance(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
 
     The grade is that of the end of its interval that is nearer to zero.
     """
+    found = _change_with_load(curves)
+    if found is None:
+        return
+    sure = found.least
+    grade: Grade = (
+        "good" if sure <= _CHANGE_GOOD else "poor" if sure > _CHANGE_POOR else "with care"
+    )
+    if grade != "good" or found.half_width <= _CHANGE_GOOD:
+        yield QualityCheck("load_balance", grade, found.change, "%", _CHANGE_GOOD, _CHANGE_POOR)
+
+
+def _change_with_load(curves: Iterable[Curve]) -> _Change | None:
+    """Return the change of the mean of both directions with the load; None if it is not known."""
     rows = []
     for loads in _both_directions(curves):
         mean_n = fmean(each.load_n for each in loads)
@@ -78,17 +99,13 @@ def load_balance(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
     x, middle, u, friction = np.array(rows).reshape(-1, 4).T
     square = float(x @ x)
     if square == 0.0:
-        return
+        return None
     change = 100 * abs(float(x @ middle)) / square
     half = 100 * float(np.linalg.norm(x * u)) / square
     least = max(change - half, 0.0)
     if least * np.ptp(x) < _SMALL * friction.mean():
         least = 0.0
-    grade: Grade = (
-        "good" if least <= _CHANGE_GOOD else "poor" if least > _CHANGE_POOR else "with care"
-    )
-    if grade != "good" or half <= _CHANGE_GOOD:
-        yield QualityCheck("load_balance", grade, change, "%", _CHANGE_GOOD, _CHANGE_POOR)
+    return _Change(change, half, least)
 
 
 def equal_directions(curves: Iterable[Curve], loops: Iterable[Loop] = ()) -> Iterator[QualityCheck]:
@@ -122,7 +139,10 @@ def constant_force(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
 
 
 def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
-    """Yield the size of that force with the friction that is free of it, or why none is known."""
+    """Yield the size of that force with the friction that is free of it, or why none is known.
+
+    Also a change with the load that is small for the load, and not for friction.
+    """
     curves = tuple(curves)
     directions = {curve.direction for curve in curves if curve.points}
     if len(directions) == 1:
@@ -138,6 +158,15 @@ def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
             "measured: the weight of an upright piston and rod, a zero offset, absolute pressures. "
             "It is part of the friction of each direction; half the difference of both, "
             f"{mean.half_n:.3g} N, is free of it"
+        )
+    found = _change_with_load(curves)
+    if found is not None and 0 < found.least <= _CHANGE_GOOD:
+        yield (
+            "directions: the mean friction of both directions changes by "
+            f"{found.change:.2g} +- {found.half_width:.1g} % of the load, as by an error of this "
+            "size in an area or in the scale of a force or pressure. Friction that depends on the "
+            "load in one direction does the same. Half the difference of both directions is free "
+            "of it"
         )
 
 

@@ -61,6 +61,10 @@ class Limit(ConfigSection):
             raise ValueError("needs 'min' or 'max'")
         if self.quantity == "leakage" and self.pressure is None:
             raise ValueError("needs 'pressure', the difference at which the leak is limited")
+        for key, limit in (("min", self.min), ("max", self.max)):
+            if limit is not None and self._unit == "%" and not limit.strip().endswith("%"):
+                to_si(limit, "%")  # of the right dimension
+                raise ValueError(f"{key} = {limit}: has no unit; write for example '75 %'")
         low, high = self.requirement.low, self.requirement.high  # of the right dimension
         if low is not None and high is not None and low > high:
             raise ValueError(f"min ({self.min}) is above max ({self.max})")

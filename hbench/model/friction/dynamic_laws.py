@@ -96,3 +96,47 @@ def leuven(
 def slipping(deflection: float, z_rate: float, limit: float) -> bool:
     """Return whether an element slips: it is at its limit and driven further."""
     return abs(deflection) >= limit and z_rate * deflection > 0.0
+
+
+@inlined
+def leuven_step(
+    v: float,
+    state: np.ndarray,
+    p_p: float,
+    p_r: float,
+    level: float,
+    h: float,
+    par: FrictionParameters,
+) -> float:
+    """Advance the deflections by ``h`` [s] at constant v, n = 1; return the mean friction [N].
+
+    By the exact solution, so that a short Delta_max needs no shorter steps. While the same elements
+    stick, with the stiffness K = sum theta_i / Delta_i, and s = sign(v):
+    F_h -> s F_dry + (F_h - s F_dry) exp(-K |v| t / F_dry), z -> z + change of F_h / K
+    up to the time when the next of them slips; F_h is averaged by its values at the ends.
+    """
+    steady = np.sign(v) * dry_friction(v, p_p, p_r, level, par)
+    left, force, work = h, hysteresis_force(state, 0, par), 0.0
+    while left > 0.0:
+        direction = v * (1.0 - force / steady) if v != 0.0 else 0.0
+        stiffness, room = 0.0, np.inf
+        for i in range(len(par.elements)):
+            limit = slip_deflection(i, par)
+            if not slipping(state[2 * i], direction, limit):
+                stiffness += par.elements[i] / limit
+                room = min(room, limit - np.sign(direction) * state[2 * i])
+        if direction == 0.0 or stiffness == 0.0:
+            return (work + (force + par.bristle_damping * direction) * left) / h + par.viscous * v
+        change, rate = np.sign(direction) * room, stiffness * v / steady
+        part, after = left, force + stiffness * change
+        if abs(after - force) < abs(steady - force):
+            part = np.log((steady - force) / (steady - after)) / rate
+        if part >= left:
+            part, after = left, steady + (force - steady) * np.exp(-rate * left)
+            change = (after - force) / stiffness
+        for i in range(len(par.elements)):
+            limit = slip_deflection(i, par)
+            state[2 * i] = min(max(state[2 * i] + change, -limit), limit)
+        work += 0.5 * (force + after) * part + par.bristle_damping * change
+        left, force = left - part, after
+    return work / h + par.viscous * v

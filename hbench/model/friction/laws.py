@@ -11,6 +11,7 @@ import numpy as np
 from hbench.model.compiled import inlined
 from hbench.model.friction.dynamic_laws import (
     leuven,
+    leuven_step,
     lugre,
     lugre_step,
     slip_deflection,
@@ -151,9 +152,14 @@ def exact_step(
     par: FrictionParameters,
     work: np.ndarray,
 ) -> float:
-    """Advance as ``midpoint_step`` does, but LuGre's bristles by their exact solution."""
+    """Advance as ``midpoint_step`` does, but LuGre's and Leuven's states by their exact solution.
+
+    Leuven's has one for n = 1.
+    """
     if par.law == _LUGRE:
         return lugre_step(v, state, p_p, p_r, level, h, par)
+    if par.law == _LEUVEN and par.shape == 1.0:
+        return leuven_step(v, state, p_p, p_r, level, h, par)
     return midpoint_step(v, state, p_p, p_r, level, h, par, work)
 
 

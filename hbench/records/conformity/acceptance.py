@@ -45,6 +45,13 @@ class Requirement:
         high = math.inf if self.high is None else self.high - value
         return min(low, high)
 
+    def is_impossible(self, measured: "Measurement") -> bool:
+        """Whether friction drives the motion, or an efficiency is above 100 %, by more than U."""
+        u95 = measured.u95 or 0.0
+        if self.quantity == "efficiency":
+            return measured.value - u95 > 1.0
+        return self.quantity in ("friction", "breakaway") and measured.value + u95 < 0.0
+
     @property
     def is_pressure(self) -> bool:
         """Whether a force is limited as the pressure on the driving area."""

@@ -62,6 +62,7 @@ _STEPS: dict[Conformity, str] = {
 }
 _WIDE = 100  # characters of a line
 _MEASURE = "measure what is missing"
+_CORRECT = "check the signs, zeros and units of the channels, and the areas"
 _REDUCE = "reduce U with more trials or more accurate instruments"
 
 
@@ -191,7 +192,9 @@ def next_steps(checks: Sequence[ConformityCheck]) -> Iterator[tuple[Conformity, 
     """Yield each kind of decision but PASS and what to do about it, the worst first."""
     untested = [check for check in checks if check.decision == "NOT TESTED"]
     ways = [_MEASURE] if any(check.measurement is None for check in untested) else []
-    ways += [_REDUCE] if any(check.measurement is not None for check in untested) else []
+    impossible = [c.requirement.is_impossible(c.measurement) for c in untested if c.measurement]
+    ways += [_CORRECT] if any(impossible) else []
+    ways += [_REDUCE] if not all(impossible) else []
     steps = _STEPS | {"NOT TESTED": f"{' and '.join(ways)}, then repeat hbench accept"}
     for decision in WORST_FIRST:
         if any(check.decision == decision for check in checks) and decision in steps:

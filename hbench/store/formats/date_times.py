@@ -1,6 +1,7 @@
 """Date-times, mostly as text: ISO 8601, day first with points, and times of day without a date.
 
-Examples are ``24.12.2024 18:30:00,5`` and ``18:30:00.5``.
+Examples are ``24.12.2024 18:30:00,5`` and ``18:30:00.5``; with the 12-hour clock of the United
+States, the month first with slashes, ``12/24/2024 6:30:00.5 PM``.
 """
 
 import re
@@ -9,6 +10,9 @@ from datetime import UTC, datetime
 import numpy as np
 
 _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]\s*(.+)")
+_TWELVE_HOURS = re.compile(
+    r"(?:(\d{1,2})/(\d{1,2})/(\d{4}),? )?(1[0-2]|0?[1-9]):(.+?) ?([ap])\.?m\.?"
+)
 _TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?")
 
 
@@ -24,6 +28,10 @@ def parse_date_time(text: str) -> datetime:
     Raises ``ValueError``.
     """
     text = text.strip()
+    if match := _TWELVE_HOURS.fullmatch(text.lower()):
+        month, day, year, hour, rest, half = match.groups()
+        text = f"{int(hour) % 12 + 12 * (half == 'p'):02}:{rest}"
+        text = f"{year}-{month:0>2}-{day:0>2}T{text}" if year else text
     if _TIME_OF_DAY.fullmatch(text):
         hour, rest = text.split(":", 1)
         text = f"1970-01-01T{hour:0>2}:{rest}"

@@ -1,8 +1,6 @@
 """Reader of text tables: delimited columns, with or without a header."""
 
-import codecs
 import csv
-import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -16,18 +14,13 @@ from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
 from hbench.store.formats.date_times import parse_date_time
+from hbench.store.formats.encoding import decoded
 from hbench.store.formats.header_row import ends_with_comment, layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
-_ABOVE_ASCII = re.compile(rb"[\x80-\xff]+")
 _GAPS = ("", "nan", "na", "n/a", "null")
 _MOST_SHORT = 5  # rows at the end with too few cells, which are left out
-_BOMS = {
-    codecs.BOM_UTF8: "utf-8-sig",
-    codecs.BOM_UTF16_LE: "utf-16",
-    codecs.BOM_UTF16_BE: "utf-16",
-}
 
 
 _FORMAT = (
@@ -262,27 +255,6 @@ def _unequal(rows: list[list[str]] | PlainRows, width: int) -> Iterator[tuple[in
             cells.pop()  # the line ends with a separator
         if len(cells) != width:
             yield row, cells
-
-
-def decoded(data: bytes) -> str:
-    """Return the text; byte-order mark, zero bytes or UTF-8 faults determine its encoding.
-
-    Text that is not UTF-8 is Chinese (GB 18030) if its bytes above 127 come in pairs, two of them
-    in a row at least once, and else that of Western Europe.
-    """
-    for mark, name in _BOMS.items():
-        if data.startswith(mark):
-            return data.decode(name, errors="replace")
-    if data[1:200:2].count(0) > 50 or (len(data) > 3 and data[1] == data[3] == 0):
-        return data.decode("utf-16-le", errors="replace")
-    try:
-        return data.decode("utf-8")
-    except UnicodeDecodeError:
-        lengths = [len(part) for part in _ABOVE_ASCII.findall(data)]
-        if max(lengths) >= 4 and not any(length % 2 for length in lengths):
-            with suppress(UnicodeDecodeError):
-                return data.decode("gb18030")
-        return data.decode("cp1252", errors="replace")
 
 
 def _lines_of_data(text: str, layout: Format) -> tuple[list[int], list[str]]:

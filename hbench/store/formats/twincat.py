@@ -29,7 +29,8 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
-from hbench.store.formats.text import TextTable, decoded
+from hbench.store.formats.encoding import decoded
+from hbench.store.formats.text import TextTable
 
 _TIME = "Name"
 _START, _UNIT, _END = "Starttime of export", "Unit", "EOF"

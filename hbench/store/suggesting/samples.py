@@ -9,10 +9,11 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import check_inside, read_whole
+from hbench.store.formats.encoding import decoded
 from hbench.store.formats.opening import FileFormat, open_foreign
 from hbench.store.formats.reading import open_table
 from hbench.store.formats.table import Table
-from hbench.store.formats.text import TextTable, decoded
+from hbench.store.formats.text import TextTable
 from hbench.store.suggesting.dialect import Dialect, rows_dialect, text_dialect
 from hbench.store.suggesting.quantities import Meaning, common_words, meaning
 from hbench.store.suggesting.units import unit_in, unknown_unit
@@ -84,13 +85,25 @@ def read_sample(folder: Path, name: str, like: Dialect | None = None) -> SampleF
         if like is None and file_format.is_text:
             dialect = None if _is_binary(data) else text_dialect(decoded(data))
         elif like is None:
-            with open_table(path, Format(header=False)) as sheet:
-                assert isinstance(sheet, TextTable)
-                dialect = rows_dialect(list(zip(sheet.lines.tolist(), sheet.rows, strict=True)), {})
+            dialect = _sheet_dialect(path)
         if dialect is None:
             return None
     with open_table(path, Format() if dialect is None else dialect.layout) as table:
         return _sample(name, file_format, dialect, table)
+
+
+def _sheet_dialect(path: Path) -> Dialect | None:
+    """Return the dialect of a workbook's first sheet that contains a table of numbers."""
+    sheets: list[str | None] = [None]
+    for name in sheets:
+        with open_table(path, Format(header=False, sheet=name)) as sheet:
+            assert isinstance(sheet, TextTable)
+            rows = list(zip(sheet.lines.tolist(), sheet.rows, strict=True))
+            dialect = rows_dialect(rows, {} if name is None else {"sheet": name})
+            if dialect is not None:
+                return dialect
+            sheets += sheet.other_sheets
+    return None
 
 
 def _is_binary(data: bytes) -> bool:

@@ -25,6 +25,8 @@ _SPELLINGS = {
     "mpa": "MPa",
     **dict.fromkeys(("barg", "bar(g)", "bar_g", "bara", "bar(a)", "bar"), "bar"),
     **dict.fromkeys(("psig", "psia", "psi"), "psi"),
+    **dict.fromkeys(("kgf/cm2", "kg/cm2", "kp/cm2"), "kgf/cm^2"),
+    "n/mm2": "N/mm^2",
     **dict.fromkeys(("volt", "volts", "v"), "V"),
     **dict.fromkeys(("mps", "m_s", "m/sec", "m/sek", "m*s^-1", "m/s", "ms-1"), "m/s"),
     **dict.fromkeys(("mmps", "mm_s", "mm/sec", "mm/sek", "mms", "mm/s"), "mm/s"),
@@ -38,9 +40,11 @@ _SPELLINGS = {
     **dict.fromkeys(("nm", "n*m", "newtonmeter"), "N m"),
     "knm": "kN m",
 }
+_POWERS = str.maketrans({" ": "", "^": "", "²": "2"})
 ANGLES = ("deg", "rad")  # units of a position that have no dimension
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\[\](){}<>]*(?:\([^()]*\))?)\s*[\])}>]\s*$")
-_SQUARE = re.compile(r"\[\s*([^\[\]]{1,20}?)\s*\]\s*$")
+# Of an unknown unit: what is in square brackets, or a quotient in round ones.
+_UNKNOWN = re.compile(r"\[\s*([^\[\]]{1,20}?)\s*\]\s*$|\(\s*([^()/]{1,9}/[^()/]{1,9}?)\s*\)\s*$")
 _SLASH = re.compile(r"\s+/\s*(\S+)\s*$|\s*,\s*(\S+)\s*$|\s+in\s+(\S+)\s*$")
 _ENDING = re.compile(r"[\s_.\-]+([^\s_.\-]+|mm?[_/]s)$")
 
@@ -51,7 +55,7 @@ def unit_in(text: str) -> str | None:
     bare = bare[1:-1].strip() if bare.startswith("(") and bare.endswith(")") else bare
     if bare == "pA":  # the pressure at port A
         return None
-    spelled = _SPELLINGS.get(bare.lower().replace(" ", ""))
+    spelled = _SPELLINGS.get(bare.lower().translate(_POWERS))
     for unit in (spelled, bare):
         try:
             if not unit or not unit[0].isalpha():
@@ -74,12 +78,13 @@ def split_unit(name: str) -> tuple[str, str | None]:
 
 
 def unknown_unit(name: str, stated: str = "") -> str:
-    """Return the unit in square brackets behind a name, or ``stated``, if hbench does not know it.
+    """Return the unit in brackets behind a name, or ``stated``, if hbench does not know it.
 
-    Otherwise the result is empty.
+    Round brackets contain other words too: a unit in them has a slash. Otherwise the result is
+    empty.
     """
-    match = _SQUARE.search(name)
-    text = stated.strip() or (match[1] if match else "")
+    match = _UNKNOWN.search(name)
+    text = stated.strip() or (match[1] or match[2] if match else "")
     return text if re.search(r"[^\W\d]|%", text) and unit_in(text) is None else ""
 
 

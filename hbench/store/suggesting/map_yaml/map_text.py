@@ -71,6 +71,7 @@ def _format(suggested: SuggestedMap) -> Iterator[str]:
         return
     comments = {
         "separator": f"{SURE}: all rows have the same number of columns",
+        "sheet": "the first with a table of numbers",
         "preamble": "lines before the header",
         "units_row": "the row below the header has units",
         "header": "columns are numbered from 1",
