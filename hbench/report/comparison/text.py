@@ -46,21 +46,11 @@ from hbench.report.json_documents.values import json_value
 from hbench.report.oil_words import range_words
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import without_powers
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import plain
 
 SCHEMA = "hbench.comparison/1"
 _OIL = ("sensor", "mean_k", "low_k", "high_k", "runs")
-_PLAIN = {
-    "−": "-",
-    "–": "-",
-    "\N{NON-BREAKING HYPHEN}": "-",
-    "±": "+-",
-    "²": "^2",
-    "³": "^3",
-    "°": "deg",
-    "\N{NO-BREAK SPACE}": " ",
-}
 
 
 def differences_text(differences: CampaignDifferences) -> str:
@@ -88,10 +78,7 @@ def differences_text(differences: CampaignDifferences) -> str:
     strokes = [SET_UP] if differences.bands else []
     strokes += [f"A, B: {words}" for name, words in read_facts(differences) if name == "A, B"]
     lines += [f"note: {note}" for note in (*strokes, *differences.notes)]
-    text = without_powers("\n".join(lines).rstrip())
-    for sign, plain in _PLAIN.items():
-        text = text.replace(sign, plain)
-    return text
+    return plain("\n".join(lines).rstrip())
 
 
 def differences_json(differences: CampaignDifferences) -> str:

@@ -45,6 +45,7 @@ from hbench.report.diagnosis.words.error import errors_in_words, load_errors, on
 from hbench.report.diagnosis.words.law import law_line
 from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import plain
 
 _LEFT_OUT = 5  # runs that the terminal lists
 
@@ -67,10 +68,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
         blocks.append(f"next experiment: {experiment}")
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
     blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
-    text = "\n\n".join(block for block in blocks if block)
-    for sign, plainly in {"−": "-", "–": "-", "±": "+-", "×": "x", "…": "...", "²": "^2"}.items():
-        text = text.replace(sign, plainly)
-    return text
+    return plain("\n\n".join(block for block in blocks if block))
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
