@@ -281,9 +281,7 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
         replace(none, refitted=FACTOR, refit_priors=dict.fromkeys(FACTOR, 0.2))
     )
     assert "9.50" not in text  # the verdict and the section on the gap have it
-    assert (
-        "would show 1 of 3 known effects (2 tried, and rest time) at a typical" in text
-    )
+    assert "would show 1 of 3 known effects (2 tried, and rest time) at a typical" in text
     assert "They would not show added mass and rest time (not tried): these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
     lead = (
