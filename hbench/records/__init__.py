@@ -44,6 +44,7 @@ _MODULES = {
         "DesignBasis",
         "LoopMerits",
         "MarginRange",
+        "PointMargins",
         "Proposal",
         "Reproduced",
         "RootLocus",

@@ -76,7 +76,7 @@ def _below(found: list[tuple[Breakaway, CurvePoint, CurvePoint]]) -> list[str]:
 def _equal(found: list[tuple[Breakaway, CurvePoint]]) -> list[str]:
     return [
         f"{TITLES[each.direction]}, breakaway ({number(each.breakaway_n, 0)} N) and the friction "
-        f"at {short(1e3 * _speed(slow))} mm/s ({number(abs(slow.friction_n), 0)} N) are equal within "
-        "their trials."
+        f"at {short(1e3 * _speed(slow))} mm/s ({number(abs(slow.friction_n), 0)} N) are equal "
+        "within their trials."
         for each, slow in found
     ]

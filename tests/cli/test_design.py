@@ -66,7 +66,7 @@ def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path, u
         done.stdout,
     )
     page = (out / "design.html").read_text()
-    assert page.count("<figure") == 12 and "http" not in page.split("<body>")[1]
+    assert page.count("<figure") == 13 and "http" not in page.split("<body>")[1]
     figures = {path.name for path in (out / "figures").iterdir()}
     kinds = {"locus", "bode", "step", "poles"}
     assert figures == {
@@ -74,7 +74,18 @@ def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path, u
         for loop in ("velocity", "rod-pressure", "piston-pressure")
         for kind in kinds
         for suffix in ("svg", "csv")
-    }
+    } | {"margins.svg", "margins.csv"}
+    assert len(numbers["points"]) == 54
+    assert sum(not point["holds"] for point in numbers["points"]) == numbers["points_failed"]
+
+
+def test_without_a_point_the_loops_are_those_of_the_worst_one(design):
+    numbers = json.loads(design(BENCH, "--json").stdout)
+    phases = {what: low for what, (low, _) in numbers["margin_ranges"].items() if "phase" in what}
+    worst = min(phases, key=phases.get)
+    (loop,) = (each for each in numbers["loops"] if worst.startswith(each["name"]))
+    assert loop["chains"][-1]["phase_margin_deg"] == pytest.approx(phases[worst], rel=0.05)
+    assert "To pass there alone, lower the gain K_c of the" in design(BENCH).stdout
 
 
 def test_without_a_bench_the_source_is_reproduced(design):

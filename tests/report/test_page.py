@@ -1,5 +1,6 @@
 """The page: self-contained, escaped, and honest about what it shows."""
 
+import html
 import re
 from base64 import b64encode
 from dataclasses import replace
@@ -742,7 +743,7 @@ def test_a_breakaway_by_fits_that_are_not_determined_is_stated_with_them(small):
     share = f"{tustin.determined} of {tustin.fits} Tustin fits determine all their parameters"
     assert (
         "breakaway (by Tustin's law, not measured), extrapolated, all loads and directions; U up to"
-        in page
+        in html.unescape(page)
     )
     assert (
         f"Extrapolated to rest, which is no measurement. {share}. Before relying on breakaway"

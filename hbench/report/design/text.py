@@ -46,6 +46,7 @@ def design_json(design: Design) -> str:
         "coupled_modulus": design.coupled_modulus,
         "margin_ranges": {what: each[:2] for what, each in design.margin_ranges.items()},
         "points_failed": design.points_failed,
+        "points": [point._asdict() for point in design.grid],
         "reproduced": [vars(number) for number in design.reproduced],
         "proposal": _proposal(design.proposal),
         "checks": [vars(check) for check in design.checks],
@@ -187,19 +188,22 @@ def _feedforward_words(design: Design) -> str:
     )
 
 
-def facts(design: Design) -> tuple[tuple[str, str], ...]:
-    """Return the further results beside the loops as names and values."""
-    slowest = decay_s(design.coupled_modulus, design.tick_s)
-    together = "unstable" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
+def range_facts(design: Design) -> tuple[tuple[str, str], ...]:
+    """Return the ranges of the margins over all operating points; nothing without any."""
     ranges = "; ".join(
         f"{what} {margin(low, decimals)} to {margin(high, decimals)} {unit}"
         for what, (low, high, _) in design.margin_ranges.items()
         for unit, decimals in (("deg", 0) if "phase" in what else ("dB", 1),)
     ).replace(": ", " loop, ")
     everywhere = f"margins at all {design.points} operating points"
-    ranges += f". {_GRID}" if ranges else ""
+    return ((everywhere, f"{ranges}. {_GRID}"),) if ranges else ()
+
+
+def facts(design: Design) -> tuple[tuple[str, str], ...]:
+    """Return the further results beside the loops as names and values."""
+    slowest = decay_s(design.coupled_modulus, design.tick_s)
+    together = "unstable" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
     return (
-        *(((everywhere, ranges),) if ranges else ()),
         ("feedforward of the load valves", _feedforward_words(design)),
         (
             "velocity error on a ramp of 100 mm/s^2",
@@ -268,7 +272,7 @@ def design_text(design: Design) -> str:
         *(f"{name}: {text}" for name, text in loop_notes(design)),
         "",
         _smallest_margins(design),
-        *(f"{name}: {text}" for name, text in facts(design)),
+        *(f"{name}: {text}" for name, text in (*range_facts(design), *facts(design))),
     ]
     if design.reproduced:
         lines += ["", *_table(REPRODUCED_HEAD, reproduced_rows(design.reproduced))]
