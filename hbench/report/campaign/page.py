@@ -9,18 +9,26 @@ from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import decision_reserve, instruments_percent, quality_verdict
-from hbench.report.campaign.reasons import reason_counts
+from hbench.report.campaign.reasons import (
+    aborted_words,
+    reason_counts,
+)
 from hbench.report.campaign.series_words import common_label, without_common_label
-from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
+from hbench.report.campaign.settings import (
+    identity_facts,
+    settings_section,
+)
 from hbench.report.campaign.summary import (
-    decided_step_words,
-    next_step_words,
     summary_section,
 )
 from hbench.report.creep_words import creep_facts
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
+from hbench.report.next_step import (
+    decided_step_words,
+    next_step_words,
+)
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
