@@ -95,7 +95,7 @@ def report_document(
     bench = provenance.bench if provenance.bench != provenance.name else ""
     folder = folder if folder != provenance.name else ""
     imported = "imported " if provenance.source == "imported" else ""
-    day = imported + provenance.started[:10]
+    day = imported + provenance.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
     rejected = (_rejected(results, figures.get("rejected", ())),)
     first = results.quality.grade == "poor" and has_rejected(results)

@@ -20,6 +20,7 @@ from hbench.report.design.loops import (
 from hbench.report.design.verdict import loops_verdict, proposal_verdict
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import short, significant
+from hbench.report.render.terminal_text import wrapped
 from hbench.units import from_si
 
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
@@ -263,16 +264,23 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
 
 def design_text(design: Design) -> str:
     """Return the design for a terminal, in plain ASCII."""
+    verdict = ""
+    if design.proposal is not None:
+        verdict = f"verdict: {proposal_verdict(design.proposal, design)}"
+    elif design.checks:
+        verdict = f"verdict: {loops_verdict(design)}"
+    results = (_smallest_margins(design), *map(": ".join, (*range_facts(design), *facts(design))))
     lines = [
         design.bench,
-        f"operating point: {point_words(design)}",
+        *wrapped(verdict),
+        "",
+        *wrapped(f"operating point: {point_words(design)}"),
         "",
         *_table(LOOP_HEAD, loop_rows(design.loops, design.tick_s)),
         "",
-        *(f"{name}: {text}" for name, text in loop_notes(design)),
+        *(line for note in loop_notes(design) for line in wrapped(": ".join(note))),
         "",
-        _smallest_margins(design),
-        *(f"{name}: {text}" for name, text in (*range_facts(design), *facts(design))),
+        *(line for result in results for line in wrapped(result)),
     ]
     if design.reproduced:
         lines += ["", *_table(REPRODUCED_HEAD, reproduced_rows(design.reproduced))]
@@ -282,10 +290,8 @@ def design_text(design: Design) -> str:
         lines += [*_table(LOOP_HEAD, loop_rows(proposal.loops, design.tick_s)), ""]
         checks = (*proposal.margins, *proposal.closed_loop)
         lines += _check_table(checks)
-        lines += [f"verdict: {proposal_verdict(proposal, design)}"]
     elif design.checks:
         lines += ["", *_check_table(design.checks)]
-        lines += [f"verdict: {loops_verdict(design)}"]
     text = "\n".join(lines).replace("−", "-").replace("–", "-")
     return text.replace("≥", ">=").replace("≤", "<=").replace("∞", "inf")
 
