@@ -12,9 +12,7 @@ from hbench.report.campaign.fit_tables import (
     selection_table,
     selection_words,
 )
-from hbench.report.campaign.reasons import (
-    aborted_words,
-)
+from hbench.report.campaign.reasons import aborted_words
 from hbench.report.render.document import Section
 from hbench.report.render.word_tables import titled
 

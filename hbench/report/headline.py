@@ -5,9 +5,7 @@ from statistics import median_low
 
 from hbench.records import Direction, HeadlineNumber, HeadlineSeries, Results
 from hbench.report.campaign.quality import quality_count
-from hbench.report.campaign.reasons import (
-    aborted_words,
-)
+from hbench.report.campaign.reasons import aborted_words
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.drift import possible_words
 from hbench.report.render.document import Tile

@@ -20,10 +20,7 @@ from hbench.errors import DataError
 from hbench.experiment.closed_loop import record_plans
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.terminal import identification_text
-from hbench.report.identification.text import (
-    identification_json,
-    parameter_words,
-)
+from hbench.report.identification.text import identification_json, parameter_words
 from hbench.report.render.document import BANNERS
 from hbench.report.render.terminal_text import plain
 from hbench.units import from_si

@@ -18,9 +18,7 @@ from hbench.reconcile.motion.motion_diagnosis import MotionTask, diagnose_motion
 from hbench.records import HeldOutError, Provenance
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml
-from hbench.report.diagnosis.terminal import (
-    diagnosis_text,
-)
+from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
 from tests.support import driven_axis as axis

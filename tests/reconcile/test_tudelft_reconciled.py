@@ -12,9 +12,7 @@ from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE
-from hbench.report.diagnosis.terminal import (
-    diagnosis_text,
-)
+from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.reconciliation import write_diagnosis
 from hbench.workflow.stroke_diagnosis import diagnosed_strokes

@@ -8,9 +8,7 @@ from hbench.records import (
 )
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.tables.change_tables import changes_tables
-from hbench.report.diagnosis.terminal import (
-    diagnosis_text,
-)
+from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import alike_words, coefficients_words
 from tests.support.report.spaces import ordinary_spaces

@@ -44,13 +44,8 @@ from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
 from hbench.report.diagnosis.tables.effect_tables import effects_table
 from hbench.report.diagnosis.tables.gap_tables import edges_table
 from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv
-from hbench.report.diagnosis.terminal import (
-    diagnosis_text,
-)
-from hbench.report.diagnosis.text import (
-    diagnosis_tables,
-    gap_line,
-)
+from hbench.report.diagnosis.terminal import diagnosis_text
+from hbench.report.diagnosis.text import diagnosis_tables, gap_line
 from hbench.report.render import style
 from hbench.report.render.document import BANNERS
 from hbench.report.render.figures import as_svg

@@ -22,11 +22,7 @@ from hbench.report.campaign.fit_tables import verdict_words
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.terminal import identification_text
-from hbench.report.identification.text import (
-    ERRORS,
-    SUMMARY,
-    identification_tables,
-)
+from hbench.report.identification.text import ERRORS, SUMMARY, identification_tables
 from tests.support.report.spaces import ordinary_spaces
 
 NO_RAMPS = "no ramps"

@@ -19,9 +19,7 @@ from hbench.records.diagnosis import FITTED
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.tables.gap_tables import where_table
-from hbench.report.diagnosis.terminal import (
-    diagnosis_text,
-)
+from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.deviation import deviations
 from tests.support.report.spaces import ordinary_spaces

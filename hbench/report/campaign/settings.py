@@ -119,6 +119,16 @@ def _calibrations(instruments: Mapping[str, Any]) -> str:
     return "; ".join(filter(None, (*known, tolerance_words(instruments))))
 
 
+def not_calibrated_words(results: Results) -> str:
+    """State that U rests on tolerances alone; empty where an instrument has a certificate."""
+    instruments = results.provenance.settings.get("instruments") or {}
+    stated = [each for each in instruments.values() if isinstance(each, Mapping)]
+    certified = any((each.get("calibration") or {}).get("certificate") for each in stated)
+    if certified or not tolerance_words(instruments):
+        return ""
+    return "U rests on stated tolerances; no calibration certificate is recorded."
+
+
 def _period(provenance: Provenance) -> str:
     """Write begin and end, with the date once if they have the same; one of equal times."""
     first, last = _time(provenance.started), _time(provenance.stopped)

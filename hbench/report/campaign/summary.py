@@ -18,10 +18,7 @@ from hbench.report.campaign.quality import (
     quality_verdict,
     short_point_table,
 )
-from hbench.report.campaign.reasons import (
-    aborted_words,
-    is_aborted,
-)
+from hbench.report.campaign.reasons import aborted_words, is_aborted
 from hbench.report.drift import drift_fact
 from hbench.report.drift_section import drift_sections
 from hbench.report.headline import FLAGS, extrapolated_words, headline_tiles

@@ -23,9 +23,7 @@ from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.drift import drift_words
-from hbench.report.next_step import (
-    next_step_words,
-)
+from hbench.report.next_step import next_step_words
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.numbers import significant, span, with_interval
 from hbench.report.render.terminal_table import table_lines

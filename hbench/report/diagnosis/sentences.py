@@ -3,10 +3,7 @@
 from collections.abc import Sequence
 from math import exp, isfinite, log
 
-from hbench.records import (
-    AddedEffect,
-    Diagnosis,
-)
+from hbench.records import AddedEffect, Diagnosis
 from hbench.report.diagnosis.names import (
     CHAMBERS,
     added_words,

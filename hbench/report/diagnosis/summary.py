@@ -23,10 +23,7 @@ from hbench.report.diagnosis.sentences import (
     title,
     worse_words,
 )
-from hbench.report.diagnosis.tables.separability_tables import (
-    detectable,
-    untried_words,
-)
+from hbench.report.diagnosis.tables.separability_tables import detectable, untried_words
 from hbench.report.diagnosis.words.action import (
     advice,
     confirmation,
@@ -37,11 +34,7 @@ from hbench.report.diagnosis.words.action import (
     zero_check,
     zero_readings,
 )
-from hbench.report.diagnosis.words.candidate import (
-    best_candidate,
-    closeness,
-    hint,
-)
+from hbench.report.diagnosis.words.candidate import best_candidate, closeness, hint
 from hbench.report.diagnosis.words.change import (
     READINGS,
     TEST_FRICTION,

@@ -1,15 +1,7 @@
 """A diagnosis in words and tables, for the terminal and the page."""
 
-from hbench.records import (
-    Diagnosis,
-    WordTable,
-)
-from hbench.report.diagnosis.names import (
-    gap_number,
-    in_sentence,
-    keys_in_words,
-    steps_of,
-)
+from hbench.records import Diagnosis, WordTable
+from hbench.report.diagnosis.names import gap_number, in_sentence, keys_in_words, steps_of
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
 from hbench.report.diagnosis.tables.effect_tables import (
     alternatives_table,
@@ -25,9 +17,7 @@ from hbench.report.diagnosis.tables.gap_tables import (
     where_table,
 )
 from hbench.report.diagnosis.tables.run_gaps import run_table
-from hbench.report.diagnosis.words.deviation import (
-    undecided_balance,
-)
+from hbench.report.diagnosis.words.deviation import undecided_balance
 from hbench.report.diagnosis.words.error import load_errors
 from hbench.report.diagnosis.words.law import law_line
 from hbench.report.render.symbols import capital

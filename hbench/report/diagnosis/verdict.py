@@ -7,11 +7,7 @@ in the tables.
 from collections.abc import Iterator
 
 from hbench.records import AddedEffect, Diagnosis
-from hbench.report.diagnosis.names import (
-    gap_number,
-    in_words,
-    of_strokes,
-)
+from hbench.report.diagnosis.names import gap_number, in_words, of_strokes
 from hbench.report.diagnosis.sentences import doubtful_values, favoured, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.words.action import first_step, next_step
@@ -45,12 +41,7 @@ from hbench.report.diagnosis.words.deviation import (
     too_small_words,
 )
 from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
-from hbench.report.diagnosis.words.place import (
-    change_clauses,
-    each_size,
-    extent_words,
-    size_words,
-)
+from hbench.report.diagnosis.words.place import change_clauses, each_size, extent_words, size_words
 from hbench.report.diagnosis.words.refit import unexplained
 from hbench.report.diagnosis.words.unexplained import (
     limits_words,
