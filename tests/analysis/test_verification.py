@@ -16,7 +16,7 @@ from hbench.analysis.identification.verification import (
     trial_scatter,
     unchanged,
 )
-from hbench.analysis.screening.sample_friction import LoggedMotion
+from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.config.files.loading import read_yaml
 from hbench.errors import DataError
 from hbench.records import Fit, FitParameter, Motion
@@ -50,8 +50,9 @@ def test_errors_are_those_that_were_put_in_part_by_part(make_run):
     assert errors["steady"].p_tp_pa == pytest.approx(1e4)
     assert errors["steady"].friction_n == pytest.approx(1e4 * area)
     assert errors["rest"].p_tp_pa == pytest.approx(3e4)
-    late = np.flatnonzero(np.cumsum(np.full(200, 0.08 * 0.01)) > 0.02)[0]  # 20 mm are not compared
-    early = 30 - late
+    first = int(np.argmax(logged_motion(real, 0.0).compared))
+    assert abs(real.x_m[first] - real.x_m[0]) == pytest.approx(0.02, abs=1e-3)
+    early = 30 - first  # samples between 20 mm and 0.3 s
     unsteady = np.sqrt((early * 9 + 30 * 4) / (early + 30)) * 1e4
     assert errors["unsteady"].p_tp_pa == pytest.approx(unsteady)
     assert {e.v_m_s for e in errors.values()} == {e.p_tr_pa for e in errors.values()} == {0.0}

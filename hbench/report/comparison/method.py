@@ -76,8 +76,8 @@ def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
         facts.append(
             (
                 "By speed",
-                "B − A at each speed is a mean over all curves, with the 95 % interval of the trials."
-                f"{drift}",
+                "B − A at each speed is a mean over all curves, with the 95 % interval of the "
+                f"trials.{drift}",
             )
         )
     if unseparated(differences) and mean.real and (words := drift_words(differences)):
