@@ -24,7 +24,7 @@ from hbench.control.sampled import Pi, SampledPlant
 from hbench.errors import ConfigError
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import TICK_S
-from hbench.records import Check, Design, MarginRange
+from hbench.records import Check, Design, MarginRange, PointMargins
 
 PHASE_MARGIN_DEG, GAIN_MARGIN_DB = 45.0, 6.0
 # Shares of the travel, of the force that the rod side can bring, of limits.speed_max.
@@ -52,6 +52,8 @@ class GridPoint:
     """Point of the grid with its sampled plant and frequency response."""
 
     where: str
+    x_m: float
+    condition: Condition
     plant: SampledPlant
     response: np.ndarray  # (n, 3, 3)
 
@@ -125,7 +127,8 @@ def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> li
             )
             where = f"position {1e3 * x:.0f} mm, speed {1e3 * condition.v_m_s:+.0f} mm/s, "
             where += f"load {condition.f_load_n:+.0f} N"
-            points.append(GridPoint(where, plant, sampled.measurement_response(plant, _OMEGA)))
+            response = sampled.measurement_response(plant, _OMEGA)
+            points.append(GridPoint(where, x, condition, plant, response))
     return points
 
 
@@ -146,15 +149,57 @@ def _point_checks(design: Design) -> tuple[Check, ...]:
     return (*checks, Check("largest modulus of a digital pole", modulus, 1.0, "1", modulus < 1.0))
 
 
-def over_points(design: Design, points: Sequence[GridPoint], loops: Sequence[Pi]) -> Design:
-    """Return a design with the checks of its loops at its operating point and at all points."""
-    every = [margin_checks([point], loops) for point in points]
+def checks_of_points(
+    points: Sequence[GridPoint], loops: Sequence[Pi]
+) -> tuple[tuple[Check, ...], ...]:
+    """Return the checks of the loops at each point."""
+    return tuple(margin_checks([point], loops) for point in points)
+
+
+def worst_point(
+    points: Sequence[GridPoint], every: Sequence[Sequence[Check]]
+) -> Mapping[str, float]:
+    """Return v_m_s, f_load_n, x_m and p_lr_pa of the point with the least margin.
+
+    ``every`` are the checks of each point. Margins count as multiples of their limits, and a point
+    where the loops are unstable comes first.
+    """
+
+    def least(checks: Sequence[Check]) -> tuple[bool, float]:
+        margins = [check.value / check.limit for check in checks if check.unit in ("deg", "dB")]
+        return all(check.holds for check in checks if check.unit == "1"), min(margins)
+
+    worst, _ = min(zip(points, every, strict=True), key=lambda pair: least(pair[1]))
+    condition = worst.condition
+    return {
+        "v_m_s": condition.v_m_s,
+        "f_load_n": condition.f_load_n,
+        "x_m": worst.x_m,
+        "p_lr_pa": condition.p_lr_pa,
+    }
+
+
+def over_points(
+    design: Design, points: Sequence[GridPoint], every: Sequence[Sequence[Check]]
+) -> Design:
+    """Return a design with the checks at its operating point, and ``every`` of those of points."""
+    held = [all(check.holds for check in checks) for checks in every]
     return replace(
         design,
         checks=_point_checks(design),
         margin_ranges=_margin_ranges(every),
         points=len(points),
-        points_failed=sum(not all(check.holds for check in checks) for checks in every),
+        points_failed=held.count(False),
+        grid=tuple(
+            PointMargins(
+                point.x_m,
+                point.condition.v_m_s,
+                point.condition.f_load_n,
+                {check.what: check.value for check in checks if check.unit in ("deg", "dB")},
+                holds,
+            )
+            for point, checks, holds in zip(points, every, held, strict=True)
+        ),
     )
 
 

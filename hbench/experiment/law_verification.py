@@ -82,6 +82,7 @@ def verify_laws(
                 for law, runs in runs_of_law.items()
                 if run.plan.run in runs
             },
+            compared_from_s=_compared_from_s(run, mass_kg),
         )
         for run in _first_trials(measured)
     )
@@ -109,6 +110,12 @@ def _first_trials(runs: Sequence[Run]) -> list[Run]:
         key = plan.motion, plan.label, plan.f_load_n, plan.p_lr_ref_pa
         chosen.setdefault(key, run)
     return list(chosen.values())
+
+
+def _compared_from_s(run: Run, mass_kg: float) -> float:
+    """Return the time from which errors of a run count; its end if the piston moves too little."""
+    counted = run.t_s[logged_motion(run, mass_kg).compared]
+    return float(counted[0] if len(counted) else run.t_s[-1])
 
 
 def trace(run: Run, mass_kg: float) -> Trace:

@@ -49,6 +49,7 @@ _MODULES = {
         "DesignBasis",
         "LoopMerits",
         "MarginRange",
+        "PointMargins",
         "Proposal",
         "Reproduced",
         "RootLocus",

@@ -131,6 +131,16 @@ class MarginRange(NamedTuple):
     where: str  # the operating point of the smallest
 
 
+class PointMargins(NamedTuple):
+    """Margins of all loops at an operating point of the grid."""
+
+    x_m: float
+    v_m_s: float
+    f_load_n: float
+    margins: dict[str, float]  # in deg or dB, by the check: ``velocity: phase margin``
+    holds: bool  # all checks
+
+
 @dataclass(frozen=True)
 class Design:
     """The controllers of a bench at an operating point."""
@@ -153,3 +163,4 @@ class Design:
     margin_ranges: dict[str, MarginRange] = field(default_factory=dict)
     points: int = 0  # of these ranges
     points_failed: int = 0  # of these, where the present gains fail a check
+    grid: tuple[PointMargins, ...] = ()  # these points

@@ -137,7 +137,7 @@ _ROWS = (
         data="motions",
         parameters=(
             LawParameter(
-                "sigma0_n_m", "N/m", "N/m", "σ_0", "Bristle stiffness", "bristle_stiffness"
+                "sigma0_n_m", "N/m", "N/mm", "σ_0", "Bristle stiffness", "bristle_stiffness"
             ),
             _SIGMA_1,
             *_CURVE,

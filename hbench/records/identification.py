@@ -12,6 +12,7 @@ from hbench.records.curves import Curve, Fit
 from hbench.records.runs import Direction, Provenance, Run
 
 PARTS = ("steady", "unsteady", "rest")  # of a verification run
+MEMORY_M = 0.02  # about ten presliding lengths, after which the initial state has no effect
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,7 @@ class Followed:
     p_lr_ref_pa: float | None
     measured: Trace
     modelled: dict[str, Trace]  # by law
+    compared_from_s: float = 0.0  # before, friction depends on the state before the log
 
 
 @dataclass(frozen=True)

@@ -1,41 +1,82 @@
 """Why a measured breakaway can be below the friction of slow steady motion, in words."""
 
-from hbench.records import KINDS, Results
+from math import hypot
+
+from hbench.records import KINDS, Breakaway, CurvePoint, Results
 from hbench.report.campaign.series_words import TITLES
-from hbench.report.render.numbers import number, short
+from hbench.report.render.numbers import number, short, span
 
 
 def creep_facts(results: Results) -> tuple[tuple[str, str], ...]:
     """Explain a breakaway below the friction of a slower steady run of its direction and load.
 
-    The piston creeps faster then: friction at a higher steady speed is lower. Empty elsewhere.
+    The piston creeps faster then: friction at a higher steady speed is lower. A difference within
+    the intervals of the trials is stated as one. Empty elsewhere.
     """
-    facts = []
+    below: list[tuple[Breakaway, CurvePoint, CurvePoint]] = []
+    equal: list[tuple[Breakaway, CurvePoint]] = []
     for each in results.motions.breakaways:
-        points = [
-            (abs(point.v_m_s), abs(point.friction_n))
-            for curve in results.curves
-            if KINDS[curve.kind].has_constant_speed
-            and (curve.direction, curve.f_load_n, curve.p_lr_ref_pa)
-            == (each.direction, each.series.f_load_n, each.series.p_lr_ref_pa)
-            for point in curve.points
-        ]
-        slower = [point for point in points if point[0] < (each.v_m_s or 0.0)]
-        faster = [point for point in points if point[0] > (each.v_m_s or 0.0)]
-        if not slower or not faster or not min(faster)[1] < each.breakaway_n < max(slower)[1]:
+        if (around := _around(results, each)) is None:
             continue
-        (low, before), (high, after) = max(slower), min(faster)
-        largest, crawl = number(each.breakaway_n, 0), short(1e3 * low)
-        facts.append(
-            (
-                f"Breakaway below friction, {TITLES[each.direction].lower()}",
-                f"{largest} N is below the {number(before, 0)} N of steady runs at {crawl} mm/s. "
-                "It is the largest friction during the force ramp, reached after "
-                f"{number(1e3 * each.displacement_m, 1)} mm of creep at "
-                f"{number(1e3 * (each.v_m_s or 0.0), 1)} mm/s, and not a friction at rest. When "
-                f"the ramp passed {crawl} mm/s, friction was less than {largest} N: after a rest, "
-                "it takes some travel to build up to that of steady motion. At higher speeds, "
-                f"friction falls, to {number(after, 0)} N at {short(1e3 * high)} mm/s.",
-            )
+        slow, fast = around
+        if not abs(fast.friction_n) < each.breakaway_n < abs(slow.friction_n):
+            continue
+        trials = hypot(each.ci95_n or 0.0, slow.ci95_n or 0.0)
+        if abs(slow.friction_n) - each.breakaway_n > trials:
+            below.append((each, slow, fast))
+        else:
+            equal.append((each, slow))
+    sentences = [*_below(below), *_equal(equal)]
+    return (("Breakaway below friction", " ".join(sentences)),) if sentences else ()
+
+
+def _around(results: Results, each: Breakaway) -> tuple[CurvePoint, CurvePoint] | None:
+    """Return the steady points next below and above the speed of the creep; None without them."""
+    points = [
+        point
+        for curve in results.curves
+        if KINDS[curve.kind].has_constant_speed
+        and (curve.direction, curve.f_load_n, curve.p_lr_ref_pa)
+        == (each.direction, each.series.f_load_n, each.series.p_lr_ref_pa)
+        for point in curve.points
+    ]
+    creep = each.v_m_s or 0.0
+    slower = [point for point in points if abs(point.v_m_s) < creep]
+    faster = [point for point in points if abs(point.v_m_s) > creep]
+    if not slower or not faster:
+        return None
+    return max(slower, key=_speed), min(faster, key=_speed)
+
+
+def _speed(point: CurvePoint) -> float:
+    return abs(point.v_m_s)
+
+
+def _below(found: list[tuple[Breakaway, CurvePoint, CurvePoint]]) -> list[str]:
+    """State each breakaway below friction, and once why it can be."""
+    sentences = [
+        f"{TITLES[each.direction]}, breakaway ({number(each.breakaway_n, 0)} N) is below the "
+        f"friction of steady runs at {short(1e3 * _speed(slow))} mm/s "
+        f"({number(abs(slow.friction_n), 0)} N)."
+        for each, slow, _ in found
+    ]
+    if found:
+        travel = span([1e3 * each.displacement_m for each, *_ in found])
+        creep = span([1e3 * (each.v_m_s or 0.0) for each, *_ in found])
+        falls = span([abs(fast.friction_n) for *_, fast in found])
+        at = span([1e3 * _speed(fast) for *_, fast in found])
+        sentences.append(
+            "Breakaway is the largest friction of the force ramp and not a friction at rest: up to "
+            f"it the piston creeps, by {travel} mm and at last at {creep} mm/s. Friction takes "
+            f"some travel to build up, and falls at higher speeds, to {falls} N at {at} mm/s."
         )
-    return tuple(facts)
+    return sentences
+
+
+def _equal(found: list[tuple[Breakaway, CurvePoint]]) -> list[str]:
+    return [
+        f"{TITLES[each.direction]}, breakaway ({number(each.breakaway_n, 0)} N) and the friction "
+        f"at {short(1e3 * _speed(slow))} mm/s ({number(abs(slow.friction_n), 0)} N) are equal "
+        "within their trials."
+        for each, slow in found
+    ]

@@ -12,7 +12,7 @@ from hbench.report.campaign.fit_tables import (
     selection_table,
     selection_words,
 )
-from hbench.report.campaign.settings import aborted_words
+from hbench.report.campaign.reasons import aborted_words
 from hbench.report.render.document import Section
 from hbench.report.render.word_tables import titled
 
@@ -56,9 +56,9 @@ def fit_sections(results: Results) -> tuple[Section, ...]:
             "Each value has its 95 % interval by the scatter of the points: errors of the "
             "instruments and a drift over the campaign are not included. Do not use a parameter "
             "that is not determined: very different values fit the measured points as well. The "
-            "interval of a hardly determined "
-            "one contains 0 or is wider than ±50 % of the value. A linearised interval is shown "
-            "where it alone exceeds the value, and so decides the verdict."
+            "interval of a hardly determined one contains 0 or is wider than ±50 % of the value. "
+            "“Linearised” marks a parameter that is not determined by this interval, which is "
+            "wider than the value."
         )
         if any(determines_none(fit) for curve in of_points.curves for fit in curve.fits):
             text += (

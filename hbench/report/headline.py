@@ -5,8 +5,8 @@ from statistics import median_low
 
 from hbench.records import Direction, HeadlineNumber, HeadlineSeries, Results
 from hbench.report.campaign.quality.verdict import quality_count
+from hbench.report.campaign.reasons import aborted_words
 from hbench.report.campaign.series_words import TITLES
-from hbench.report.campaign.settings import aborted_words
 from hbench.report.drift import possible_words
 from hbench.report.render.document import Tile
 from hbench.report.render.numbers import (
@@ -89,7 +89,7 @@ def _quantity_tiles(results: Results) -> Iterable[Tile]:
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
     at = f"friction at {speed_words(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
     weak = _weak_extrapolation(results)
-    breakaway = f"breakaway ({weak})" if weak else "breakaway"
+    breakaway = "breakaway (by Tustin's law, not measured)" if weak else "breakaway"
     quantities = (
         ([each.friction_n for each in series], 1.0, "N", at, "working-speed"),
         ([each.breakaway_n for each in series], 1.0, "N", breakaway, "breakaway"),
@@ -162,9 +162,7 @@ def _band_tiles(results: Results) -> Iterable[Tile]:
         halves = [band.half_ci95_n for band in results.bands if band.half_ci95_n is not None]
         most = f"; 95 % interval ±{half_width(max(halves))} N at most" if halves else ""
         value = alike([band.half_n for band in results.bands])
-        caption = (
-            f"half of the difference between extending and retracting friction, all pressures{most}"
-        )
+        caption = f"half band: mean of extending and retracting friction, all pressures{most}"
         yield Tile(value, "N", caption, "method-half-band-and-middle")
     if results.band_trends:
         lines = [trend.half for trend in results.band_trends]

@@ -34,16 +34,19 @@ def design(
     """Analyze the controllers of a bench at an operating point, and propose gains.
 
     ``point`` may contain v_m_s, f_load_n, x_m and p_lr_pa; missing values are the middle of the
-    bench's range. With ``source`` the source's numbers are compared; without a ``point``, its
-    operating point is taken. ``ratio`` is that of neighbouring bandwidths; with it, gains are
-    proposed and checked with the firmware. If they fail, ``RATIOS`` are tried until one passes.
+    bench's range. Without any, the point with the least margin is taken. With ``source`` the
+    source's numbers are compared; without a ``point``, its operating point is taken. ``ratio`` is
+    that of neighbouring bandwidths; with it, gains are proposed and checked with the firmware. If
+    they fail, ``RATIOS`` are tried until one passes.
     Raises ``ConfigError``, ``ConvergenceError``.
     """
     from hbench.control.grid import (  # slow import: scipy.signal
+        checks_of_points,
         conditions,
         grid,
         operating_point,
         over_points,
+        worst_point,
     )
     from hbench.control.loops import design_at
     from hbench.experiment.design_verification import proposal
@@ -53,17 +56,23 @@ def design(
     control, par = bench.controllers, plant_parameters(bench)
     loops = control.velocity, control.rod_pressure, control.piston_pressure
     nominal = operating_point(bench, par, point)
+    gains = [(loop.gain, loop.time_constant) for loop in loops]
+    points = grid(bench, par, conditions(bench, par)[0])
+    every = checks_of_points(points, gains)
+    shown = nominal
+    if not point:
+        shown = (
+            OPERATING_POINT if source else operating_point(bench, par, worst_point(points, every))
+        )
     analyzed = partial(
         design_at,
         bench.name,
         par,
-        OPERATING_POINT if source and not point else nominal,
+        shown,
         filters_s=(control.velocity_filter, control.pressure_filter),
         reproduced=reproduce(par) if source else (),
     )
-    gains = [(loop.gain, loop.time_constant) for loop in loops]
-    points = grid(bench, par, conditions(bench, par)[0])
-    present = over_points(replace(analyzed(gains), basis=_basis(bench, bench_file)), points, gains)
+    present = over_points(replace(analyzed(gains), basis=_basis(bench, bench_file)), points, every)
     if ratio is None:
         return present
     proposed = proposal(bench, ratio, nominal, report)

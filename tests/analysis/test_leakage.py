@@ -242,7 +242,7 @@ def test_oil_that_cools_in_each_hold_is_no_significant_leak(stiff):
     for name in ("piston_side_out", "rod_side_out"):
         assert leaks[name].value > 5 * leaks[name].se, "the fit alone takes it for a leak"
     assert "not significant at the 95 % level: all leaks" in found.message
-    assert "10 % of beta and a change of the oil temperature at 0.2 K/min" in found.message
+    assert "10 % of this modulus and a change of the oil temperature at 0.2 K/min" in found.message
 
 
 HOLDS = {

@@ -214,7 +214,8 @@ def test_the_reason_names_the_valve_at_its_limit(make_run, rules):
     at_limit = np.where(run.valve_saturated, -10.0, 3.0 + np.sin(run.t_s))
     run = replace(run, u_t_v=5.0 + np.cos(run.t_s), u_l1_v=at_limit, u_l2_v=0 * run.t_s)
     (reason,) = screen(run, rules).reasons
-    assert reason.endswith("window, none allowed; u_L1 is at its minimum, -10.0 V")
+    assert reason.startswith("valve_saturated: u_L1 is at its minimum, -10.0 V, in ")
+    assert reason.endswith(" records of the window (none allowed)")
 
 
 @pytest.mark.parametrize(("stop_s", "rejected"), [(0.711, False), (0.689, True)])

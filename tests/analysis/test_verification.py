@@ -16,7 +16,7 @@ from hbench.analysis.identification.verification import (
     trial_scatter,
     unchanged,
 )
-from hbench.analysis.screening.sample_friction import LoggedMotion
+from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.config.files.loading import read_yaml
 from hbench.errors import DataError
 from hbench.records import Fit, FitParameter, Motion
@@ -50,9 +50,23 @@ def test_errors_are_those_that_were_put_in_part_by_part(make_run):
     assert errors["steady"].p_tp_pa == pytest.approx(1e4)
     assert errors["steady"].friction_n == pytest.approx(1e4 * area)
     assert errors["rest"].p_tp_pa == pytest.approx(3e4)
-    assert errors["unsteady"].p_tp_pa == pytest.approx(np.sqrt((30 * 9 + 30 * 4) / 60) * 1e4)
+    first = int(np.argmax(logged_motion(real, 0.0).compared))
+    assert abs(real.x_m[first] - real.x_m[0]) == pytest.approx(0.02, abs=1e-3)
+    early = 30 - first  # samples between 20 mm and 0.3 s
+    unsteady = np.sqrt((early * 9 + 30 * 4) / (early + 30)) * 1e4
+    assert errors["unsteady"].p_tp_pa == pytest.approx(unsteady)
     assert {e.v_m_s for e in errors.values()} == {e.p_tr_pa for e in errors.values()} == {0.0}
-    assert [e.samples for e in errors.values()] == [240, 120, 40]
+    assert [e.samples for e in errors.values()] == [240, 2 * (early + 30), 40]
+
+
+def test_the_state_before_the_log_changes_no_error_and_no_scatter(make_run):
+    real = profile_run(make_run)
+    early = np.where(np.abs(real.x_m - real.x_m[0]) < 0.019, 5e5, 0.0)
+    model = replace(real, p_tp_pa=real.p_tp_pa + early)
+    assert {e.friction_n for e in model_errors([real], [model], 0.0).values()} == {0.0}
+    assert {e.friction_n for e in trial_scatter([real, model], 0.0).values()} == {0.0}
+    late = replace(real, p_tp_pa=real.p_tp_pa + np.where(early > 0, 0.0, 5e5))
+    assert model_errors([real], [late], 0.0)["unsteady"].friction_n > 100.0
 
 
 def test_a_steady_part_in_which_only_the_model_oscillates_is_apart(make_run):

@@ -10,7 +10,7 @@ import yaml
 from hbench import workflow
 from hbench.config.stroke_model import parse_strokes
 from hbench.reconcile.strokes.stroke_diagnosis import NO_SENSOR_NOTE, StrokeTask, diagnose_strokes
-from hbench.report.diagnosis.text import diagnosis_text
+from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.reconciliation import write_diagnosis
 from hbench.workflow.results import calibrated_runs
@@ -85,7 +85,7 @@ def test_a_file_has_a_single_load_which_is_too_few_for_a_name(tmp_path, name):
     assert not found.effects and not found.alternatives and not found.rest
     assert "at least 4 loads or pressures" in found.missing[0]
     assert NO_SENSOR_NOTE in found.notes
-    assert NO_SENSOR_NOTE in diagnosis_text(found)
+    assert NO_SENSOR_NOTE in " ".join(diagnosis_text(found).split())
 
 
 def test_a_map_without_the_applied_force_gets_the_way_out(tmp_path):

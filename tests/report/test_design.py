@@ -24,11 +24,16 @@ def design():
     return made_design()
 
 
+def shown(design):
+    """Return the text of the terminal without its lines."""
+    return " ".join(design_text(design).split())
+
+
 def test_the_terminal_gets_numbers_verdict_and_reasons_in_ascii(design):
-    text = design_text(design)
+    text = shown(design)
     assert text.isascii()
     assert "-110.76" in text and "-148.40" in text and "+34.00" in text and "NO" in text
-    assert re.search(r"FAIL: .* 1 of 2 checks in .*ratio", text.splitlines()[-1])
+    assert re.search(r"FAIL: .* 1 of 2 checks in .*ratio", text)
     assert "gain: 1500 V/m" in text and "time_constant: 18 ms" in text
 
 
@@ -80,7 +85,7 @@ def test_the_page_begins_with_what_it_was_computed_from(design):
     for words in ("2026-11-25", "bench.yaml", "bore 40 mm, rod 25 mm, stroke 400 mm", "140 bar"):
         assert words in top
     assert "position 5 to 375 mm, pressure 230 bar, speed 400 mm/s" in top
-    text = design_text(replace(design, basis=basis))
+    text = shown(replace(design, basis=basis))
     assert "The bench file has 5.72 and 34.1 V s/m (not enabled)" in text
 
 
@@ -142,12 +147,12 @@ def test_a_proposal_states_that_the_present_gains_fail(design):
     for closed_loop, verdict in ((design.proposal.closed_loop, "FAIL:"), ((), "PASS:")):
         proposal = replace(design.proposal, closed_loop=closed_loop)
         made = replace(design, checks=(failed,), proposal=proposal)
-        assert stated in design_text(made)
+        assert stated in shown(made)
         page = ordinary_spaces(design_page(made, ()))
         head = page[page.index('class="verdict"') : page.index("<h2")]
         assert verdict in head and stated in head
         assert "Checks at the operating point that the present gains fail" in page
-    assert "The present gains fail" not in design_text(design)
+    assert "The present gains fail" not in shown(design)
 
 
 def test_the_loops_with_the_gains_to_be_used_come_first_and_the_others_are_folded(design, drawings):
@@ -162,7 +167,7 @@ def test_the_loops_with_the_gains_to_be_used_come_first_and_the_others_are_folde
         assert page.count(f"Those with the {second} gains are folded") == 1
     numbers = json.loads(design_json(design))
     assert [loop["gain"] for loop in numbers["proposal"]["loops"]] == [1500.0]
-    assert "1500 V/m" in design_text(design).partition("proposal")[2]
+    assert "1500 V/m" in shown(design).partition("proposal")[2]
 
 
 @pytest.mark.parametrize(
@@ -178,7 +183,7 @@ def test_a_failing_proposal_states_the_ratio_that_passes_or_that_none_does(desig
     proposal = replace(design.proposal, closed_loop=checks, other_ratios=others)
     failing = replace(design, proposal=proposal)
     page = re.sub("<.*?>", "", ordinary_spaces(design_page(failing, ())))
-    assert step in design_text(failing) and step in page
+    assert step in shown(failing) and step in page
     stated = json.loads(design_json(failing))["proposal"]["other_ratios"]
     assert {each["ratio"]: each["holds"] for each in stated} == others
 
@@ -194,7 +199,7 @@ def test_the_failed_checks_are_in_the_order_of_their_excess_over_the_limit(desig
     assert (
         "The worst: rejected runs 1 (limit 0) on the bench, load pressure error 26 bar (limit "
         "1.5 bar) on the softer bench, mean speed error 2.7 mm/s (limit 2 mm/s) on the bench."
-    ) in design_text(failing)
+    ) in shown(failing)
 
 
 def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):
@@ -208,7 +213,7 @@ def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):
         for plant, run in (("bench", "0001"), ("softer", "0001"), ("stiffer", "0015"))
     )
     failing = replace(design, proposal=replace(design.proposal, closed_loop=checks))
-    for text in (design_text(failing), design_page(failing, ())):
+    for text in (shown(failing), design_page(failing, ())):
         cause = "at +60 mm/s, 500 N, the speed was off its reference by more than 30 mm/s"
         assert ordinary_spaces(text).count(cause) == 1
         assert ordinary_spaces(text).count(f"{at}: the board stopped itself") == 3
@@ -271,19 +276,20 @@ def test_the_worst_operating_point_comes_before_the_one_of_the_design(design):
     )
     here = "The gains also fail 1 of 2 checks at the operating point of this design (position"
     step = "To pass at this point alone, lower the gain K_c of the velocity loop from 800 to 772"
-    text = design_text(found)
+    text = shown(found)
     assert 0 < text.index(worst) < text.index("--propose searches") < text.index(here)
     assert text.index(here) < text.index(step)
     document = json.loads(design_json(found))
     assert document["margin_ranges"]["velocity: gain margin"] == [3.5, 12.7]
     assert document["points_failed"] == 30
-    assert "FAIL: the present gains fail a check at 30" in design_text(
+    assert "FAIL: the present gains fail a check at 30" in shown(
         replace(found, checks=checks[:1])
     )  # the point of the design alone would pass
     good = {"velocity: gain margin": MarginRange(6.5, 12.7, "position 190 mm")}
     passing = replace(found, checks=checks[:1], margin_ranges=good, points_failed=0)
-    assert "PASS: the present gains" in design_text(passing)
-    assert "The smallest margins of all points are 6.5 dB in the velocity" in design_text(passing)
+    assert "PASS: the present gains" in shown(passing)
+    text = shown(passing)
+    assert "The smallest margins of all points are 6.5 dB in the velocity" in text
 
 
 def test_the_terminals_checks_have_the_failed_first_and_no_empty_column(design):
@@ -294,4 +300,4 @@ def test_the_terminals_checks_have_the_failed_first_and_no_empty_column(design):
     lines = design_text(replace(design, proposal=None, checks=checks)).splitlines()
     at = next(i for i, line in enumerate(lines) if re.match("check  +value", line))
     assert "worst at" not in lines[at]
-    assert lines[at + 1].startswith("velocity: gain margin") and lines[at + 1].endswith("NO")
+    assert lines[at + 1].startswith("velocity: gain margin") and lines[at + 1].endswith("FAIL")

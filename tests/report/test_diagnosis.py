@@ -44,7 +44,8 @@ from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
 from hbench.report.diagnosis.tables.effect_tables import effects_table
 from hbench.report.diagnosis.tables.gap_tables import edges_table
 from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv
-from hbench.report.diagnosis.text import diagnosis_tables, diagnosis_text, gap_line
+from hbench.report.diagnosis.terminal import diagnosis_text
+from hbench.report.diagnosis.text import diagnosis_tables, gap_line
 from hbench.report.render import style
 from hbench.report.render.document import BANNERS
 from hbench.report.render.figures import as_svg
@@ -69,9 +70,10 @@ def ambiguous():
 
 def test_the_terminal_gets_the_verdict_first_with_the_coefficient_in_the_benchs_unit(named):
     text = diagnosis_text(named)
-    first = text.splitlines()[0]
-    assert first.startswith("named: internal_leakage (test cylinder 0.00580 (0.00560 ")
-    assert "0.00610) l/min/bar" in first
+    first, lead, *_ = text.splitlines()
+    assert first == "Internal leakage found: made <up> (simulated, verdict: named)"
+    assert lead.startswith("Internal leakage is found, which the model does not contain: ")
+    assert "(test cylinder 0.00580 (0.00560 to 0.00610) l/min/bar" in " ".join(text.split())
     assert text.isascii()
 
 
@@ -83,16 +85,16 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     total = named.gap_heldout.total
     before, refitted = map(words.gap_number, (total.before, total.refitted))
     assert re.search(rf": {before} [^,]*, {refitted} ", text)
-    assert re.search(r"external_leakage +584\.6 +14\.0 +72 %", text)
-    assert re.search(r"valve\.gain +0\.9780 \+- 0\.0040", text)
-    assert re.search(r"moving_mass\.test +0\.550 \(.* lower ", text)
+    assert re.search(r"external leakage +584\.6 +14\.0 +72 %", text)
+    assert re.search(r"valve gain +0\.9780 \+- 0\.0040", text)
+    assert re.search(r"moving mass, test side +0\.550 \(.* lower ", text)
     (left_out,) = [line for line in text.splitlines() if "presliding" in line]
     assert named.not_tried["presliding"] in left_out
     assert "0007 (steady): speed" in text
-    assert "form: exponent 1.2" in text
+    assert "form: exponent 1.2" in " ".join(text.split())
     text = diagnosis_text(ambiguous)
-    assert text.startswith("ambiguous: internal_leakage or external_leakage;")
-    assert ambiguous.next_experiment in text
+    assert text.startswith("Internal leakage or external leakage, not distinguishable: ")
+    assert ambiguous.next_experiment in " ".join(text.split())
     assert ambiguous.missing[0] in text
 
 
@@ -108,18 +110,18 @@ def test_a_coefficient_at_its_bound_is_left_to_the_table(named):
     at_bound = FitParameter(0.0, 1e-6, (0.0, 8e-6), "lower", "l/min/bar")
     both = replace(effect, parameters=effect.parameters | {"load": at_bound})
     text = diagnosis_text(replace(named, effects=(both,)))
-    assert "load" not in text.splitlines()[0]
+    assert "load cylinder" not in text.partition("\n\n")[0]
     assert re.search(r"load +.* l/min/bar \(.* lower ", text)
 
 
 def test_every_verdict_has_its_sentence(named, unknown, ambiguous):
-    assert diagnosis_text(unknown).startswith("unknown: ")
+    assert diagnosis_text(unknown).startswith("Unknown deviation: ")
     nothing = replace(unknown, verdict="none", rest=())
-    assert diagnosis_text(nothing).startswith("none: ")
+    assert diagnosis_text(nothing).startswith("No missing effect found: ")
     both = diagnosis_text(replace(named, alternatives=ambiguous.alternatives))
-    assert "internal_leakage or external_leakage" in both.splitlines()[0]
+    assert "internal leakage or external leakage" in " ".join(both.split()).lower()
     rest = replace(named, rest=named.where[:1])
-    assert words.in_sentence(named.where[0].name) in diagnosis_text(rest).splitlines()[0]
+    assert words.in_sentence(named.where[0].name) in " ".join(diagnosis_text(rest).split())
 
 
 def test_json_has_the_names_that_other_programs_read(named, ambiguous):
@@ -168,7 +170,7 @@ def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
     gaps = {"gap_heldout": none, "gap_train": none, "refitted": {}, "threshold": float("nan")}
     few = replace(unknown, **empty, **gaps, missing=("load 2",), heldout_runs=())
     text = diagnosis_text(few)
-    assert text.startswith("unknown: ")
+    assert text.startswith("Too few data for a verdict: ")
     assert "load 2" in text and gap_line(unknown) and gap_line(few) == ""
     assert draw_diagnosis(few) == ()
     page = diagnosis_page(few, ())
@@ -495,8 +497,9 @@ def test_a_refused_refit_has_its_reason_and_no_marks_of_its_own(named):
         assert words.STEPS["refitted"] not in {line.get_label() for line in figure.axes[0].lines}
     page = diagnosis_page(refused, ())
     first = page[: page.index("<h2", page.index("<h2") + 1)]
-    assert "The refit is refused. " in first and "refitted model" not in page
-    assert "only if it reduces the gap of runs outside the fit, by whatever amount." in first
+    assert "The refit is refused." not in first and "The refit is refused. " in page
+    assert "refitted model" not in page
+    assert "only if it reduces the gap of runs outside the fit, by whatever amount." in page
     assert "the model with the effects and values fitted with them" in page
     assert "The refit is refused." in diagnosis_text(refused)
     assert json.loads(diagnosis_json(refused))["refit_refused"] == refused.refit_refused

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from hbench.records import Region
-from hbench.report.diagnosis.summary import answers, short_summary
+from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.verdict import verdict_words
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import NAN, summary
@@ -67,7 +67,7 @@ def test_valves_that_deviate_at_the_same_edge_are_listed_together_with_the_line_
         "the flow to the test piston side by 0.070 l/min RMS and the flow to the load piston side "
         "by 0.044 l/min RMS over all speeds, so that a common cause is likely."
     )
-    assert reason in text and reason in ordinary_spaces(short_summary(found()))
+    assert reason in text and reason in ordinary_spaces(summary(found()))
     assert (
         "If nothing is found at the valves and their common line, inspect the piston side of the "
         "test cylinder and the transducer of P_Tp; then the piston side of the load cylinder and "

@@ -21,12 +21,8 @@ from hbench.records.identification import PARTS, SteadyParts
 from hbench.report.campaign.fit_tables import verdict_words
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
-from hbench.report.identification.text import (
-    ERRORS,
-    SUMMARY,
-    identification_tables,
-    identification_text,
-)
+from hbench.report.identification.terminal import identification_text
+from hbench.report.identification.text import ERRORS, SUMMARY, identification_tables
 from tests.support.report.spaces import ordinary_spaces
 
 NO_RAMPS = "no ramps"
@@ -112,10 +108,13 @@ def test_the_error_of_the_best_law_is_beside_the_measured_friction_and_the_instr
     followed = (Followed("0001", 500.0, None, trace, {}),)
     found = replace(identified(law("lugre", 10.0)), followed=followed)
     friction = "an RMS error of 10.0 N at a measured friction of 354 N (RMS, both directions)"
-    assert friction in verdict(found) and "instruments" not in verdict(found)
+    assert friction in verdict(found)
+    late = replace(followed[0], compared_from_s=0.01)
+    assert "measured friction of 400 N" in verdict(replace(found, followed=(late,)))
+    assert "instruments" not in verdict(found)
     point = replace(small.curves[0].points[0], sigma_instruments_n=50.0)
     along = LawsAlongCurve(replace(small.curves[0], points=(point,)), np.array([0.01]), {})
-    common = "Errors of the instruments, common to all runs, are not included: up to ±98 N (95 %)."
+    common = "errors of the instruments, common to all runs, come on top: up to ±98 N (95 %)."
     assert common in verdict(replace(found, steady=(along,)))
 
 
@@ -218,7 +217,7 @@ def test_runs_of_kinds_that_determine_no_law_are_counted_with_their_reason():
     page = ordinary_spaces(identification_page(found, ()))
     assert "laws from 1 runs, verified on 1 others; 2 not used" in page
     assert "Runs 8, 9 (hold): runs of this kind determine no friction law." in page
-    assert "runs not used: 2\n  runs 8, 9 (hold)" in identification_text(found)
+    assert "Runs not used: 2\n- runs 8, 9 (hold)" in identification_text(found)
 
 
 def test_the_intervals_are_said_to_leave_out_the_errors_of_the_instruments(small):
@@ -230,7 +229,8 @@ def test_the_intervals_are_said_to_leave_out_the_errors_of_the_instruments(small
     found = replace(identified(law("lugre", 10.0, parameters)), steady=(along,))
     page = ordinary_spaces(identification_page(found, ()))
     assert "shifts the parameters of all laws by up to ±98 N of friction (95 %)." in page
-    assert "by up to +-98 N of friction (95 %)" in identification_text(found)
+    text = " ".join(identification_text(found).split())
+    assert "by up to +-98 N of friction (95 %)" in text
 
 
 def test_errors_with_a_second_value_in_brackets_are_a_column_of_numbers():

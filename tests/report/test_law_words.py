@@ -6,7 +6,6 @@ from hbench.records import (
     UnnamedLaw,
 )
 from hbench.report.diagnosis.figures.law_figures import law_figure
-from hbench.report.diagnosis.summary import short_summary
 from hbench.report.diagnosis.words.law import law_title
 from tests.support.report.summarised import summary
 
@@ -24,7 +23,7 @@ def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unname
     text = summary(replace(compared, verdict="unknown", unnamed=(law,)))
     assert says in text
     assert "model.yaml reproduces a part of this deviation by its unnamed law" in text
-    assert says in short_summary(replace(compared, verdict="unknown", unnamed=(law,)))
+    assert says in summary(replace(compared, verdict="unknown", unnamed=(law,)))
 
 
 def test_quantities_of_a_learned_law_have_the_symbols_of_its_chamber(compared):

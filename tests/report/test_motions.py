@@ -147,20 +147,29 @@ def test_a_breakaway_below_friction_at_a_crawl_is_explained_by_its_creep(
     """502 N at 2 mm/s and 443 N at 20 mm/s: friction falls with speed in between."""
     curve = next(c for c in moving.curves if c.kind == "steady" and c.direction == "extend")
     points = [
-        replace(curve.points[0], v_m_s=v, friction_n=n) for v, n in ((0.002, 502.0), (0.02, 443.0))
+        replace(curve.points[0], v_m_s=v, friction_n=n, ci95_n=4.0)
+        for v, n in ((0.002, 502.0), (0.02, 443.0))
     ]
     series = replace(SERIES, f_load_n=curve.f_load_n, p_lr_ref_pa=curve.p_lr_ref_pa)
-    push = replace(PUSHES[0], series=series, breakaway_n=breakaway_n, v_m_s=v_m_s)
+    push = replace(PUSHES[0], series=series, breakaway_n=breakaway_n, v_m_s=v_m_s, ci95_n=5.0)
     results = replace(
         moving,
         curves=(replace(curve, points=tuple(points)),),
         motions=replace(moving.motions, breakaways=(push,)),
     )
     said = dict(creep_facts(results))
-    assert list(said) == (["Breakaway below friction, extending"] if explained else [])
-    assert not explained or "482 N is below the 502 N of steady runs at 2 mm/s" in next(
-        iter(said.values())
-    )
+    assert list(said) == (["Breakaway below friction"] if explained else [])
+    if explained:
+        words = (
+            "Extending, breakaway (482 N) is below the friction of steady runs at 2 mm/s (502 N)."
+        )
+        assert said["Breakaway below friction"].startswith(words)
+        wide = replace(results.motions, breakaways=(replace(push, ci95_n=31.0),))
+        ((_, within),) = creep_facts(replace(results, motions=wide))
+        assert within == (
+            "Extending, breakaway (482 N) and the friction at 2 mm/s (502 N) are equal within "
+            "their trials."
+        )
 
 
 def test_no_title_runs_into_the_word_that_its_figure_is_simulated(moving):

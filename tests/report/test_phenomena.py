@@ -68,7 +68,7 @@ def test_the_data_of_a_figure_reads_back(drawings):
 def test_the_table_has_found_beside_expected():
     text = phenomenon_text(SHOWN)
     assert re.search(r"force +N +1\.2500 +1\.0000 +F = 1", text)
-    assert re.search(r"other +N +3\.0000 +–", text)
+    assert re.search(r"other +N +3\.0000 +-", text)
 
 
 def test_the_page_needs_nothing_else_and_escapes_every_text(drawings):

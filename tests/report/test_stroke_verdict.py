@@ -15,7 +15,8 @@ from hbench.records import (
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.tables.effect_tables import effects_table
 from hbench.report.diagnosis.tables.gap_tables import loads_table, where_table
-from hbench.report.diagnosis.text import diagnosis_text, gap_line
+from hbench.report.diagnosis.terminal import diagnosis_text
+from hbench.report.diagnosis.text import gap_line
 from hbench.report.diagnosis.verdict import verdict_words
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import summary

@@ -78,7 +78,7 @@ def test_the_crosses_are_on_the_channel_that_the_reason_names(small, code, reaso
         "u_t_v": 12 + 0 * T,
         "u_l1_v": -10 + 0 * T,
     }
-    words = f"{code}: in 49 of the 100 records of the window, none allowed; {reason}"
+    words = f"{code}: {reason}, in 49 of the 100 records of the window (none allowed)"
     rows = rejected(small, 1, words, **logged, **{code: T > 0.5})
     axes = traces(rows)[code].axes[0]
     (crosses,) = [line for line in axes.lines if line.get_marker() == "x"]

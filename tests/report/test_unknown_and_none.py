@@ -17,10 +17,11 @@ from hbench.records import (
 )
 from hbench.records.diagnosis import FITTED
 from hbench.report.diagnosis.page import diagnosis_page
-from hbench.report.diagnosis.summary import answers, short_summary
+from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.tables.gap_tables import where_table
-from hbench.report.diagnosis.text import diagnosis_text
+from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.diagnosis.words.deviation import deviations
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import NAN, summary
 
@@ -146,10 +147,10 @@ def test_deviations_barely_above_their_limits_and_their_common_place_are_in_the_
     )
     gaps = (first, second)
     lead = verdict_words(replace(compared, where=gaps, rest=gaps, regions=places))
-    assert "That is only 1.08 and 1.17 times the limits above which they matter." in lead
+    assert "That is only 8 and 17 % above the limits that matter (before rounding)." in lead
     assert "While retracting they deviate by 66 and 66 N RMS." in lead
     far = (first, replace(second, deviation=24.0))
-    assert "limits above" not in verdict_words(replace(compared, where=far, rest=far))
+    assert "above the limits" not in verdict_words(replace(compared, where=far, rest=far))
 
 
 def test_a_significant_deviation_below_its_limit_and_one_within_the_noise_do_not_agree(compared):
@@ -162,10 +163,12 @@ def test_a_significant_deviation_below_its_limit_and_one_within_the_noise_do_not
     where = (compared.where[0], near, noise)
     text = summary(replace(compared, where=where, gap_heldout=table))
     assert "The flow to the load piston side deviates significantly, but just below its" in text
-    assert "its gap is 5.01, where a correct model would have 3.50: do not rely on it." in text
+    assert (
+        "Do not use the model for this quantity: in runs outside the fit its gap is 5.01;" in text
+    )
     assert "No deviation of position against velocity is distinguishable from noise." in text
     assert "agree" not in text
-    assert "but just below its limit" in short_summary(replace(compared, where=where))
+    assert "but just below its limit" in summary(replace(compared, where=where))
     sure = replace(near, p_value=0.3)
     text = summary(replace(compared, where=(*where[:1], sure), gap_heldout=table))
     assert "The flow to the load piston side agrees within the limits that matter." in text
@@ -174,7 +177,7 @@ def test_a_significant_deviation_below_its_limit_and_one_within_the_noise_do_not
 def test_a_share_that_suffices_and_a_score_that_does_not_are_explained_once(compared):
     weak = replace(compared.ranking[0], score=9.5, threshold=11.3, explained=0.35, size=1.0)
     why = "No effect explains the gaps. The best candidate, load_friction, explains 35 % (25 %)."
-    text = diagnosis_text(replace(compared, ranking=(weak,), why=why))
+    text = " ".join(diagnosis_text(replace(compared, ranking=(weak,), why=why)).split())
     assert "The best candidate" not in text and "No effect explains the gaps." in text
     assert "35 % of the gap in the quantities that it changes; that share is large enough" in text
     assert "that chance is ruled out (score 9.5 nats, 11.3 needed)" in text
@@ -202,16 +205,10 @@ def test_what_several_deviations_have_in_common_is_inspected_first(compared):
 def test_a_limit_that_two_deviations_share_is_written_once(compared):
     first = compared.where[0]
     second = replace(first, name="force_load", deviation=20.0)
-
-    def text(*gaps):
-        return ordinary_spaces(diagnosis_text(replace(compared, rest=gaps)))
-
-    shared = "40 N RMS and the force of the load cylinder by 20 N RMS (each matters above 12 N)."
-    assert f"the force of the test cylinder deviates by {shared}" in text(first, second)
-    own = text(first, replace(second, material=9.0))
-    assert (
-        "40 N RMS (matters above 12 N) and the force" in own and "20 N RMS (matters above 9" in own
-    )
+    shared = "40 N RMS and the force of the load cylinder by 20 N RMS (each matters above 12 N)"
+    assert deviations([first, second]) == f"the force of the test cylinder deviates by {shared}"
+    own = deviations([first, replace(second, material=9.0)])
+    assert "40 N RMS (matters above 12 N) and the force" in own and "(matters above 9" in own
 
 
 def test_a_place_is_a_stretch_of_its_axis(compared):
@@ -219,11 +216,11 @@ def test_a_place_is_a_stretch_of_its_axis(compared):
         Region("position_m", "", low, low + 0.1, 99, {"force_test": gap})
         for low, gap in ((0.05, 2.0), (0.2, 8.0))
     )
-    text = ordinary_spaces(short_summary(replace(compared, regions=regions)))
+    text = ordinary_spaces(summary(replace(compared, regions=regions)))
     assert "deviates most at a position of 200 to 300 mm (about 58 N RMS)." in text
     loads = tuple(replace(each, axis="load_n", gaps={"force_test": 4.0}) for each in regions)
     loads = (loads[0], replace(loads[1], gaps={"force_test": 7.0}))
-    both = ordinary_spaces(short_summary(replace(compared, regions=(*regions, *loads))))
+    both = ordinary_spaces(summary(replace(compared, regions=(*regions, *loads))))
     assert both == text  # the largest alone: the figure has the other
 
 
@@ -255,7 +252,7 @@ def test_a_dead_volume_far_from_the_models_is_a_hint_where_the_flow_to_its_chamb
     )
     assert f"{hint} that of the model file; compare it with the hoses" in verdict(1.47)
     assert "(Lr) 0.60 times" in verdict(0.6)
-    assert hint in ordinary_spaces(verdict(1.47, words=short_summary))
+    assert hint in ordinary_spaces(verdict(1.47, words=summary))
     for other in (verdict(1.2), verdict(1.47, "flow_lp"), verdict(1.47, refit_refused="No.")):
         assert "A hint" not in other
     # ln 1.2 = 0.18 and ln 1.47 = 0.39: the accuracy is that of the diagnosis.
@@ -270,17 +267,20 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     none = replace(compared, verdict="none", rest=(), separability=Separability(sizes, ()),
                    not_tried={"rest_time": "no breakaway"})  # fmt: skip
     text = summary(none)
-    brief = short_summary(none)
     assert "Not simulated" not in text
     proposed = summary(replace(none, next_experiment="next.yaml adds steps runs."))
     assert "next.yaml adds steps runs. Not simulated: rest time (no breakaway)." in proposed
     runs = "hbench run next.yaml --bench my_bench.yaml shows added_mass."
     terminal = diagnosis_text(replace(none, next_experiment=runs))
-    assert terminal.count("my_bench.yaml shows added mass.") == 1  # the file keeps its name
-    assert "Refitted values" in diagnosis_text(replace(none, refitted=FACTOR))
-    assert "9.50" not in text + brief  # the verdict and the section on the gap have it
-    assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
-    assert "mass and rest time (not tried): these can be present." in text
+    assert (
+        " ".join(terminal.split()).count("my_bench.yaml shows added mass.") == 1
+    )  # the file keeps its name
+    assert "Refitted values" in diagnosis_text(
+        replace(none, refitted=FACTOR, refit_priors=dict.fromkeys(FACTOR, 0.2))
+    )
+    assert "9.50" not in text  # the verdict and the section on the gap have it
+    assert "would show 1 of 3 known effects (2 tried, and rest time) at a typical" in text
+    assert "They would not show added mass and rest time (not tried): these can be present." in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
     lead = (
         "repair anything. However, 2 of 3 known effects at a typical size could be present "
@@ -320,7 +320,7 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
     assert "agrees" in text and "is not significant (p = 0.300)." in text
-    assert "(1 is the scatter of repeated trials, and lower is better); a correct" in text
+    assert "times the repeatability; a correct model would by" in text
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
 
@@ -346,7 +346,6 @@ def test_an_agreement_by_a_volume_or_mass_that_is_far_off_asks_to_check_it(
     asked = "Check these values of the model file"
     assert ("no reason to inspect" in text) is not bool(told)
     assert (asked in text) is bool(told) and told in text
-    assert (asked in short_summary(none)) is bool(told)
 
 
 def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(compared):
@@ -363,9 +362,8 @@ def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(comp
     text = ordinary_spaces(verdict_words(none))
     assert "the model agrees with the measurement. These runs give no reason to inspect" in text
     assert (
-        "In runs outside the fit the model deviates by 1.46 times the repeatability (1 is the "
-        "scatter of repeated trials, and lower is better); a correct model with equally uncertain "
-        "values would deviate by 2.18 times on average."
+        "In runs outside the fit the model deviates by 1.46 times the repeatability; a correct "
+        "model would by 2.18 on average, since its fitted values are uncertain."
     ) in text
     largest = (
         "The largest gap of a quantity in runs outside the fit is 2.79 in the flow to the load"
@@ -465,4 +463,5 @@ def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):
         few, ()
     )
     assert few.next_experiment in text
-    assert short_summary(few) in diagnosis_text(few)
+    terminal = " ".join(diagnosis_text(few).split())
+    assert all(f"{name}: {words}" in terminal for name, words in answers(few))

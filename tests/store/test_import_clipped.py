@@ -97,7 +97,7 @@ def test_a_clipped_stroke_is_rejected_with_channel_and_value(tmp_path, clock):
     whole, cut = results.runs
     assert whole.accepted
     (reason,) = cut.reasons
-    assert reason.startswith("sensor_saturated: in ")
-    assert "P_Tp" in reason and reason.endswith("31.0 bar")
+    assert reason.startswith("sensor_saturated: P_Tp is at its maximum, 31.0 bar, in ")
+    assert reason.endswith("records of the window (none allowed)")
     assert any("2.csv: p_tp_pa: clipped at 31.02 bar" in note for note in results.notes)
     assert results.curves[0].points[0].trials == (1,)

@@ -101,7 +101,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     messages.append(
         f"conditional on the bench file's effective bulk modulus ({beta / 1e5:.4g} bar) and dead "
         "volumes: pressures determine only the leaks times beta / V. U contains an error of "
-        f"{100 * BULK_MODULUS_ERROR:.0f} % of beta and a change of the oil temperature at "
+        f"{100 * BULK_MODULUS_ERROR:.0f} % of this modulus and a change of the oil temperature at "
         f"{60 * TEMPERATURE_RATE_K_S:g} K/min, both assumed"
     )
     return Leakage(

@@ -3,7 +3,9 @@
 A model of the bench with the identified law follows the same profile under the same controller
 (sections 5.4 and 5.5). Its log is compared with the measured one sample by sample. Samples are
 steady if the reference has been constant for 0.3 s, at rest if it has been zero for as long
-(friction then equals the applied force, which no static law describes), else unsteady.
+(friction then equals the applied force, which no static law describes), else unsteady. As in the
+fits, the first 20 mm of the measured motion are not compared: there friction depends on how the
+piston came to rest before the log began.
 """
 
 from collections import defaultdict
@@ -37,8 +39,8 @@ def model_errors(
     ``mass_kg`` is the test side's. Raises ``DataError``.
     """
     errors = _SectionErrors()
-    for v_ref, dt_s, log, simulation in _pairs(measured, simulated, mass_kg):
-        errors.add(v_ref, dt_s, simulation - log)
+    for v_ref, log, signals, simulation in _pairs(measured, simulated, mass_kg):
+        errors.add(v_ref, log, simulation - signals)
     return errors.rms()
 
 
@@ -51,8 +53,8 @@ def steady_parts(measured: Sequence[Run], simulated: Sequence[Run], mass_kg: flo
     """
     differences: dict[bool, list[np.ndarray]] = {False: [], True: []}
     speeds = []
-    for v_ref, dt_s, log, simulation in _pairs(measured, simulated, mass_kg):
-        steady = unchanged(v_ref, dt_s) & (v_ref != 0)
+    for v_ref, motion, log, simulation in _pairs(measured, simulated, mass_kg):
+        steady = unchanged(v_ref, motion.dt_s) & (v_ref != 0) & motion.compared[: len(v_ref)]
         edges = np.flatnonzero(np.diff(np.concatenate(([False], steady, [False]))))
         for part in map(slice, edges[::2], edges[1::2]):
             oscillates = bool(simulation[0, part].std() > _OSCILLATES * log[0, part].std())
@@ -69,23 +71,22 @@ def steady_parts(measured: Sequence[Run], simulated: Sequence[Run], mass_kg: flo
 
 def _pairs(
     measured: Sequence[Run], simulated: Sequence[Run], mass_kg: float
-) -> Iterator[tuple[np.ndarray, float, np.ndarray, np.ndarray]]:
-    """Yield reference (n,), time step, and measured and simulated signals (4, n) of each run."""
+) -> Iterator[tuple[np.ndarray, LoggedMotion, np.ndarray, np.ndarray]]:
+    """Yield reference (n,), measured motion, measured and simulated signals (4, n) of each run."""
     for real, model in zip(measured, simulated, strict=True):
         if real.v_ref_m_s is None or real.plan.motion != model.plan.motion:
             raise DataError(f"run {real.plan.run}: its model followed another profile")
         n = min(len(real.t_s), len(model.t_s))
         log, simulation = logged_motion(real, mass_kg), logged_motion(model, mass_kg)
-        yield real.v_ref_m_s[:n], log.dt_s, _signals(log, n), _signals(simulation, n)
+        yield real.v_ref_m_s[:n], log, _signals(log, n), _signals(simulation, n)
 
 
 def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErrors]:
     """Return the scatter between the trials of a profile, in the same sections.
 
     The deviation of each of n trials from their mean is multiplied by ``sqrt(n / (n - 1))``: these
-    are the errors of a model that equals the trials' expectation. A model that starts from each
-    trial's initial state can have smaller errors. Empty if no profile has two trials. ``mass_kg``
-    is the test side's. Raises ``DataError``.
+    are the errors of a model that equals the trials' expectation. Empty if no profile has two
+    trials. ``mass_kg`` is the test side's. Raises ``DataError``.
     """
     profiles: dict[tuple, list[Run]] = defaultdict(list)
     for run in measured:
@@ -101,7 +102,7 @@ def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErr
         factor = np.sqrt(len(runs) / (len(runs) - 1))
         for run, motion, trial in zip(runs, motions, signals, strict=True):
             v_ref = required(run, "v_ref_m_s")[:n]
-            scatter.add(v_ref, motion.dt_s, factor * (trial - signals.mean(axis=0)))
+            scatter.add(v_ref, motion, factor * (trial - signals.mean(axis=0)))
     return scatter.rms() if scatter else {}
 
 
@@ -113,12 +114,14 @@ def _signals(motion: LoggedMotion, n: int) -> np.ndarray:
 class _SectionErrors(dict[str, list[np.ndarray]]):
     """Differences (n, 4) of the four signals, by sections of the profile."""
 
-    def add(self, v_ref_m_s: np.ndarray, dt_s: float, difference: np.ndarray) -> None:
-        """Sort one run's differences (4, n)."""
-        constant, zero = unchanged(v_ref_m_s, dt_s), v_ref_m_s == 0
+    def add(self, v_ref_m_s: np.ndarray, motion: LoggedMotion, difference: np.ndarray) -> None:
+        """Sort one run's differences (4, n) where its measured ``motion`` is compared."""
+        constant, zero = unchanged(v_ref_m_s, motion.dt_s), v_ref_m_s == 0
         sections = (constant & ~zero, ~constant, constant & zero)
         for name, section in zip(PARTS, sections, strict=True):
-            self.setdefault(name, []).append(difference.T[section])
+            self.setdefault(name, []).append(
+                difference.T[section & motion.compared[: len(section)]]
+            )
 
     def rms(self) -> dict[str, ModelErrors]:
         """Return the root mean square in each section; nan without samples."""

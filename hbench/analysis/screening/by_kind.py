@@ -27,7 +27,7 @@ from hbench.analysis.screening.friction_channels import (
 )
 from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
-from hbench.analysis.screening.saturation import with_valves
+from hbench.analysis.screening.saturation import saturated_valves, saturation_reasons
 from hbench.analysis.screening.steadiness import speeds_over_tenths
 from hbench.analysis.screening.zero_check import CHAMBERS, closed_part
 from hbench.config.schedule import Screening
@@ -96,12 +96,9 @@ def _follows_reference(run: Run, rules: Screening) -> Iterator[str]:
 
 
 def _valve_limits(run: Run, rules: Screening) -> Iterator[str]:
-    count = 0 if run.valve_saturated is None else int(run.valve_saturated.sum())
-    if count:
-        reason = (
-            f"valve_saturated: in {count} of the {len(run.t_s)} records of the run, none allowed"
-        )
-        yield with_valves(reason, run, slice(0, None))
+    whole = slice(0, None)
+    valves = saturated_valves(run, whole)
+    yield from saturation_reasons("valve_saturated", run.valve_saturated, whole, valves, "run")
 
 
 def _complete_ramp(run: Run, rules: Screening) -> Iterator[str]:
@@ -145,8 +142,9 @@ def _settled_levels(run: Run, rules: Screening) -> Iterator[str]:
                 f"{1e3 * level:.2f} mm/s; limit {1e3 * limit:.2f} mm/s"
             )
         if run.valve_saturated is not None and run.valve_saturated[settled].any():
-            reason = f"valve_saturated: in the settled half of level {number}, no record allowed"
-            yield with_valves(reason, run, settled)
+            valves = saturated_valves(run, settled)
+            where = ", ".join(filter(None, (valves, f"in the settled half of level {number}")))
+            yield f"valve_saturated: {where} (no record allowed)"
 
 
 def _rest(run: Run, rules: Screening) -> Iterator[str]:

@@ -22,11 +22,11 @@ from hbench.analysis.screening.friction_channels import (
 from hbench.errors import DataError
 from hbench.motion.noise import noise_over_motion, resolution, robust_sigma
 from hbench.records import Run
+from hbench.records.identification import MEMORY_M
 
 _WINDOW_S, _FEWEST, _ORDER = 0.06, 7, 4  # samples at least; of the polynomial
 REST_S, STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
 _RESIDUAL = 0.66  # of white noise, what a polynomial of seven samples leaves
-_MEMORY_M = 0.02  # about ten presliding lengths, after which the initial state has no effect
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         p_p_pa=_pressure(run, "p_tp_pa"),
         p_r_pa=_pressure(run, "p_tr_pa"),
         friction_n=test_force(run, slice(None)) - required(run, "f_applied_n") - mass_kg * a,
-        compared=np.cumsum(np.abs(v)) * dt > _MEMORY_M,
+        compared=np.cumsum(np.abs(v)) * dt > MEMORY_M,
         f_applied_n=required(run, "f_applied_n"),
         one_sided=window // 2,
     )

@@ -1,6 +1,6 @@
 """Identification of the saturated sensors and valves in records that are marked as saturated."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -38,9 +38,19 @@ def saturated_valves(run: Run, window: slice) -> str:
     return _at_limits(run, run.valve_saturated, window, names)
 
 
-def with_valves(reason: str, run: Run, window: slice) -> str:
-    """Return a reason with the valve commands at their limit, if the log shows which they are."""
-    return "; ".join(filter(None, (reason, saturated_valves(run, window))))
+def saturation_reasons(
+    code: str, flags: np.ndarray | None, window: slice, what: str, of: str = "window"
+) -> Iterator[str]:
+    """Yield the reason to reject a run with saturated records (n,) in a window; none without.
+
+    ``what`` are the channels at their limits, empty where the log does not show which they are.
+    """
+    if flags is None or not (count := int(np.sum(flags[window]))):
+        return
+    every = len(flags[window])
+    number = f"all {every}" if count == every else f"{count} of the {every}"
+    channels = f"{what}, " if what else ""
+    yield f"{code}: {channels}in {number} records of the {of} (none allowed)"
 
 
 def _at_limits(run: Run, flags: np.ndarray | None, window: slice, names: Sequence[str]) -> str:

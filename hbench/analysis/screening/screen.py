@@ -15,7 +15,11 @@ from hbench.analysis.screening.friction_channels import (
     test_force,
 )
 from hbench.analysis.screening.log_steps import rounding_errors
-from hbench.analysis.screening.saturation import saturated_sensors, with_valves
+from hbench.analysis.screening.saturation import (
+    saturated_sensors,
+    saturated_valves,
+    saturation_reasons,
+)
 from hbench.analysis.screening.steadiness import drift, load_step, outliers, speed_ripple
 from hbench.analysis.screening.steady_window import (
     at_reference,
@@ -148,7 +152,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
         lost = int(np.sum(np.rint(steps / np.median(steps)) - 1)) if run.missing_records else 0
         if lost > 0:
             planned = len(steps) + 1 + lost
-            yield f"gapped: {lost} of {planned} records of the window are missing, none may be"
+            yield f"gapped: {lost} of {planned} records of the window are missing (none may be)"
         elif exceeds(steps.max(), rules.max_gap):
             yield (
                 f"gapped: {steps.max():.2f} s between two samples of the window; "
@@ -156,9 +160,9 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
             )
     if KINDS[run.plan.kind].needs_supply_off:
         return  # a vented transducer may show its lowest value, which zero_check.py reports
-    for reason in _saturated("sensor_saturated", run.sensor_saturated, window):
-        sensors = saturated_sensors(run, window)
-        yield f"{reason}; {sensors}" if sensors else reason
+    yield from saturation_reasons(
+        "sensor_saturated", run.sensor_saturated, window, saturated_sensors(run, window)
+    )
 
 
 def _of_log(faults: str) -> Iterator[str]:
@@ -184,10 +188,11 @@ def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterat
     elif standing >= _STANDSTILL_S:
         yield (
             f"stalled: the piston rests at {1e3 * run.x_m[section][-1]:.1f} mm for the last "
-            f"{standing:.1f} s while the reference continues; limit {_STANDSTILL_S:g} s"
+            f"{standing:.2f} s while the reference continues; limit {_STANDSTILL_S:g} s"
         )
-    for reason in _saturated("valve_saturated", run.valve_saturated, window):
-        yield with_valves(reason, run, window)
+    yield from saturation_reasons(
+        "valve_saturated", run.valve_saturated, window, saturated_valves(run, window)
+    )
 
 
 def _steadiness(
@@ -266,11 +271,6 @@ def _too_short(run: Run, section: slice, window: slice, rules: Screening) -> str
         f"{reached[-1] - reached[0]:.2f} s at the reference, after settling for "
         f"{rules.settle_time:g} s and {1e3 * rules.settle_travel:g} mm; {limit}"
     )
-
-
-def _saturated(code: str, flags: np.ndarray | None, window: slice) -> Iterator[str]:
-    if flags is not None and (count := int(np.sum(flags[window]))):
-        yield f"{code}: in {count} of the {len(flags[window])} records of the window, none allowed"
 
 
 def window_means(run: Run, window: slice) -> SteadyMeans:

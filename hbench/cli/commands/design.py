@@ -23,7 +23,7 @@ def design(
         "--operating-point",
         metavar="POINT",
         help="Operating point of the linearisation: any of v, load, x, p_lr, such as "
-        "'v=50 mm/s, load=5 kN'.",
+        "'v=50 mm/s, load=5 kN'; by default the one with the least margin.",
     ),
     propose: bool = typer.Option(
         False, "--propose", help="Propose gains, and check them with the firmware."

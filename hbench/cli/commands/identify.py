@@ -24,7 +24,8 @@ def identify(
     """
     from hbench import workflow
     from hbench.cli.progress import ProgressLine
-    from hbench.report.identification.text import identification_json, identification_text
+    from hbench.report.identification.terminal import identification_text
+    from hbench.report.identification.text import identification_json
 
     progress = ProgressLine(sys.stderr)
     try:

@@ -39,7 +39,7 @@ def reconcile(
     from hbench.cli.progress import ProgressLine
     from hbench.cli.stage_log import stage_log
     from hbench.report.diagnosis.diagnosis_document import diagnosis_json
-    from hbench.report.diagnosis.text import diagnosis_text
+    from hbench.report.diagnosis.terminal import diagnosis_text
 
     progress = ProgressLine(sys.stderr)
     with stage_log(output / "reconcile.log") as log:

@@ -79,8 +79,9 @@ _NUMBERS = {
     "share of friction or in N, whichever the scatter of the trials follows. Student's t has "
     "trials − points − 1 degrees of freedom. VIF is the variance of run time within a curve over "
     "that within its points; the share between speeds is the part of the drift that appears "
-    "between a curve's slowest and fastest speed. Above 5, or above 25 %, time is not separated "
-    "from speed. A significant drift d with standard error u(d) adds u = |t_point − t_mean| "
+    "between a curve's slowest and fastest speed. With a VIF above 5 or a share above 25 %, time "
+    "is not separated from speed. A significant drift d with standard error u(d) adds u = "
+    "|t_point − t_mean| "
     "√(d² + u(d)²) to a point's interval: U² + (1.96 u)² (JCGM 100:2008, F.2.4.5 and "
     "equation 10). The drift is taken as a straight line over time.",
     "Oil temperature": "Of a run: the mean over its steady window, of the sensor nearest to the "

@@ -13,18 +13,15 @@ from hbench.report.campaign.quality.verdict import (
     instruments_percent,
     quality_verdict,
 )
-from hbench.report.campaign.reasons import reason_counts
+from hbench.report.campaign.reasons import aborted_words, reason_counts
 from hbench.report.campaign.series_words import common_label, without_common_label
-from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
-from hbench.report.campaign.summary import (
-    decided_step_words,
-    next_step_words,
-    summary_section,
-)
+from hbench.report.campaign.settings import identity_facts, not_calibrated_words, settings_section
+from hbench.report.campaign.summary import summary_section
 from hbench.report.creep_words import creep_facts
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
+from hbench.report.next_step import decided_step_words, next_step_words
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
@@ -91,7 +88,7 @@ def report_document(
     bench = provenance.bench if provenance.bench != provenance.name else ""
     folder = folder if folder != provenance.name else ""
     imported = "imported " if provenance.source == "imported" else ""
-    day = imported + provenance.started[:10]
+    day = imported + provenance.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
     rejected = (_rejected(results, figures.get("rejected", ())),)
     first = results.quality.grade == "poor" and has_rejected(results)
@@ -129,8 +126,8 @@ def report_document(
 def _verdict(results: Results, decision: Section | None, step: str, complete_u: str) -> str:
     """Return the decision with what it rests on, or else the first quantity; and the next step."""
     if decision:
-        rests = decision_reserve(results.quality, complete_u)
-        parts = (*decision.paragraphs, rests, decided_step_words(results, step))
+        care = decision_reserve(results.quality, complete_u), not_calibrated_words(results)
+        parts = (*decision.paragraphs, *care, decided_step_words(results, step))
     else:
         drift = possible_drift_words(results)
         parts = (
@@ -155,7 +152,8 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     tables = (
         *titled(
             page_tables.band_table(results),
-            "Friction against pressure, with the intervals of the trials",
+            "Friction against pressure, with the intervals of the trials; half band: mean of both "
+            "magnitudes, middle: half of their difference",
         ),
         *titled(page_tables.trend_table(results), "Lines over pressure"),
         *titled(

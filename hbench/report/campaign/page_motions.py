@@ -41,7 +41,13 @@ def comparison_table(results: Results) -> Table:
 def loop_table(results: Results) -> Table:
     """Return energy and widths of the hysteresis loops."""
     head = (
-        *("Triangle", "Top speed (mm/s)", "Cycles", "Energy a cycle ± trials (J)", "At v (mm/s)"),
+        *(
+            "Triangle",
+            "Top speed (mm/s)",
+            "Cycles averaged",
+            "Energy a cycle ± trials (J)",
+            "At v (mm/s)",
+        ),
         *("Width ± trials (N)", "Width by the board's velocity (N)"),
     )
     rows = [

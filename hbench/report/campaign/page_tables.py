@@ -11,6 +11,7 @@ from hbench.records import (
     RunPlan,
     ScreenedRun,
 )
+from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import CAUSES, code_of, first_reason_counts, reason_counts
 from hbench.report.campaign.table_columns import (
@@ -164,10 +165,11 @@ def budget_table(results: Results) -> Table:
                 str(curve.mean.points),
                 _percent(curve.mean.efficiency),
                 Cell(_share(u)) if (u := curve.mean.sigma_combined) else Cell(NONE, "one trial"),
+                Cell(_share(NORMAL_95 * u) if u else NONE),
                 ", ".join(f"{name} {_share(sigmas[name])}" for name in ranked),
             )
         )
-    head = ("Speeds", "Mean efficiency (%)", "u (%)", "Parts of u (%)")
+    head = ("Speeds", "Mean efficiency (%)", "u (%)", "U = 1.96 u (%)", "Parts of u (%)")
     return table((*WHO, *head), rows, words=("Parts of u (%)",))
 
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from hbench.records import Results
+from hbench.records import Results, ScreenedRun
 
 # What to look for, by the code of the reason.
 CAUSES = {
@@ -23,6 +23,9 @@ CAUSES = {
     "off_reference": "gains of the velocity controller (hbench design), or a low supply pressure",
     "not_steady": "air in the oil, stick-slip, or gains of the controllers that are too high",
 }
+_ABORTED = "aborted"  # code of the reason
+_NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."
+_OF_COMPLETED = "All numbers on this page are those of the completed runs."
 
 
 def reason_counts(results: Results) -> Counter[str]:
@@ -39,3 +42,24 @@ def first_reason_counts(results: Results) -> Counter[str]:
 def code_of(reason: str) -> str:
     """Return the code in "code: words with value and limit"."""
     return reason.partition(":")[0].strip()
+
+
+def aborted_words(results: Results) -> str:
+    """Return why a campaign ended before its plan did; empty if it was completed."""
+    complete = results.quality.completeness
+    if not complete.not_completed or complete.planned is None:
+        return ""
+    made = complete.planned - len(complete.not_completed)
+    count = f"{made} of {complete.planned} planned runs were completed"
+    last = results.runs[-1] if results.runs else None
+    if last is None or not is_aborted(last):
+        return f"INCOMPLETE CAMPAIGN: {count}. {_NO_REASON} {_OF_COMPLETED}"
+    reason = last.reasons[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
+    return (
+        f"ABORTED CAMPAIGN: {count}. Run {last.run.plan.run} ended early: {reason}. {_OF_COMPLETED}"
+    )
+
+
+def is_aborted(run: ScreenedRun) -> bool:
+    """Return whether a run was ended before its plan; screening names this reason first."""
+    return any(code_of(reason) == _ABORTED for reason in run.reasons[:1])

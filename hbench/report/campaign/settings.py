@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
-from hbench.records import Provenance, Results, ScreenedRun, Specimen
-from hbench.report.campaign.reasons import code_of
+from hbench.records import Provenance, Results, Specimen
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
 from hbench.report.setting_words import key_words, section_words
@@ -14,9 +13,6 @@ from hbench.report.zero_words import tolerance_words
 
 _SIZES = ("bore", "rod", "stroke")
 _TEST = ("customer", "operator", "mounting", "place", "ambient")
-_ABORTED = "aborted"  # code of the reason
-_NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."
-_OF_COMPLETED = "All numbers on this page are those of the completed runs."
 
 
 def identity_facts(results: Results, label: str = "") -> tuple[tuple[str, str], ...]:
@@ -56,27 +52,6 @@ def provenance_facts(
         "Analysis": f"hbench {provenance.software.get('hbench', '')}".strip(),
     }
     return tuple((name, str(text)) for name, text in facts.items() if text)
-
-
-def aborted_words(results: Results) -> str:
-    """Return why a campaign ended before its plan did; empty if it was completed."""
-    complete = results.quality.completeness
-    if not complete.not_completed or complete.planned is None:
-        return ""
-    made = complete.planned - len(complete.not_completed)
-    count = f"{made} of {complete.planned} planned runs were completed"
-    last = results.runs[-1] if results.runs else None
-    if last is None or not is_aborted(last):
-        return f"INCOMPLETE CAMPAIGN: {count}. {_NO_REASON} {_OF_COMPLETED}"
-    reason = last.reasons[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
-    return (
-        f"ABORTED CAMPAIGN: {count}. Run {last.run.plan.run} ended early: {reason}. {_OF_COMPLETED}"
-    )
-
-
-def is_aborted(run: ScreenedRun) -> bool:
-    """Return whether a run was ended before its plan; screening names this reason first."""
-    return any(code_of(reason) == _ABORTED for reason in run.reasons[:1])
 
 
 def settings_section(results: Results, long_list: int) -> Section:
@@ -142,6 +117,16 @@ def _calibrations(instruments: Mapping[str, Any]) -> str:
             named.append(f"{name.replace('_', ' ')} ({', '.join(filter(None, stated))})")
     known = named or ["no calibration recorded"]
     return "; ".join(filter(None, (*known, tolerance_words(instruments))))
+
+
+def not_calibrated_words(results: Results) -> str:
+    """State that U rests on tolerances alone; empty where an instrument has a certificate."""
+    instruments = results.provenance.settings.get("instruments") or {}
+    stated = [each for each in instruments.values() if isinstance(each, Mapping)]
+    certified = any((each.get("calibration") or {}).get("certificate") for each in stated)
+    if certified or not tolerance_words(instruments):
+        return ""
+    return "U rests on stated tolerances; no calibration certificate is recorded."
 
 
 def _period(provenance: Provenance) -> str:

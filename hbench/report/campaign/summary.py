@@ -15,15 +15,15 @@ from hbench.report.campaign.quality.tables import quality_table
 from hbench.report.campaign.quality.verdict import (
     RULE,
     instruments_percent,
-    next_step,
     quality_count,
     quality_verdict,
 )
-from hbench.report.campaign.settings import aborted_words, is_aborted
+from hbench.report.campaign.reasons import aborted_words, is_aborted
 from hbench.report.campaign.table_columns import LOAD_CELL, WHO, table, who
 from hbench.report.drift import drift_fact
 from hbench.report.drift_section import drift_sections
 from hbench.report.headline import FLAGS, extrapolated_words, headline_tiles
+from hbench.report.next_step import next_step_of
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import (
@@ -111,42 +111,11 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     )
 
 
-def next_step_words(results: Results) -> str:
-    """Return what to do next; empty if nothing is."""
-    return _step_words(_next_step(results))
-
-
-def decided_step_words(results: Results, step: str) -> str:
-    """Return what to do next after an acceptance, with its own ``step``; without one, nothing.
-
-    What U does not contain is improved nevertheless, and an aborted campaign is continued first.
-    """
-    if aborted_words(results):
-        return next_step_words(results)
-    beyond = "" if step else _next_step(results, beyond_u=True)
-    return _step_words(f"{step}." if step else beyond)
-
-
-def _next_step(results: Results, beyond_u: bool = False) -> str:
-    parts = "[[uncertainty]]" if friction_budget_table(results).rows else ""
-    return next_step(
-        results.quality,
-        _largest(results, parts),
-        bool(aborted_words(results)),
-        results.provenance.source == "imported",
-        beyond_u,
-    )
-
-
-def _step_words(step: str) -> str:
-    return f"Next step: {step[:1].lower()}{step[1:]}" if step else ""
-
-
 def _data(results: Results) -> str:
     """Return the verdict on the data, and what improves it."""
     aborted = bool(aborted_words(results))
     verdict = quality_verdict(results.quality, not aborted)
-    step = "" if aborted else _next_step(results)
+    step = "" if aborted else next_step_of(results)
     return " ".join(filter(None, (verdict, step)))
 
 
@@ -182,13 +151,6 @@ def _uncertainty(series: Collection[HeadlineSeries], budget: str, known: bool) -
         "errors of the instruments, whose tolerances are not known."
     )
     return f"{what}{_ONE_TRIAL if single else ''}"
-
-
-def _largest(results: Results, table: str) -> str:
-    """Name the largest parts of the instruments' uncertainty of friction, and their table."""
-    parts = [point.parts_n for curve in results.curves for point in curve.points if point.parts_n]
-    names = Counter(max(each, key=lambda name: abs(each[name])) for each in parts)
-    return "; ".join(filter(None, (" and ".join(name for name, _ in names.most_common(2)), table)))
 
 
 def _quality_details(results: Results) -> Iterable[Section]:

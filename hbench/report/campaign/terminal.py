@@ -3,12 +3,14 @@
 Intervals are half-widths at 95 %: of the trials, and U95 of trials and instruments.
 """
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 
-from hbench.records import KINDS, Curve, Fit, FitParameter, JointFit, Results, WordTable
+from hbench.records import KINDS, Curve, Fit, FitParameter, Results, WordTable
+from hbench.records.friction_laws import parameter_named
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.fit_tables import fits_verdict
+from hbench.report.campaign.fit_tables import fits_verdict, label_and_unit, law_words
 from hbench.report.campaign.motion_rows import motion_lines
 from hbench.report.campaign.page_tables import balance_table, band_table, trend_table
 from hbench.report.campaign.quality.verdict import quality_verdict
@@ -16,16 +18,24 @@ from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.campaign.table_columns import BALANCE, OF_DIRECTIONS
 from hbench.report.drift import drift_words
+from hbench.report.next_step import next_step_words
 from hbench.report.oil_words import temperature_words
-from hbench.report.render.numbers import short, significant, span, with_interval
+from hbench.report.render.numbers import significant, span, with_interval
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import plain, wrapped
 from hbench.report.render.word_tables import Table
+from hbench.units import from_si
+
+_REFERENCE = re.compile(r"; \[\[\w+\]\]")  # to a table of the page
+_ANCHOR = re.compile(r"\[\[\w+\]\]")
 
 
 def summary_text(results: Results) -> str:
     """Return runs, reasons, the verdicts on data and fits, and a line for each curve."""
     accepted = sum(run.accepted for run in results.runs)
-    reasons = ", ".join(f"{n} {code}" for code, n in reason_counts(results).most_common())
+    reasons = ", ".join(
+        f"{n} {code.replace('_', ' ')}" for code, n in reason_counts(results).most_common()
+    )
     rejected = f"{len(results.runs) - accepted} rejected" + (f" ({reasons})" if reasons else "")
     kinds = Counter(KINDS[run.run.plan.kind] for run in results.runs)
     several = len(kinds) > 1 or not all(kind.has_constant_speed for kind in kinds)
@@ -33,7 +43,7 @@ def summary_text(results: Results) -> str:
     of_kinds = f" ({kind_counts})" if several else ""
     curves = without_common_rod_pressure(results.curves)
     intervals = _known_intervals(curves)
-    rows = [["direction", "load", "speeds mm/s", "friction N", *intervals, "fit"]]
+    rows = [["direction", "load", "speeds mm/s", "friction N", *intervals]]
     for curve in curves:
         rows.append(
             [
@@ -42,9 +52,9 @@ def summary_text(results: Results) -> str:
                 span([1e3 * abs(point.v_m_s) for point in curve.points]),
                 _friction_words(curve),
                 *(_interval_words(curve, field) for field in intervals.values()),
-                "; ".join(_fit_words(fit) for fit in curve.fits[:1]) or "-",
             ]
         )
+    rows = [[plain(cell.replace("–", " to ")) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
     head = f"{results.provenance.name} ({results.provenance.source})"
@@ -54,15 +64,23 @@ def summary_text(results: Results) -> str:
         notes.insert(0, f"drift: friction changed by {drift_words(results.drift)}")
     if said := temperature_words(results):
         notes.insert(0, f"oil: {said.removesuffix('.')}")
-    lines += [_joint_words(joint) for joint in results.joint_fits]
+    lines += [line for words in _fits_words(results, curves) for line in wrapped(words)]
     table = ["", *lines] if results.curves else []
     moving = motion_lines(results.motions)
     bands = [line for each in _band_tables(results) for line in ("", *table_lines(each))]
     moving = ["", *moving] if moving else []
-    verdicts = filter(None, (quality_verdict(results.quality), fits_verdict(results)))
-    text = "\n".join(
-        [head, counts, *verdicts, *table, *bands, *moving, *([""] if bands else []), *notes]
+    verdicts = (
+        line
+        for words in (
+            quality_verdict(results.quality),
+            fits_verdict(results),
+            _ANCHOR.sub("report.html", _REFERENCE.sub("", next_step_words(results))),
+        )
+        for line in wrapped(words)
     )
+    paragraphs = [line for note in notes for line in wrapped(note)]
+    lines = [head, *wrapped(counts), *verdicts, *table, *bands, *moving, *([""] if bands else [])]
+    text = "\n".join([*lines, *paragraphs])
     text = text.replace("−", "-").replace("²", "^2").replace("±", "+-")
     return text.replace("–", " to ")  # not every terminal can show them
 
@@ -114,19 +132,31 @@ def _words(title: str, table: Table, without: tuple[str, ...] = ()) -> WordTable
     return WordTable(title, tuple(table.head[i] for i in kept), rows)
 
 
-def _joint_words(joint: JointFit) -> str:
-    label = f"{joint.label}: " if joint.label else ""
-    return f"{label}all {joint.curves} curves at once: " + "; ".join(map(_fit_words, joint.fits))
+def _fits_words(results: Results, curves: Sequence[Curve]) -> list[str]:
+    """Return the first fit of each curve, and the fits of all curves at once."""
+    words = []
+    for curve in curves:
+        load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
+        name = ", ".join(filter(None, (curve.label, curve.direction, load)))
+        words += [f"fit, {name}: {_fit_words(fit)}" for fit in curve.fits[:1]]
+    for joint in results.joint_fits:
+        label = f"{joint.label}: " if joint.label else ""
+        fits = "; ".join(map(_fit_words, joint.fits))
+        words.append(f"fit, {label}all {joint.curves} curves at once: {fits}")
+    return words
 
 
 def _fit_words(fit: Fit) -> str:
-    parameters = [
-        f"{name}={short(value.value)}" + _remark(value) for name, value in fit.parameters.items()
-    ]
-    return " ".join([fit.law, *parameters, *([] if fit.converged else ["NOT CONVERGED"])])
+    parameters = ", ".join(_parameter(name, each) for name, each in fit.parameters.items())
+    return f"{law_words(fit.law)}: {parameters}{'' if fit.converged else ', NOT CONVERGED'}"
 
 
-def _remark(parameter: FitParameter) -> str:
-    if parameter.at_bound:
-        return f" (at {parameter.at_bound} bound)"
-    return "" if parameter.determination == "determined" else f" ({parameter.determination})"
+def _parameter(name: str, parameter: FitParameter) -> str:
+    """Write a parameter with its symbol and unit; one at a bound is not determined."""
+    known = parameter_named(name)
+    symbol = name if known is None else known.symbol
+    _, unit = label_and_unit(name, parameter.unit)
+    if parameter.at_bound or parameter.determination == "not determined":
+        return f"{symbol} not determined"
+    value = f"{symbol} {significant(from_si(parameter.value, unit), 3)} {unit}"
+    return value if parameter.determination == "determined" else f"{value} (hardly determined)"

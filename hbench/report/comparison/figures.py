@@ -178,7 +178,7 @@ def _draw_differences(
     )
     values = np.array([each.value for each in differences])
     axes.axhline(0, color="#374151", linewidth=0.9)
-    axes.errorbar(x, values, u95, linestyle="none", color="#000000", elinewidth=5, alpha=0.18)
+    axes.errorbar(x, values, u95, linestyle="none", color="#000000", elinewidth=5, alpha=0.3)
     axes.errorbar(x, values, ci95, linestyle="none", color="#000000", elinewidth=1.1, capsize=2.5)
     real = np.array(significant)
     for chosen, face in ((real, "#000000"), (~real, "white")):

@@ -2,7 +2,7 @@
 
 from hbench.records import CampaignDifferences
 from hbench.report.comparison.tables import has_drift_column, hidden_curves, unseparated
-from hbench.report.render.numbers import number, with_interval
+from hbench.report.comparison.verdict import drift_words
 
 _READ_U = (
     ("U", "Expanded uncertainty for a coverage probability of 95 %: of the trials, the instruments "
@@ -64,7 +64,7 @@ def read_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
 
 
 def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
-    """Return how the mean over the curves is tested, and its size at each speed."""
+    """Return how the mean over the curves is tested, and what a drift does to it."""
     mean = differences.mean_of_curves
     if mean is None:
         return ()
@@ -72,17 +72,16 @@ def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     if mean.p_value is not None:
         facts.append(("Mean over all curves", _MEAN))
     if mean.speeds:
-        sizes = "; ".join(
-            f"{number(1e3 * each.v_m_s, 1)} mm/s: {with_interval(each.value_n, each.ci95_n)} N"
-            for each in mean.speeds
-        )
         drift = " A drift may be part of these differences." if unseparated(differences) else ""
         facts.append(
             (
                 "By speed",
-                f"B − A over all curves, with the 95 % interval of the trials: {sizes}.{drift}",
+                "B − A at each speed is a mean over all curves, with the 95 % interval of the "
+                f"trials.{drift}",
             )
         )
+    if unseparated(differences) and mean.real and (words := drift_words(differences)):
+        facts.append(("Drift", words))
     return tuple(facts)
 
 

@@ -45,10 +45,10 @@ def settings_table(differences: CampaignDifferences) -> Table:
 
 
 def settings_words(differences: CampaignDifferences) -> str:
-    """State in a sentence whether bench, instruments and schedule agree."""
+    """State in a sentence how many settings differ; empty where none does."""
     settings = settings_that_differ(differences)
     if not settings:
-        return "Bench file, instruments, schedule and software of both campaigns agree."
+        return ""
     if len(settings) == 1:
         section, name, *_ = settings[0]
         return f"1 setting differs between A and B: {name} ({section})."

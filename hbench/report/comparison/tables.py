@@ -21,7 +21,7 @@ from hbench.report.comparison.cells import (
     label_of,
     p_words,
 )
-from hbench.report.render.numbers import NONE, half_width, number, with_interval
+from hbench.report.render.numbers import NONE, half_width, number, significant, with_interval
 from hbench.units import from_si
 
 
@@ -103,10 +103,7 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
     trials = with_interval(mean.value_n, mean.ci95_n)
     with_u = with_interval(mean.value_n, mean.half_n)
     p = NONE if mean.p_value is None else p_words(mean.p_value)
-    a, b = (
-        with_interval(each, mean.half_n).partition(" ±")[0]
-        for each in (mean.a_n, mean.a_n + mean.value_n)
-    )
+    a, b = (significant(each, 3) for each in (mean.a_n, mean.a_n + mean.value_n))
     row = (
         f"mean over all {mean.curves} curves{'' if mean.p_value is None else ', one test'}",
         a,
@@ -117,6 +114,17 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
         p,
     )
     return [(*row, *([drift] if drift_too else []))]
+
+
+def speeds_table(differences: CampaignDifferences) -> WordTable:
+    """Return the difference of friction at each speed, in the mean over the curves."""
+    mean = differences.mean_of_curves
+    rows = tuple(
+        (number(1e3 * each.v_m_s, 1), with_interval(each.value_n, each.ci95_n))
+        for each in (mean.speeds if mean else ())
+    )
+    title = "Friction (N): B − A at each speed, means over the curves"
+    return WordTable(title, ("Speed (mm/s)", "B − A ± trials"), rows)
 
 
 def mean_verdict(differences: CampaignDifferences) -> str:

@@ -41,58 +41,58 @@ from hbench.report.comparison.tables import (
     parameters_table,
     points_table,
     single_points,
+    speeds_table,
 )
 from hbench.report.comparison.verdict import alarm, headline
 from hbench.report.json_documents.values import json_value
 from hbench.report.oil_words import range_words
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import without_powers
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import plain, wrapped
 
 SCHEMA = "hbench.comparison/1"
 _OIL = ("sensor", "mean_k", "low_k", "high_k", "runs")
-_PLAIN = {
-    "−": "-",
-    "–": "-",
-    "\N{NON-BREAKING HYPHEN}": "-",
-    "±": "+-",
-    "²": "^2",
-    "³": "^3",
-    "°": "deg",
-    "\N{NO-BREAK SPACE}": " ",
-}
 
 
 def differences_text(differences: CampaignDifferences) -> str:
     """Return the verdict and the tables for a terminal."""
     differences = with_names(differences)
     lines = [
-        *filter(None, (alarm(differences), headline(differences))),
+        *wrapped(" ".join(filter(None, (alarm(differences), headline(differences))))),
         "",
-        *(f"{name}: {words}" for name, words in (*_identity(differences), *_data(differences))),
+        *_paragraphs(*_identity(differences), *_data(differences)),
         *(
-            f"{section}, {setting}: A {a}, B {b}"
+            line
             for section, setting, a, b in settings_that_differ(differences)
+            for line in wrapped(f"{section}, {setting}: A {a}, B {b}")
         ),
         "",
     ]
+    parameters = [p.value for curve in differences.curves for p in curve.parameters]
+    friction, efficiency = means_tables(differences)
     tables = (
         band_table(differences),
         slope_table(differences),
-        *means_tables(differences),
-        parameters_table(differences),
+        friction,
+        speeds_table(differences),
+        efficiency,
     )
     for table in tables:
         if table.rows:
             lines += [*table_lines(table), ""]
     strokes = [SET_UP] if differences.bands else []
     strokes += [f"A, B: {words}" for name, words in read_facts(differences) if name == "A, B"]
-    lines += [f"note: {note}" for note in (*strokes, *differences.notes)]
-    text = without_powers("\n".join(lines).rstrip())
-    for sign, plain in _PLAIN.items():
-        text = text.replace(sign, plain)
-    return text
+    facts = [fact for fact in mean_facts(differences) if fact[0] == "Drift"]
+    lines += _paragraphs(*facts)
+    lines += wrapped(_counted("of fitted parameters", parameters)) if parameters else []
+    lines += [line for note in (*strokes, *differences.notes) for line in wrapped(f"note: {note}")]
+    return plain("\n".join(lines).rstrip())
+
+
+def _paragraphs(*facts: tuple[str, str]) -> list[str]:
+    """Return named facts in lines of limited width."""
+    return [line for name, words in facts for line in wrapped(f"{name}: {words}")]
 
 
 def differences_json(differences: CampaignDifferences) -> str:
@@ -154,6 +154,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     figures: dict[str, tuple[Drawing, ...]] = {"bands": (), "comparison": ()}
     for drawing in drawings:
         figures[drawing.section] = (*figures[drawing.section], drawing)
+    friction, efficiency = means_tables(differences)
     parameters = [p.value for curve in differences.curves for p in curve.parameters]
     points = [p.friction_n for p in single_points(differences.curves)]
     hidden = sum(p.friction_n.real for p in single_points(hidden_curves(differences)))
@@ -165,7 +166,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         ),
         Section(
             "Differences of mean friction and efficiency",
-            tables=means_tables(differences),
+            tables=(friction, speeds_table(differences), efficiency),
             facts=(*mean_facts(differences), *read_facts(differences), *drift_facts(differences)),
             parts=(Section(drawings=figures["comparison"]),),
         ),
@@ -203,7 +204,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             f"{differences.names[1]} against {differences.names[0]}",
             "Friction and hydro-mechanical efficiency of two campaigns. Differences are B minus A.",
             kept,
-            " ".join((headline(differences), settings_words(differences))),
+            " ".join(filter(None, (headline(differences), settings_words(differences)))),
             banner,
             "simulated" if banner else "",
             identity=_identity(differences),
@@ -268,12 +269,13 @@ _MAY_CAUSE = (
     "measure again where that matters."
 )
 _NONE_DIFFERS = (
-    "None. A difference above is one of the cylinders, their mounting or the conditions of the "
-    "test, such as the oil, or a drift."
+    "None: bench file, instruments, schedule and software of both campaigns agree. A difference "
+    "above is one of the cylinders, their mounting or the conditions of the test, such as the oil, "
+    "or a drift."
 )
 _PLANTS_DIFFER = (
-    "The simulated plants differ, as the table at the top of the page states. A plant takes the "
-    "place of a cylinder and is no setting of the bench."
+    "The simulated plants differ (see the top of the page). A plant takes the place of a "
+    "cylinder and is no setting of the bench."
 )
 _SPREAD = (
     "The means above can differ significantly although the parameters do not: a fit distributes a "

@@ -17,8 +17,8 @@ from hbench.report.render.numbers import (
 
 _FEW = 2  # curves that the verdict lists
 _MOUNTING = (
-    "The uncertainty of the difference does not contain a new mounting of the cylinder: before "
-    "acting on it, measure one of the two again, mounted anew."
+    "Its uncertainty does not contain a new mounting of the cylinder: before acting on it, measure "
+    "one of the two again, mounted anew."
 )
 _REMEDY = "To compare single curves, measure both again with order: random in the schedule."
 
@@ -50,7 +50,8 @@ def headline(differences: CampaignDifferences) -> str:
         sure = bool(over) and bool(unseparated(differences))
         efficiency = "" if sure else _efficiency_verdict(differences)
         found = [over or _verdict(differences), efficiency]
-    drift = _drift(differences, bool(band_verdict(differences)))
+    over_curves = bool(_over_curves(differences)) and not band_verdict(differences)
+    drift = "" if over_curves else drift_words(differences)
     mounting = _MOUNTING if _over_curves(differences) else ""
     return " ".join(filter(None, (*found, drift, mounting, _warmer(differences), care)))
 
@@ -75,16 +76,16 @@ def _over_curves(differences: CampaignDifferences) -> str:
     if unseparated(differences):
         return (
             f"{words}, provided that any drift within the campaigns was linear."
-            f"{_by_speed(mean, ', of which a drift may be a part')}"
+            f"{_by_speed(mean, drift=True)}"
         )
-    words += f".{_by_speed(mean, '')}"
+    words += f".{_by_speed(mean, drift=False)}"
     if not real:
         return f"{words} The difference of no single curve is significant."
     sizes = alike([abs(each.value) for each in real])
     return f"{words} It is significant in {len(real)} of {len(means)} curves, by {sizes} N."
 
 
-def _by_speed(mean: MeanOfCurves, reserve: str) -> str:
+def _by_speed(mean: MeanOfCurves, *, drift: bool) -> str:
     """State the differences at the ends of the speeds; empty where their intervals overlap."""
     if not mean.speeds:
         return ""
@@ -96,13 +97,15 @@ def _by_speed(mean: MeanOfCurves, reserve: str) -> str:
         f"{with_interval(each.value_n, each.ci95_n)} N at {number(1e3 * each.v_m_s, 0)} mm/s"
         for each in ends
     )
-    return (
-        f" It depends on speed: {slow} and {fast}, in the mean over the curves (intervals of the "
-        f"trials{reserve})."
-    )
+    if drift:
+        return (
+            f" It seems to depend on speed, from {slow} to {fast}; a drift within the campaigns "
+            "may cause this."
+        )
+    return f" It depends on speed, from {slow} to {fast}."
 
 
-def _drift(differences: CampaignDifferences, bands: bool) -> str:
+def drift_words(differences: CampaignDifferences) -> str:
     """State the drift that the order of the runs does not separate; empty without one."""
     mixed = unseparated(differences)
     if not mixed:
@@ -118,7 +121,7 @@ def _drift(differences: CampaignDifferences, bands: bool) -> str:
     if _all_beyond_drift(differences):
         return f"A drift {part}; the differences are larger."
     mean = differences.mean_of_curves
-    if mean is None or bands or not _over_curves(differences):
+    if mean is None or band_verdict(differences) or not _over_curves(differences):
         return (
             f"A drift {part}: the order of the runs does not separate the two. {_mean(differences)}"
             f"{_REMEDY}"

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from textwrap import wrap
 from xml.etree import ElementTree
 
 from hbench.records import WordTable
@@ -23,6 +22,7 @@ from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, short, significant, with_interval
 from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import plain, wrapped
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 
@@ -60,7 +60,6 @@ _STEPS: dict[Conformity, str] = {
     "MARGINAL": "repeat the test with more trials or more accurate instruments (hbench report "
     "shows the parts of U), or agree on another rule with the customer",
 }
-_WIDE = 100  # characters of a line
 _MEASURE = "measure what is missing"
 _CORRECT = "check the signs, zeros and units of the channels, and the areas"
 _REDUCE = "reduce U with more trials or more accurate instruments"
@@ -81,14 +80,14 @@ def _decision_lines(checks: Sequence[ConformityCheck]) -> Iterator[str]:
     )
     table = WordTable("", ("decision", "measured, U", "conforms", "test"), rows)
     _, *lines = table_lines(table)
-    head, *decisions = (wrap(line, _WIDE, subsequent_indent="  ") for line in lines)
+    head, *decisions = (wrapped(line) for line in lines)
     yield from head
     above = ""
     for check, decision in zip(checks, decisions, strict=True):
         quantity = requirement_words(check.requirement, check.measurement)
         of = f"{quantity}, limit {limit_words(check.requirement)}"
         if of != above:
-            yield from wrap(of, _WIDE, subsequent_indent="  ")
+            yield from wrapped(of)
         above = of
         yield from decision
 
@@ -113,13 +112,8 @@ def acceptance_text(acceptance: Acceptance) -> str:
         *(f"next, after {each}: {step}" for each, step in next_steps(acceptance.checks)),
     ]
     for remark in remarks:
-        lines += wrap(_ascii(remark), _WIDE, subsequent_indent="  ")
-    return "\n".join(map(_ascii, lines))
-
-
-def _ascii(text: str) -> str:
-    """Replace signs that some terminals do not have."""
-    return text.replace("−", "-").replace("–", "-").replace("±", "+-")
+        lines += wrapped(plain(remark))
+    return plain("\n".join(lines))
 
 
 def conforms_words(checks: Sequence[ConformityCheck]) -> str:

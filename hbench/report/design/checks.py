@@ -33,7 +33,7 @@ _STOPPED = re.compile(
 _COMMAND = re.compile(r"\bu_([a-z]\d?)_v\b")
 _CODE = re.compile(r"\b[a-z]+(?:_[a-z]+)+(?=: )")  # of a reason for rejection
 _VARIANT = re.compile(r"^(softer|stiffer): ")
-CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
+CHECK_HEAD = ("check", "value", "limit", "unit", "result", "worst at")
 
 
 def check_rows(checks: Sequence[Check]) -> TextRows:
@@ -41,7 +41,7 @@ def check_rows(checks: Sequence[Check]) -> TextRows:
     return [
         (
             *shown(check),
-            "yes" if check.holds else "NO",
+            "PASS" if check.holds else "FAIL",
             _where(check),
         )
         for check in checks

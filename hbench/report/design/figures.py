@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import ControlLoop, Design, LoopMerits
 from hbench.report.design.loops import PRESENT, loops_by_gains, rate_khz
+from hbench.report.design.overview import CAPTION, SECTION, TITLE, overview_figure
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import number
@@ -23,8 +24,15 @@ LOOKS = {
 
 
 def draw_design(design: Design) -> tuple[Drawing, ...]:
-    """Draw every kind of figure for every loop, with the present and with the proposed gains."""
+    """Draw every kind of figure for every loop, with the present and with the proposed gains.
+
+    The first figure has the margins at all operating points.
+    """
     sketches = []
+    if design.grid:
+        with rc_context(style.RC):
+            figure = overview_figure(design)
+        sketches.append(Sketch("margins", SECTION, TITLE, CAPTION, figure))
     for gains, loops in loops_by_gains(design).items():
         for loop in loops:
             for name, (draw, title, caption) in FIGURES.items():

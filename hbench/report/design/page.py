@@ -10,6 +10,7 @@ from hbench.report.design import checks as check_words
 from hbench.report.design import loops as loop_words
 from hbench.report.design import text
 from hbench.report.design.figures import section_of
+from hbench.report.design.overview import SECTION, TITLE
 from hbench.report.design.verdict import loops_verdict, proposal_verdict, reproduced_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
@@ -34,7 +35,11 @@ _POWER, _RAISED = re.compile(r"(?<=\d)e([-+−]\d+)"), str.maketrans("-012345678
 def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     proposal = design.proposal
+    drawn = tuple(drawings)
+    overview = tuple(each for each in drawn if each.section == SECTION)
     sections = []
+    if overview:
+        sections.append(Section(TITLE, drawings=overview, facts=_facts(text.range_facts(design))))
     if proposal is not None:
         checks = (*proposal.margins, *proposal.closed_loop)
         sections += [
@@ -44,7 +49,6 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     elif design.checks:
         sections.append(_checks(design.checks, check_words.POINT_LIMITS))
     sections.append(Section("Operating point", facts=_facts(text.point_facts(design))))
-    drawn = tuple(drawings)
     by_gains = loop_words.loops_by_gains(design)
     first, *others = (
         _loops(gains, by_gains[gains], design.tick_s, drawn, folded)

@@ -20,6 +20,7 @@ from hbench.report.design.loops import (
 from hbench.report.design.verdict import loops_verdict, proposal_verdict
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import short, significant
+from hbench.report.render.terminal_text import wrapped
 from hbench.units import from_si
 
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
@@ -46,6 +47,7 @@ def design_json(design: Design) -> str:
         "coupled_modulus": design.coupled_modulus,
         "margin_ranges": {what: each[:2] for what, each in design.margin_ranges.items()},
         "points_failed": design.points_failed,
+        "points": [point._asdict() for point in design.grid],
         "reproduced": [vars(number) for number in design.reproduced],
         "proposal": _proposal(design.proposal),
         "checks": [vars(check) for check in design.checks],
@@ -187,19 +189,22 @@ def _feedforward_words(design: Design) -> str:
     )
 
 
-def facts(design: Design) -> tuple[tuple[str, str], ...]:
-    """Return the further results beside the loops as names and values."""
-    slowest = decay_s(design.coupled_modulus, design.tick_s)
-    together = "unstable" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
+def range_facts(design: Design) -> tuple[tuple[str, str], ...]:
+    """Return the ranges of the margins over all operating points; nothing without any."""
     ranges = "; ".join(
         f"{what} {margin(low, decimals)} to {margin(high, decimals)} {unit}"
         for what, (low, high, _) in design.margin_ranges.items()
         for unit, decimals in (("deg", 0) if "phase" in what else ("dB", 1),)
     ).replace(": ", " loop, ")
     everywhere = f"margins at all {design.points} operating points"
-    ranges += f". {_GRID}" if ranges else ""
+    return ((everywhere, f"{ranges}. {_GRID}"),) if ranges else ()
+
+
+def facts(design: Design) -> tuple[tuple[str, str], ...]:
+    """Return the further results beside the loops as names and values."""
+    slowest = decay_s(design.coupled_modulus, design.tick_s)
+    together = "unstable" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
     return (
-        *(((everywhere, ranges),) if ranges else ()),
         ("feedforward of the load valves", _feedforward_words(design)),
         (
             "velocity error on a ramp of 100 mm/s^2",
@@ -259,16 +264,23 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
 
 def design_text(design: Design) -> str:
     """Return the design for a terminal, in plain ASCII."""
+    verdict = ""
+    if design.proposal is not None:
+        verdict = f"verdict: {proposal_verdict(design.proposal, design)}"
+    elif design.checks:
+        verdict = f"verdict: {loops_verdict(design)}"
+    results = (_smallest_margins(design), *map(": ".join, (*range_facts(design), *facts(design))))
     lines = [
         design.bench,
-        f"operating point: {point_words(design)}",
+        *wrapped(verdict),
+        "",
+        *wrapped(f"operating point: {point_words(design)}"),
         "",
         *_table(LOOP_HEAD, loop_rows(design.loops, design.tick_s)),
         "",
-        *(f"{name}: {text}" for name, text in loop_notes(design)),
+        *(line for note in loop_notes(design) for line in wrapped(": ".join(note))),
         "",
-        _smallest_margins(design),
-        *(f"{name}: {text}" for name, text in facts(design)),
+        *(line for result in results for line in wrapped(result)),
     ]
     if design.reproduced:
         lines += ["", *_table(REPRODUCED_HEAD, reproduced_rows(design.reproduced))]
@@ -278,10 +290,8 @@ def design_text(design: Design) -> str:
         lines += [*_table(LOOP_HEAD, loop_rows(proposal.loops, design.tick_s)), ""]
         checks = (*proposal.margins, *proposal.closed_loop)
         lines += _check_table(checks)
-        lines += [f"verdict: {proposal_verdict(proposal, design)}"]
     elif design.checks:
         lines += ["", *_check_table(design.checks)]
-        lines += [f"verdict: {loops_verdict(design)}"]
     text = "\n".join(lines).replace("−", "-").replace("–", "-")
     return text.replace("≥", ">=").replace("≤", "<=").replace("∞", "inf")
 

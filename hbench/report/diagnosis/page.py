@@ -12,7 +12,6 @@ from hbench.report.diagnosis.names import (
     keys_in_words,
     of_strokes,
     of_the_mass,
-    value_words,
 )
 from hbench.report.diagnosis.sentences import predictions_words, reason_words
 from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
@@ -25,7 +24,7 @@ from hbench.report.diagnosis.tables.separability_tables import (
     lookalikes_tables,
     matrix_table,
 )
-from hbench.report.diagnosis.text import gap_line, law_lines
+from hbench.report.diagnosis.text import gap_line, in_page_words, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
 from hbench.report.render.document import Section, document
@@ -87,7 +86,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Refitted values",
         (_refitted_words(diagnosis),),
         drawings=drawn("refitted"),
-        facts=_answers(diagnosis, OF_REFIT),
+        facts=(*_answers(diagnosis, OF_REFIT), *_refused(diagnosis)),
         parts=_numbers("Refitted values in numbers", _refitted_table(diagnosis)),
     )
     details = (*changes_tables(diagnosis), *lookalikes_tables(diagnosis))
@@ -136,15 +135,19 @@ def _answer(diagnosis: Diagnosis) -> Section:
     """Return the first section: the engineer's answers, and the files beside the page."""
     of_method = (*OF_GAPS, *OF_CANDIDATES, *OF_REFIT)
     known = _answers(diagnosis, {name for name, _ in answers(diagnosis)}.difference(of_method))
-    if diagnosis.refit_refused:
-        added = added_words(diagnosis)
-        fitted = definitions.FITTED_WITH.format(added=added) if added and diagnosis.refitted else ""
-        known += (
-            ("Refit", f"{diagnosis.refit_refused} {definitions.REFUSED.format(fitted=fitted)}"),
-        )
     return Section(
         "Findings and next steps", facts=(*known, ("Files beside this page", _files(diagnosis)))
     )
+
+
+def _refused(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
+    """Return why the refit without effects was refused; nothing where it was not."""
+    if not diagnosis.refit_refused:
+        return ()
+    added = added_words(diagnosis)
+    fitted = definitions.FITTED_WITH.format(added=added) if added and diagnosis.refitted else ""
+    words = diagnosis.refit_refused.replace("held-out runs", "runs outside the fit")
+    return (("Refit refused", f"{words} {definitions.REFUSED.format(fitted=fitted)}"),)
 
 
 def _answers(diagnosis: Diagnosis, questions: Collection[str]) -> tuple[tuple[str, str], ...]:
@@ -211,7 +214,7 @@ def _effects_table(diagnosis: Diagnosis) -> WordTable:
 
 def _refitted_table(diagnosis: Diagnosis) -> WordTable:
     table = _untitled(effect_tables.refitted_table(diagnosis))
-    rows = ((of_the_mass(diagnosis, value_words(path)), words) for path, words in table.rows)
+    rows = ((of_the_mass(diagnosis, name), words) for name, words in table.rows)
     return replace(table, rows=tuple(rows))
 
 
@@ -277,20 +280,7 @@ def _untitled(table: WordTable) -> WordTable:
 
 def _with_rows(*tables: WordTable) -> tuple[WordTable, ...]:
     """Return the tables that have rows, with effects' names in words."""
-    return tuple(
-        WordTable(
-            keys_in_words(table.title),
-            tuple(name if name.startswith("p ") else _head(name) for name in table.head),
-            tuple(tuple(map(keys_in_words, row)) for row in table.rows),
-        )
-        for table in tables
-        if table.rows
-    )
-
-
-def _head(name: str) -> str:
-    """Return the head of a column, which begins with a capital letter."""
-    return _sentence(keys_in_words(name))
+    return tuple(in_page_words(table) for table in tables if table.rows)
 
 
 def _sentence(line: str) -> str:

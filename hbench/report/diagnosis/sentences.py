@@ -3,13 +3,7 @@
 from collections.abc import Sequence
 from math import exp, isfinite, log
 
-from hbench.records import (
-    AddedEffect,
-    Candidate,
-    Diagnosis,
-    FitParameter,
-)
-from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
+from hbench.records import AddedEffect, Diagnosis, FitParameter
 from hbench.report.diagnosis.names import (
     CHAMBERS,
     added_words,
@@ -22,6 +16,7 @@ from hbench.report.diagnosis.names import (
     share,
     value_words,
 )
+from hbench.report.diagnosis.words.candidate import too_small
 from hbench.report.diagnosis.words.coefficient import keys_as_words, parameter_text
 from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, MOST_SIGNALS
 from hbench.report.diagnosis.words.error import load_errors
@@ -98,18 +93,6 @@ def ruled_out_words(diagnosis: Diagnosis) -> str:
     )
 
 
-def closeness(candidates: Sequence[Candidate]) -> str:
-    """Return how close the scores of an ambiguous set are."""
-    explained = [f"{in_words(each.name)} {share(each.explained)}" for each in candidates]
-    scores = [f"{in_words(each.name)} {number(each.score, 0)}" for each in candidates]
-    return (
-        "Share of the gap beyond the repeatability that each explains in cross-validation: "
-        f"{', '.join(explained)}. Their scores ({', '.join(scores)} nats) are too close to decide. "
-        "The laws of the catalogue are approximations: the effect with the better score may be the "
-        "wrong one."
-    )
-
-
 def _ratio(nats: float) -> str:
     """Return the odds that correspond to a gain of log-likelihood."""
     odds = exp(min(max(nats, 0.0), 700.0))
@@ -118,66 +101,12 @@ def _ratio(nats: float) -> str:
     return f"odds of {significant(float(f'{odds:.1e}'), 2)} to 1"
 
 
-def best_candidate(diagnosis: Diagnosis) -> str:
-    """Return how much the best candidate explains, with its score and size."""
-    if not diagnosis.ranking:
-        return ""
-    best = diagnosis.ranking[0]
-    reasons = _not_named(best)
-    why = f" It is not named: {listed(reasons)}." if reasons else ""
-    enough = (
-        f"; that share is large enough ({share(LEAST_EXPLAINED)} needed)"
-        if best.score <= best.threshold and best.explained >= LEAST_EXPLAINED
-        else ""
-    )
-    hint = (
-        " Take it as a hint: errors of the model's laws can look like a small effect."
-        if best.explained >= LEAST_EXPLAINED and diagnosis.verdict == "unknown"
-        else ""
-    )
-    return (
-        f"{capital(in_words(best.name))} is the closest of the {len(diagnosis.ranking)} effects "
-        f"that were tried and would explain {share(best.explained)} of the gap in the quantities "
-        f"that it changes{enough}.{why}{hint}"
-    )
-
-
-def _not_named(best: Candidate) -> list[str]:
-    """Return the criteria of a named effect that a candidate does not meet."""
-    reasons = []
-    if best.score <= best.threshold:
-        reasons.append(
-            "it does not predict other operating points so much better that chance is ruled out "
-            f"(score {number(best.score + 0.0, 1)} nats, {number(best.threshold, 1)} needed)"
-        )
-    if best.explained < LEAST_EXPLAINED:
-        reasons.append(f"it explains too little ({share(LEAST_EXPLAINED)} needed)")
-    if best.size < LEAST_SIZE:
-        size = f"its size of {number(best.size, 2)} times a typical one"
-        reasons.append(f"{size} is too small ({number(LEAST_SIZE, 2)} needed)")
-    return reasons
-
-
 def reason_words(diagnosis: Diagnosis) -> str:
     """Return the reason for the verdict, without the candidate that ``best_candidate`` explains."""
     unknown = diagnosis.verdict == "unknown" and diagnosis.ranking
-    if unknown and _not_named(diagnosis.ranking[0]):
+    if unknown and too_small(diagnosis.ranking[0]):
         return keys_in_words(diagnosis.why.partition(" The best candidate, ")[0])
     return keys_in_words(diagnosis.why)
-
-
-def hint(diagnosis: Diagnosis) -> str:
-    """Return the known effect that explains a part of the deviation; empty for none."""
-    if not diagnosis.ranking:
-        return ""
-    best = diagnosis.ranking[0]
-    if best.score <= best.threshold or best.explained < LEAST_EXPLAINED:
-        return ""
-    small = ", too small to be named," if best.size < LEAST_SIZE else ""
-    return (
-        f"A hint: {in_words(best.name)}{small} would explain {share(best.explained)} of the "
-        "deviation in the quantities that it changes."
-    )
 
 
 def worse_words(diagnosis: Diagnosis) -> str:

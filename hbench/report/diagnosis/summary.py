@@ -14,11 +14,8 @@ from hbench.records import (
 )
 from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
 from hbench.report.diagnosis.sentences import (
-    best_candidate,
-    closeness,
     doubtful_values,
     gap_change,
-    hint,
     odds_words,
     predictions_words,
     refit_words,
@@ -26,22 +23,18 @@ from hbench.report.diagnosis.sentences import (
     title,
     worse_words,
 )
-from hbench.report.diagnosis.tables.separability_tables import (
-    detectable,
-    undetectable,
-    untried_words,
-)
+from hbench.report.diagnosis.tables.separability_tables import detectable, untried_words
 from hbench.report.diagnosis.words.action import (
     advice,
     confirmation,
     further_inspections,
     inspection,
-    next_step,
     separation,
     starting_reason,
     zero_check,
     zero_readings,
 )
+from hbench.report.diagnosis.words.candidate import best_candidate, closeness, hint
 from hbench.report.diagnosis.words.change import (
     READINGS,
     TEST_FRICTION,
@@ -80,8 +73,7 @@ from hbench.report.diagnosis.words.place import (
     residual_words,
     where_words,
 )
-from hbench.report.diagnosis.words.refit import unexplained
-from hbench.report.diagnosis.words.unexplained import agreeing_words, narrowing_words
+from hbench.report.diagnosis.words.unexplained import agreeing_words
 from hbench.report.render.symbols import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
@@ -121,14 +113,6 @@ def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
         if sentence:
             texts[question] = " ".join(filter(None, (texts.get(question), sentence)))
     return tuple(texts.items())
-
-
-def short_summary(diagnosis: Diagnosis) -> str:
-    """Return the paragraph of the terminal, which follows the verdict's sentence."""
-    text = " ".join(filter(None, _short_sentences(diagnosis)))
-    where = where_words(diagnosis.working_point)
-    before, found, after = text.partition(where)
-    return before + found + after.replace(where, AT_POINT)
 
 
 def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
@@ -173,45 +157,6 @@ def _remaining(diagnosis: Diagnosis) -> Iterator[Answer]:
 def _of(part: str, question: str) -> str:
     """Return the question about a part of the finding; of all of it without one."""
     return f"{part}: {question.lower()}" if part else question
-
-
-def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    for effect in diagnosis.effects:
-        if effect.name in practice:
-            yield _condition(effect)
-            yield at_point_words(diagnosis.working_point, practice[effect.name], brief=True)
-        yield gap_change(effect)
-        yield odds_words(effect)
-        yield _what_to_do(diagnosis, effect)
-    if diagnosis.alternatives:
-        yield _ambiguous_sizes(diagnosis, brief=True)
-        yield friction_words(diagnosis)
-        if readings := zero_readings(diagnosis):
-            step, read, *then = zero_check(diagnosis)
-            yield from (step, read, f"{_READINGS}: {readings}", *then)
-        else:
-            yield from separation(diagnosis)
-    elif not diagnosis.effects:
-        if diagnosis.verdict == "unknown" and not diagnosis.where:
-            yield from (sentence for _, sentence in _insufficient(diagnosis))
-        elif diagnosis.verdict == "unknown":
-            gaps = diagnosis.rest or diagnosis.where[:1]
-            yield f"Not explained: {deviations(gaps)}."
-            yield agreeing_words(diagnosis, gaps)
-            yield law_summary(diagnosis.unnamed)
-            yield best_candidate(diagnosis)
-            yield next_step(diagnosis)
-            yield starting_reason(diagnosis)
-            yield doubtful_values(diagnosis)
-            yield from further_inspections(diagnosis)
-            if not diagnosis.next_experiment:
-                yield narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
-        else:
-            yield doubtful_values(diagnosis)
-            yield undetectable(diagnosis)
-            yield best_candidate(diagnosis) if hint(diagnosis) else ""
-            yield diagnosis.next_experiment or ""
 
 
 # ---- verdicts
@@ -269,7 +214,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _READINGS, capital(zero_readings(diagnosis))
 
 
-def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
+def _ambiguous_sizes(diagnosis: Diagnosis) -> str:
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
     point = diagnosis.working_point
@@ -278,7 +223,7 @@ def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     parts = [
         f"{in_words(effect.name)} would mean that {listed(change_clauses(effect, changes, point))}."
         for effect in chosen
-        if (changes := main_changes(effect)[:1] if brief else _only_in_size(diagnosis, effect))
+        if (changes := _only_in_size(diagnosis, effect))
     ]
     sentences = " ".join((*parts[:1], *map(capital, parts[1:])))
     return f"{where_words(point)} {sentences}" if parts else ""

@@ -1,22 +1,7 @@
 """A diagnosis in words and tables, for the terminal and the page."""
 
-from math import isfinite
-
-from hbench.records import (
-    AddedEffect,
-    Diagnosis,
-    Gap,
-    WordTable,
-)
-from hbench.report.diagnosis.names import (
-    BALANCE_NAMES,
-    gap_number,
-    in_sentence,
-    keys_in_words,
-    steps_of,
-)
-from hbench.report.diagnosis.sentences import reason_words
-from hbench.report.diagnosis.summary import short_summary
+from hbench.records import Diagnosis, WordTable
+from hbench.report.diagnosis.names import gap_number, in_sentence, keys_in_words, steps_of
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
 from hbench.report.diagnosis.tables.effect_tables import (
     alternatives_table,
@@ -32,90 +17,25 @@ from hbench.report.diagnosis.tables.gap_tables import (
     where_table,
 )
 from hbench.report.diagnosis.tables.run_gaps import run_table
-from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
-from hbench.report.diagnosis.words.coefficient import effect_words
-from hbench.report.diagnosis.words.deviation import (
-    agrees,
-    deviations,
-    expected_words,
-    not_expected,
-    undecided_balance,
-)
-from hbench.report.diagnosis.words.error import errors_in_words, load_errors, one_sided_words
+from hbench.report.diagnosis.words.deviation import undecided_balance
+from hbench.report.diagnosis.words.error import load_errors
 from hbench.report.diagnosis.words.law import law_line
-from hbench.report.render.symbols import listed
-from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.symbols import capital
 
-_LEFT_OUT = 5  # runs that the terminal lists
+_FEW = 8  # candidates, and runs, that a terminal is shown
 
 
-def diagnosis_text(diagnosis: Diagnosis) -> str:
-    """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    blocks = [
-        f"{verdict_sentence(diagnosis)}\n{keys_in_words(short_summary(diagnosis))}",
-        gap_line(diagnosis),
-    ]
-    errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
-    blocks += (
-        reason_words(diagnosis),
-        " ".join(filter(None, errors)),
-        *effect_lines(diagnosis),
-        *law_lines(diagnosis),
+def in_page_words(table: WordTable) -> WordTable:
+    """Return a table with effects and quantities in words, and heads that begin with a capital."""
+    return WordTable(
+        keys_in_words(table.title),
+        tuple(name if name.startswith("p ") else _head(name) for name in table.head),
+        tuple(tuple(map(keys_in_words, row)) for row in table.rows),
     )
-    experiment = keys_in_words(diagnosis.next_experiment or "")
-    if experiment not in blocks[0]:
-        blocks.append(f"next experiment: {experiment}")
-    blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
-    blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
-    text = "\n\n".join(block for block in blocks if block)
-    for sign, plainly in {"−": "-", "–": "-", "±": "+-", "×": "x", "…": "...", "²": "^2"}.items():
-        text = text.replace(sign, plainly)
-    return text
 
 
-def verdict_sentence(diagnosis: Diagnosis) -> str:
-    """Return the verdict in one sentence, with the effects' coefficients or the set."""
-    effects = "; ".join(map(_finding, diagnosis.effects))
-    names = listed([candidate.name for candidate in diagnosis.alternatives], "or")
-    if diagnosis.verdict == "named":
-        also = f" Also {names}; these data cannot distinguish them." if names else ""
-        gaps = not_expected(diagnosis)
-        rest = f" Not explained: {deviations(gaps)}." if gaps else ""
-        expected = expected_words(diagnosis)
-        return f"named: {effects}.{also}{rest}{' ' if expected else ''}{expected}"
-    also = f" Added before: {effects}." if effects else ""
-    if diagnosis.verdict == "ambiguous":
-        return f"ambiguous: {names}; these data cannot distinguish them.{also}"
-    if diagnosis.verdict == "unknown" and not diagnosis.where:
-        return "unknown: these data are too few for a verdict."
-    if diagnosis.verdict == "unknown":
-        where = _list(diagnosis.rest or diagnosis.where[:1])
-        return f"unknown: no effect of the catalogue explains the residuals in {where}.{also}"
-    refitted = "with refitted values " if diagnosis.refitted and not diagnosis.refit_refused else ""
-    total = diagnosis.gap_heldout.total
-    gap, expected = gap_number(total.refitted), gap_number(total.floor)
-    if agrees(diagnosis):
-        finding = f"{refitted}the model agrees with the measurement"
-        if isfinite(total.refitted):
-            finding += (
-                f". In runs outside the fit the model deviates by {gap} times the repeatability "
-                "(1 is the scatter of repeated trials, and lower is better); a correct model with "
-                f"equally uncertain values would deviate by {expected} times on average"
-            )
-    else:
-        finding = (
-            f"{refitted}the model deviates from runs outside the fit by {gap} times the "
-            f"repeatability, a correct one by {expected} on average; no known effect explains the "
-            "difference"
-        )
-    if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
-        return f"none: in the quantities that these channels determine, {finding}."
-    return f"none: {finding}."
-
-
-def _finding(effect: AddedEffect) -> str:
-    unconfirmed = "" if effect.confirmed else ", not confirmed by runs outside the fit"
-    return f"{effect_words(effect)}{unconfirmed}"
+def _head(name: str) -> str:
+    return capital(keys_in_words(name))
 
 
 def gap_line(diagnosis: Diagnosis) -> str:
@@ -177,35 +97,6 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     return tuple(table for table in every if table.rows)
 
 
-def effect_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Return for each effect whether it is the bench's or a sensor's, its law and its form."""
-    return tuple(
-        f"{effect.name} (of the {'sensors' if effect.of_sensor else 'bench'}): "
-        f"{effect.description}; form: {effect.shape or 'the textbook one'}."
-        for effect in diagnosis.effects
-    )
-
-
 def law_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return for each unnamed law what it adds and what it does to held-out runs."""
     return tuple(map(law_line, diagnosis.unnamed))
-
-
-_FEW = 8  # candidates, and runs, that a terminal is shown
-
-
-def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Return missing data, effects that were not tried and runs left out, a sentence each."""
-    lines = [f"missing for a better verdict: {item}" for item in diagnosis.missing]
-    lines += not_tried_lines(diagnosis.not_tried)
-    lines += [diagnosis.refit_refused] if diagnosis.refit_refused else []
-    if diagnosis.left_out:
-        lines.append(f"runs left out: {len(diagnosis.left_out)}")
-        lines += [f"  {line}" for line in diagnosis.left_out[:_LEFT_OUT]]
-        if (more := len(diagnosis.left_out) - _LEFT_OUT) > 0:
-            lines.append(f"  and {more} more, in diagnosis.json")
-    return tuple(lines)
-
-
-def _list(gaps: tuple[Gap, ...]) -> str:
-    return listed([in_sentence(gap.name) for gap in gaps])

@@ -4,23 +4,18 @@ It answers what is missing, how large it is, how sure that is and what to do; th
 in the tables.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
-from hbench.records import AddedEffect, Diagnosis, Gap
-from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
-from hbench.report.diagnosis.names import (
-    deviation_and_limit,
-    gap_number,
-    in_sentence,
-    in_words,
-    keys_in_words,
-    of_strokes,
-    p_equation,
-)
+from hbench.records import AddedEffect, Diagnosis
+from hbench.report.diagnosis.names import gap_number, in_words, of_strokes
 from hbench.report.diagnosis.sentences import doubtful_values, favoured, least_odds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
-from hbench.report.diagnosis.text import verdict_sentence
 from hbench.report.diagnosis.words.action import first_step, next_step
+from hbench.report.diagnosis.words.agreement import (
+    agreement_words,
+    largest_deviation_words,
+    total_words,
+)
 from hbench.report.diagnosis.words.change import (
     friction_words,
     largest_words,
@@ -30,8 +25,9 @@ from hbench.report.diagnosis.words.change import (
 )
 from hbench.report.diagnosis.words.coefficient import (
     coefficient_words,
-    common_cause,
+    coefficients_words,
     description_words,
+    leak_alike,
     of_valves,
     only_coefficient,
     parts_present,
@@ -41,26 +37,17 @@ from hbench.report.diagnosis.words.deviation import (
     CLEARLY_WORSE,
     beyond_balances,
     deviations,
-    exceeding,
-    largest_deviation,
     not_expected,
     too_small_words,
 )
 from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
-from hbench.report.diagnosis.words.place import (
-    change_clauses,
-    each_size,
-    extent_words,
-    size_words,
-    worst_places,
-)
+from hbench.report.diagnosis.words.place import change_clauses, each_size, extent_words, size_words
 from hbench.report.diagnosis.words.refit import unexplained
 from hbench.report.diagnosis.words.unexplained import (
     limits_words,
     narrowing_words,
     unexplained_words,
 )
-from hbench.report.render.numbers import number
 from hbench.report.render.symbols import capital, listed
 
 
@@ -179,9 +166,7 @@ def _finding(effect: AddedEffect) -> str:
     value = only_coefficient(effect)
     words = f"{value}; 95 % interval" if value else parts_words(effect) or _parts(effect)
     finding = f"{missing}: {description_words(effect)}{f' ({words})' if words else ''}."
-    if cause := common_cause(effect):
-        return f"{finding} These runs may not distinguish it from {cause}."
-    return finding
+    return f"{finding} Leaking valves may look the same." if leak_alike(effect) else finding
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
@@ -238,11 +223,13 @@ def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
-    _, _, finding = verdict_sentence(diagnosis).partition(": ")
     sensors = {each.name for each in diagnosis.practice if wrong_readings(each)}
     wrong = all(candidate.name in sensors for candidate in diagnosis.alternatives)
     what = "errors of the instruments is present" if wrong else "effects is missing in the model"
-    yield f"One of these {what}: {keys_in_words(finding)}"
+    names = listed([in_words(candidate.name) for candidate in diagnosis.alternatives], "or")
+    also = [f"{in_words(each.name)} ({coefficients_words(each)})" for each in diagnosis.effects]
+    yield f"One of these {what}: {names}; these data cannot distinguish them."
+    yield f"Added before: {'; '.join(also)}." if also else ""
     yield _cases(diagnosis)
     yield friction_words(diagnosis, brief=True)
     yield next_step(diagnosis)
@@ -264,53 +251,18 @@ def _cases(diagnosis: Diagnosis) -> str:
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[str]:
-    _, _, finding = verdict_sentence(diagnosis).partition(": ")
-    agreement, dot, sizes = keys_in_words(finding).partition(". ")
     if diagnosis.errors:
         yield "No missing effect is found."
         yield change_of_errors(diagnosis)
     else:
-        yield f"No missing effect is found: {agreement}{dot}".rstrip()
+        yield f"No missing effect is found: {agreement_words(diagnosis)}."
     yield beyond_balances(diagnosis)
     doubtful = doubtful_values(diagnosis)
     yield doubtful or "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
     yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
-    yield "" if diagnosis.errors else sizes
-    yield _largest(diagnosis)
-
-
-def _largest(diagnosis: Diagnosis) -> str:
-    """State the largest deviation that may matter, and why it is no missing effect.
-
-    A significant one comes first; the table has the others.
-    """
-    large, nearest = exceeding(diagnosis.where), largest_deviation(diagnosis.where)
-    if nearest is None:
-        return ""
-    if not large:
-        deviation, limit = deviation_and_limit(nearest)
-        return (
-            "No deviation is large enough to matter; nearest to its limit is "
-            f"{in_sentence(nearest.name)} with {deviation} RMS (matters above {limit})."
-        )
-    real = [gap for gap in large if gap.p_value < SIGNIFICANT_P]
-    end = f"is not significant ({p_equation(large[0].p_value)})"
-    if real:
-        size = f", at {number(real[0].gap, 1)} times the repeatability,"
-        end = (
-            f"is significant, but{size if real[0].gap < UNEXPLAINED_GAP else ''} below the limit "
-            f"for an unknown effect ({UNEXPLAINED_GAP:g} times): a small one is possible"
-        )
-        for place in worst_places(diagnosis, real[0].name)[:1]:
-            end += f". It is largest {place.words}"
-    return f"The largest deviation, {_most(real or large)}, {end}."
-
-
-def _most(gaps: Sequence[Gap]) -> str:
-    """Write the first deviation with its limit as a noun."""
-    deviation, limit = deviation_and_limit(gaps[0])
-    return f"{deviation} RMS in {in_sentence(gaps[0].name)} (matters above {limit})"
+    yield "" if diagnosis.errors else total_words(diagnosis)
+    yield largest_deviation_words(diagnosis)
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[str]:

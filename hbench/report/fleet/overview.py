@@ -60,9 +60,9 @@ def fleet_tiles(fleet: Fleet) -> Iterator[Tile]:
     if trends := steady_spreads(fleet):
         drifting = sum(trend.real for _, trend in trends)
         value, unit = f"{drifting} of {len(trends)}", "numbers with a drift"
-        most = f" {unseen_drift(trends)}" if not drifting else ""
+        most = f"; {unseen_drift(trends)}" if not drifting else ""
         others = "of those without a step" if stepped_numbers(fleet) else "over the campaigns"
-        yield Tile(value, unit, f"{others}{';' * bool(most)}{most}", "method-trends")
+        yield Tile(value, unit, f"{others}{most}", "method-trends")
     if fleet.capabilities:
         least = min(fleet.capabilities, key=lambda each: each.ppk.value)
         words = check_words(least.requirement, least.series)
@@ -112,7 +112,7 @@ def unseen_drift(trends: list[tuple[Spread, Trend]]) -> str:
     size = f"{half_width(change)} {spread.quantity.unit}"
     size += f" ({half_width(100 * share)} %)" if spread.quantity.unit != "%" else ""
     number = f"{in_sentence(spread.quantity)}{of_side(spread.direction)}"
-    return f"a change of up to {size} is not excluded, in {number}"
+    return f"up to {size} possible in {number}"
 
 
 def overview_table(fleet: Fleet) -> WordTable:

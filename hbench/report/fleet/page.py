@@ -30,9 +30,15 @@ from hbench.report.fleet.text import (
     spread_table,
     trend_table,
 )
-from hbench.report.fleet.verdict import fleet_verdict, further_sentences, steady_spreads
+from hbench.report.fleet.verdict import (
+    fleet_verdict,
+    further_sentences,
+    steady_spreads,
+    steady_trends,
+)
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
+from hbench.report.render.numbers import significant
 from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 
@@ -49,9 +55,9 @@ _CORRECTED = (
     "0.05. This limit is far in a small fleet, since few campaigns determine σ poorly."
 )
 _ALONE = (
-    "The intervals are those of each number alone. p is corrected for the number of trends (Holm), "
-    "and can be above 0.05 where the interval does not contain 0. A number whose mean has a step "
-    "has no trend."
+    "The intervals are those of each number alone. p is corrected (Holm) for all {count} trends "
+    "that were tested, and can be above 0.05 where the interval does not contain 0. A number whose "
+    "mean has a step is tested too, but the table of change points replaces its trend."
 )
 _CENTRED = (
     "σ between campaigns is about the mean before and after a step, or about the line of a drift: "
@@ -92,6 +98,29 @@ def fleet_document(fleet: Fleet, drawings: Iterable[Drawing]) -> Document:
     )
 
 
+def _of_trends(fleet: Fleet, *, changed: bool) -> str:
+    """Return what intervals and p of the drifts are; ``changed``: some numbers have a step."""
+    words = _ALONE.format(count=sum(spread.trend is not None for spread in fleet.spreads))
+    return words if changed else words.rpartition(" A number")[0]
+
+
+def _of_intervals(fleet: Fleet) -> tuple[tuple[str, str], ...]:
+    """Explain a change whose interval does not contain 0 and that is not significant."""
+    apart = [
+        trend.p_holm
+        for trend in steady_trends(fleet)
+        if not trend.real and not trend.low <= 0 <= trend.high
+    ]
+    if not apart:
+        return ()
+    p = significant(min(apart), 2)
+    words = (
+        "Each interval is that of its number alone; significance is corrected for all trends that "
+        f"were tested (p = {p} where the interval does not contain 0)."
+    )
+    return (("Change over time", words),)
+
+
 def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     left_out = "{} campaigns of this kind at other speeds are left out."
     remark = (left_out.format(fleet.other_speeds),) if fleet.other_speeds else ()
@@ -102,6 +131,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         items=tuple(further_sentences(fleet)),
         tiles=tuple(fleet_tiles(fleet)),
         tables=(*((overview,) if overview.rows else ()), *_protocols(fleet)),
+        facts=_of_intervals(fleet),
     )
     if fleet.outliers:
         yield _deviations(fleet)
@@ -167,7 +197,7 @@ def _tests(fleet: Fleet) -> Iterator[Section]:
     for title, table, words in (
         ("Spread of each number", spread_table(fleet), _CENTRED if fleet.charts else ""),
         ("Change points", step_table(fleet), ""),
-        ("Drifts", trend_table(fleet), _ALONE if changed else _ALONE.rpartition(" A number")[0]),
+        ("Drifts", trend_table(fleet), _of_trends(fleet, changed=changed)),
         ("Control limits", chart_table(fleet), ""),
         (f"Signals of the control charts ({len(signals.rows)})", signals, ""),
     ):

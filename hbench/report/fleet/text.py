@@ -47,6 +47,7 @@ from hbench.report.render.numbers import (
     with_ends,
 )
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import wrapped
 
 SCHEMA = "hbench.fleet/1"
 _PLAIN = str.maketrans(
@@ -60,6 +61,7 @@ def fleet_text(fleet: Fleet) -> str:
     """Return the summary and the tables, for a terminal."""
     failed = f", {fleet.failed} failed" if fleet.failed else ""
     lines = [f"{fleet.campaigns} campaigns: {fleet.campaigns - fleet.failed} analysed{failed}"]
+    lines += wrapped(fleet_verdict(fleet))
     lines += [f"  {count} failed: {reason}" for reason, count in fleet.reasons]
     if len(fleet.protocols) > 1:
         lines.append(
@@ -86,8 +88,8 @@ def fleet_text(fleet: Fleet) -> str:
     if fleet.decisions:
         lines += ["", f"decisions of hbench accept: {decision_words(fleet)}"]
     notes = [f"plan: {note}" for note in fleet.plan_notes]
-    lines += ["", *notes, *capability_notes(fleet), *limit_sentences(fleet)]
-    lines += [*finding_sentences(fleet), fleet_verdict(fleet)]
+    notes += [*capability_notes(fleet), *limit_sentences(fleet), *finding_sentences(fleet)]
+    lines += ["", *(line for note in notes for line in wrapped(note))]
     return "\n".join(lines).translate(_PLAIN)
 
 

@@ -32,6 +32,7 @@ from hbench.report.render.symbols import capital
 _LIMITS_ARE_NARROWER = (
     "A campaign beyond a control limit need not be an outlier: control limits are narrower."
 )
+_UNLESS_DRIFT = ", unless a drift within the campaigns differs between them"
 _NAMED = 3  # steps, outliers and drifts in a sentence
 
 
@@ -42,7 +43,7 @@ def fleet_verdict(fleet: Fleet) -> str:
     changes = _changes(fleet)
     changed = "; ".join(f"{' and '.join(sizes)} changed from {at} on" for at, sizes in changes)
     if changed and dict(fleet.weak_checks).get("drift", 0):
-        changed += ", provided that any drift within the campaigns is alike in all"
+        changed += _UNLESS_DRIFT
     if passed:
         but = f", but {changed}" if changed else ""
         sentences = [f"All {fleet.campaigns} campaigns have the decision PASS{but}."]
@@ -120,6 +121,9 @@ def _changes(fleet: Fleet) -> list[tuple[str, dict[str, list[str]]]]:
     for chart in fleet.charts:
         if chart.step is not None and chart.step.real:
             size = f"{step_size(chart.step, chart.quantity.scale)} {of_change(chart.quantity.unit)}"
+            if chart.quantity.unit != "%" and chart.step.before:
+                change = 100 * abs(chart.step.after / chart.step.before - 1)
+                size += f" ({significant(change, 2)} %)"
             side = of_side(chart.direction).removeprefix(",")
             sizes = steps.setdefault(chart.step.name, {})
             sizes.setdefault(in_sentence(chart.quantity), []).append(f"{size}{side}")
@@ -139,8 +143,9 @@ def _drift_within(fleet: Fleet, changes: list[tuple[str, dict[str, list[str]]]])
     count = dict(fleet.weak_checks).get("drift", 0)
     if changes and count:
         size = fleet.drift_possible
-        most = "" if size is None else f" of up to {math.ceil(100 * size)} % of friction"
-        yield f"In {count} campaigns, a drift{most} within the campaign is not excluded."
+        most = "" if size is None else f"; it is up to {math.ceil(100 * size)} % in the worst"
+        where = f"{'any' if count == fleet.compared else count} of {fleet.compared} campaigns"
+        yield f"A drift of friction is not excluded within {where}{most}."
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:

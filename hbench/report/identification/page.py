@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from hbench.records import Identification, IdentifiedLaw, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
+from hbench.records.identification import MEMORY_M
 from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.campaign.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
@@ -38,9 +39,13 @@ _SUMMARY = (
      "runs, which were not used for the identification. Each law was simulated in a model of the "
      "bench, with the firmware in closed loop. At rest friction is the force that holds the "
      "piston, which laws of speed and pressure alone do not determine."),
-    ("Not determined", "The half-width of the 95 % interval exceeds a tenth of the parameter's "
-     "typical size, and exceeds the value too or is cut off by a bound of the fit; or the value is "
-     "at a bound. Other parameters may take its place."),
+    ("Start", f"The first {1e3 * MEMORY_M:.0f} mm of each run are not counted, as in the fits: "
+     "there friction depends on how the piston came to rest before the log began."),
+)  # fmt: skip
+_DETERMINED = (
+    ("Not determined", "The value is at a bound of the fit, or the half-width of its 95 % interval "
+     "exceeds the value, or a bound cuts the interval off. Intervals below a tenth of the "
+     "parameter's typical size do not count. Other parameters may take its place."),
     ("Hardly determined", "The 95 % interval contains 0, or its half-width exceeds half of the "
      "value."),
 )  # fmt: skip
@@ -73,11 +78,7 @@ _SECTION = (
     "section into a bench file."
 )
 _DIRECTION = re.compile(r"(?:^|; )(extend|retract): (?=\w)")  # before the remarks on it
-_SCATTER = (
-    "Root mean square difference of the trials from their mean: {sizes}. A part of it comes from "
-    "their initial states, which a simulation of the same trials reproduces: an error can be "
-    "smaller."
-)
+_SCATTER = "Root mean square difference of the trials from their mean: {sizes}."
 _RAMPS = (
     "Friction during a ramp can differ from that of steady runs. One Tustin law is fitted to the "
     "steady runs of a load and direction, and another to a ramp from breakaway on. During ramps "
@@ -91,7 +92,8 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     tables = {table.title: _named(table) for table in identification_tables(identification)}
     summary = (replace(tables[SUMMARY], title=_RANKED),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
-    facts: tuple[tuple[str, str], ...] = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
+    facts: tuple[tuple[str, str], ...] = (_HELD_OUT, *_DETERMINED)
+    facts = (*_SUMMARY, *_DETERMINED) if with_errors else facts
     if identification.scatter:
         facts += (("Trials' scatter", _SCATTER.format(sizes=scatter_words(identification))),)
     simulated = with_errors and identification.provenance.source == "simulated"

@@ -17,6 +17,7 @@ from hbench.records import (
 )
 from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
+from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import (
     AT_REST,
     AT_SPEED,
@@ -25,7 +26,6 @@ from hbench.report.identification.ranking import (
     ranked_laws,
     rms_n,
 )
-from hbench.report.identification.remarks import interval_words, left_out_words
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import (
     NONE,
@@ -34,7 +34,6 @@ from hbench.report.render.numbers import (
     significant,
     with_ends,
 )
-from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
 SCHEMA = "hbench.identification/1"
@@ -78,15 +77,6 @@ def identification_json(identification: Identification) -> str:
     return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
 
-def identification_text(identification: Identification) -> str:
-    """Return every table in aligned columns, then the reasons for missing results."""
-    blocks = ["\n".join(table_lines(table)) for table in identification_tables(identification)]
-    intervals = interval_words(identification)
-    sentences = [*reasons(identification), *_left_out(identification), intervals]
-    sentences += identification.notes
-    return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2").replace("±", "+-")
-
-
 def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
     """Return the tables that have rows: errors, errors on runs left out, parameters, ramps."""
     every = (
@@ -120,7 +110,7 @@ def reasons(identification: Identification) -> tuple[str, ...]:
     sentences = [identification.not_verified] if identification.not_verified else []
     for law in identification.laws:
         if law.fit is None:
-            sentences.append(f"{law.law} is not identified: {law.reason}")
+            sentences.append(f"{law_words(law.law)} is not identified: {law.reason}")
         elif law.fit.message:
             sentences.append(f"{law.law}: {_with_titles(law.fit)}")
         if law.not_verified:
@@ -128,12 +118,6 @@ def reasons(identification: Identification) -> tuple[str, ...]:
     if identification.no_ramps:
         sentences.append(f"steady fits and ramps are not compared: {identification.no_ramps}")
     return tuple(sentences)
-
-
-def _left_out(identification: Identification) -> tuple[str, ...]:
-    """Return how many runs are not used, and the reasons."""
-    lines = [f"  {line}" for line in left_out_words(identification)]
-    return (f"runs not used: {len(identification.left_out)}", *lines) if lines else ()
 
 
 def _law(law: IdentifiedLaw) -> dict[str, Any]:

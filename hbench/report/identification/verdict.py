@@ -31,7 +31,6 @@ def verdict_words(identification: Identification) -> str:
         return ""
     parts = (
         _closest(identification, best),
-        _instruments(identification),
         _reserve(identification, best),
         _as_good(identification, best),
     )
@@ -46,7 +45,8 @@ def _closest(identification: Identification, best: str) -> str:
         where, choice = "On this simulated cylinder, use ", " A real cylinder may need another law."
     return (
         f"{where or 'Use '}{law_words(best)}: it predicts friction in motion with an RMS error of "
-        f"{error} N{_range(identification)}{_trials(identification)}.{choice}"
+        f"{error} N{_range(identification)}{_trials(identification)}"
+        f"{_instruments(identification)}.{choice}"
     )
 
 
@@ -59,8 +59,12 @@ def _trials(identification: Identification) -> str:
 
 def _range(identification: Identification) -> str:
     """Return the measured friction of the verification runs, both directions; may be empty."""
-    friction = [run.measured.friction_n for run in identification.followed]
-    known = [each[np.isfinite(each)] for each in friction]
+    known = [
+        run.measured.friction_n[
+            np.isfinite(run.measured.friction_n) & (run.measured.t_s >= run.compared_from_s)
+        ]
+        for run in identification.followed
+    ]
     if not any(map(len, known)):
         return ""
     rms = float(np.sqrt(np.mean(np.concatenate(known) ** 2)))
@@ -73,8 +77,8 @@ def _instruments(identification: Identification) -> str:
     if half is None:
         return ""
     return (
-        "Errors of the instruments, common to all runs, are not included: "
-        f"up to ±{half_width(half)} N (95 %)."
+        f"; errors of the instruments, common to all runs, come on top: up to "
+        f"±{half_width(half)} N (95 %)"
     )
 
 

@@ -127,8 +127,8 @@ def numbered(document: Document, on_paper: bool = False) -> Document:
     A table without a title has that of its section. ``[[anchor]]`` in the verdict or in the text of
     a section becomes the number of the first table in the section with this anchor, or without one
     its title.
-    Parts that are not printed are left out ``on_paper``: figures and tables are numbered through
-    without them, and a reference to one is its title.
+    Parts that are not printed are left out ``on_paper``, where a reference to one is its title.
+    They are counted, so that a table has the same number on the page and on paper.
     """
     counted = _Numbers(on_paper)
     sections = tuple(counted.numbered(section, "") for section in document.sections)
@@ -154,25 +154,34 @@ class _Numbers:
     def numbered(self, section: Section, title: str) -> Section:
         title = _COUNT.sub("", section.title) or title
         drawings, tables, first = [], [], self.tables + 1
+        captions: dict[str, int] = {}  # a caption is written out once in a section
         for drawing in section.drawings:
             self.figures += 1
+            with_caption = captions.setdefault(drawing.caption, self.figures)
+            caption = drawing.caption
+            if caption and with_caption < self.figures:
+                caption = f"As for Figure {with_caption}."
             drawings.append(
-                replace(drawing, title=_dotted(f"Figure {self.figures}", drawing.title))
+                replace(
+                    drawing, title=_dotted(f"Figure {self.figures}", drawing.title), caption=caption
+                )
             )
         for table in section.tables:
             self.tables += 1
             named = _dotted(f"Table {self.tables}", table.title or title)
             tables.append(replace(table, title=named))
-        shown = [part for part in section.parts if part.printed or not self.on_paper]
-        parts = tuple(self.numbered(part, title) for part in shown)
+        parts = []
         for part in section.parts:
-            if part not in shown and part.title:
+            printed = part.printed or not self.on_paper
+            if not printed and part.title:
                 name = f"“{_COUNT.sub('', part.title)}” on the page"
                 self.name_of.setdefault(anchor(part), name)
+            counted = self.numbered(part, title)
+            parts += [counted] if printed else []
         if section.title:
             name = f"Table {first}" if self.tables >= first else f"“{section.title}”"
             self.name_of.setdefault(anchor(section), name)
-        return replace(section, drawings=tuple(drawings), tables=tuple(tables), parts=parts)
+        return replace(section, drawings=tuple(drawings), tables=tuple(tables), parts=tuple(parts))
 
     def referred(self, section: Section) -> Section:
         return replace(

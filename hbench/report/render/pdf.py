@@ -52,7 +52,7 @@ _ALARM, _BANNER = "#9b1111", "#8a3a00"
 _INSET = 10.0  # of a text inside a frame
 _HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
 _DATE = re.compile(r"\d{4}-\d\d-\d\d")
-_NUMBERS = "report.html has more tables; its table numbers differ."
+_NUMBERS = "report.html has more tables: their numbers are missing here."
 _HEADER = 34.0  # base of the running header and, from below, of the footer
 
 
@@ -205,7 +205,7 @@ def _opening(pen: Pen, section: Section) -> float:
     if section.drawings and _has_text(section):
         return height
     for row in list(_side_by_side(section.drawings))[:1]:
-        return height + max(_heights(row)) + _below(_captions(row, section.drawings)) + 8
+        return height + max(_heights(row)) + _below(_captions(row)) + 8
     if section.tables:
         return (
             height + _CAPTION + least_height(pen, section.tables[0].head, _rows(section.tables[0]))
@@ -275,7 +275,7 @@ def _facts(pen: Pen, facts: tuple[tuple[str, str], ...] | list[tuple[str, str]])
 def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
     """Set figures, two side by side or one over the whole width, with their captions."""
     for row in _side_by_side(drawings):
-        captions = _captions(row, drawings)
+        captions = _captions(row)
         below = 0.0 if _is_beside(row) else _below(captions)
         height = max(_heights(row)) + below + 8
         pen.floating(height, partial(_figure_row, pen, row, captions, below))
@@ -311,8 +311,8 @@ def _is_beside(row: list[Drawing]) -> bool:
     return len(row) == 1 and not row[0].wide
 
 
-def _captions(row: list[Drawing], drawings: tuple[Drawing, ...]) -> list[list[str]]:
-    return [wrapped(_caption(drawing, drawings), _width(row), _SMALL) for drawing in row]
+def _captions(row: list[Drawing]) -> list[list[str]]:
+    return [wrapped(_caption(drawing), _width(row), _SMALL) for drawing in row]
 
 
 def _below(captions: list[list[str]]) -> float:
@@ -327,12 +327,9 @@ def _few_colours(png: bytes) -> np.ndarray:
     return np.asarray(image.quantize(_PALETTE, dither=Image.Dither.NONE).convert("RGB"))
 
 
-def _caption(drawing: Drawing, drawings: tuple[Drawing, ...]) -> str:
-    """Return a figure's number, title and caption; a caption is written out once in a section."""
-    first = next(each for each in drawings if each.caption == drawing.caption)
-    same = f"As for {first.title.partition('.')[0]}." if drawing.caption else ""
-    caption = drawing.caption if first is drawing else same
-    return f"{drawing.title}. {caption}".strip()
+def _caption(drawing: Drawing) -> str:
+    """Return a figure's number, title and caption."""
+    return f"{drawing.title}. {drawing.caption}".strip()
 
 
 def _side_by_side(drawings: tuple[Drawing, ...]) -> Iterator[list[Drawing]]:

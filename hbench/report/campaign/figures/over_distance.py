@@ -40,7 +40,7 @@ def over_distance(results: Results) -> dict[str, Figure]:
         axes.set_ylabel(f"{name} ({unit})")
         low, high = axes.get_ylim()
         axes.set_ylim(low, high + _LEGEND_LINE * len(trends) * (high - low))
-        axes.legend(fontsize=8, frameon=False, loc="upper left")
+        axes.legend(fontsize=8, frameon=True, edgecolor="#9ca3af", loc="upper left")
     panels[-1].set_xlabel("Distance travelled (m)")
     style.head(panels[0], "Over the distance", results)
     style.read_as(figure, "One point for each run or cycle; lines: straight, by least squares.")

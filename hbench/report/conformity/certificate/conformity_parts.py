@@ -44,14 +44,13 @@ def conformity_part(certificate: Certificate) -> Part:
         "of_product", product=certificate.named(acceptance.product)
     )
     limits = word("of_limits", limits=_file(acceptance))
-    not_calibrated = _not_calibrated(certificate)
-    lead = " ".join(filter(None, (product, limits, _reservation(certificate), not_calibrated)))
-    verdict = word(acceptance.decision) + (word("by_tolerances") if not_calibrated else "")
+    lead = " ".join(filter(None, (product, limits, _reservation(certificate))))
     return Part(
         *("conformity", word("conformity")),
         tables=(table,),
         paragraphs=paragraphs,
-        verdict=verdict,
+        verdict=word(acceptance.decision),
+        reserve=_not_calibrated(certificate),
         lead=lead,
     )
 
@@ -118,7 +117,7 @@ def _decision_row(
         percent = f"{size} %"
     return (
         quantity_words(certificate, check),
-        on_a_line(", ".join(where), 20),
+        on_a_line(", ".join(where), 20) or NONE,
         localized(certificate, text),
         on_a_line(limit_words(certificate, check.requirement), 20),
         localized(certificate, percent),

@@ -175,7 +175,6 @@ ENGLISH = {
     "applies": "The statement applies to the quantities in the table. “Conforms” is the "
     "probability of conformity (JCGM 106, 7), for a Student distribution with the 95 % interval of "
     "measured value ± U; where U has no factor k, this distribution is an assumption.",
-    "by_tolerances": " on stated tolerances, no calibration certificate",
     "not_calibrated": "U rests on stated tolerances: no calibration certificate is recorded for "
     "{instruments}.",
     "worst_speed": "Where a limit states no speed, each series is decided at the speed with "
@@ -212,7 +211,7 @@ ENGLISH = {
     "not known: {quantities}.",
     "short": "{points} of {of} operating points have fewer accepted trials than planned.",
     "rejected": "{runs} runs were rejected by screening and do not count.",
-    "care": "The data are rated “with care” (grades: good, with care, poor); reason: {checks}.",
+    "care": "The data is rated “with care” (grades: good, with care, poor); reason: {checks}.",
     "check_complete": "completeness",
     "check_runs_accepted": "accepted runs",
     "check_trials_per_point": "trials per point",

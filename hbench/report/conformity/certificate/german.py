@@ -178,7 +178,6 @@ GERMAN = {
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
     "Wahrscheinlichkeit der Konformität (JCGM 106, 7), für eine Studentverteilung mit dem "
     "95-%-Intervall Messwert ± U; wo U keinen Faktor k hat, ist diese Verteilung angenommen.",
-    "by_tolerances": " nach angegebenen Toleranzen, ohne Kalibrierschein",
     "not_calibrated": "U beruht auf angegebenen Toleranzen: Ein Kalibrierschein ist nicht "
     "verzeichnet für {instruments}.",
     "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "

@@ -31,7 +31,8 @@ class Part:
     tables: tuple[GridTable, ...] = ()
     paragraphs: tuple[str, ...] = ()
     verdict: str = ""  # the decision in large letters, first of all
-    lead: str = ""  # before the rest, in bold
+    reserve: str = ""  # what the decision rests on, in bold
+    lead: str = ""  # before the rest
 
 
 @dataclass(frozen=True)

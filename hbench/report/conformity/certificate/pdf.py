@@ -32,11 +32,11 @@ from hbench.report.render.pdf_table import QUIET, set_table
 
 _ACCENT, _MARK = "#1d4e6f", "#9b1c1c"
 _GAP = 20.0  # between parts side by side
-_BODY, _HEADING, _VERDICT, _TITLE = 7.5, 8.8, 16.0, 18.0
+_BODY, _HEADING, _VERDICT, _TITLE = 7.2, 8.8, 16.0, 18.0
 _LABEL = 0.34  # share of a fact's name
 _LOGO = (125.0, 60.0)  # largest
-_SIGNATURE = 62.0  # height
-_OPENING = 70.0  # height of a heading and the first lines of its text
+_SIGNATURE = 53.0  # height
+_OPENING = 50.0  # height of a heading and the first lines of its text
 _PARAGRAPH = 2.0  # between paragraphs
 
 
@@ -191,6 +191,9 @@ def _part(pen: Pen, part: Part) -> None:
     if part.verdict:
         pen.words(part.verdict, _VERDICT, weight="bold")
         pen.space(2)
+    if part.reserve:
+        pen.words(part.reserve, _BODY, weight="bold")
+        pen.space(2)
     if part.lead:
         pen.words(part.lead, _BODY)
         pen.space(3)
@@ -237,7 +240,7 @@ def _signatures(pen: Pen, shown: Content) -> None:
     for start in range(0, len(shown.signatories), columns):
         top = pen.y
         for column, (name, role) in enumerate(shown.signatories[start : start + columns]):
-            pen.x, pen.width, pen.y = LEFT + column * (width + _GAP), width, top + 30
+            pen.x, pen.width, pen.y = LEFT + column * (width + _GAP), width, top + 26
             pen.rule(INK)
             pen.write(shown.signature_label, 6.5, color=QUIET)
             for line in wrapped(name, width, _BODY, "bold")[:2]:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
+from hbench.records.diagnosis import LEAST_EXPLAINED
 from hbench.report.diagnosis.figures.colour_scales import GAPS
 from hbench.report.diagnosis.names import (
     AXES,
@@ -28,6 +29,7 @@ from hbench.report.diagnosis.names import (
     value_words,
 )
 from hbench.report.diagnosis.tables.gap_tables import with_total
+from hbench.report.diagnosis.words.candidate import too_small
 from hbench.report.render import style
 from hbench.report.render.numbers import number, short, significant
 from hbench.report.render.series import behind
@@ -243,9 +245,10 @@ def _remark(candidate: Candidate) -> str:
     score = round(candidate.score, 1)
     if score <= 0:
         return f"{short(score)}: no gain"
-    if candidate.score <= candidate.threshold:
+    if candidate.score <= candidate.threshold and candidate.explained < LEAST_EXPLAINED:
         return short(score)
-    return f"{short(score)}; explains {share(candidate.explained)}"
+    small = "; too small" if too_small(candidate) == ["size"] else ""
+    return f"{short(score)}; explains {share(candidate.explained)}{small}"
 
 
 def refitted_figure(diagnosis: Diagnosis) -> Figure:

@@ -1,7 +1,8 @@
 """Tables of effects: named, not distinguishable, and tried."""
 
 from hbench.records import Candidate, Diagnosis, WordTable
-from hbench.report.diagnosis.names import share
+from hbench.report.diagnosis.names import share, value_words
+from hbench.report.diagnosis.words.candidate import too_small
 from hbench.report.diagnosis.words.coefficient import (
     coefficient_text,
     coefficient_words,
@@ -10,7 +11,10 @@ from hbench.report.diagnosis.words.coefficient import (
 from hbench.report.render.numbers import NONE, number
 
 _NO_GAIN = 0.05  # nats that are written as 0
-_RANK_HEAD = ("candidate", "score (nats)", "must exceed", "explains", "size", "tried")
+_RANK_HEAD = (
+    *("candidate", "score (nats)", "must exceed", "explains", "size"),
+    *("too small to be named", "tried"),
+)
 Rows = tuple[tuple[str, ...], ...]
 
 
@@ -67,7 +71,7 @@ def ranking_table(diagnosis: Diagnosis, most: int | None = None) -> WordTable:
 
 def refitted_table(diagnosis: Diagnosis) -> WordTable:
     """Return the factors on the model's poorly known values."""
-    rows = tuple((path, parameter_text(p)) for path, p in diagnosis.refitted.items())
+    rows = tuple((value_words(path), parameter_text(p)) for path, p in diagnosis.refitted.items())
     head = ("value of the model", "refitted by the factor (95 % interval)")
     title = "Refitted with the effects" if diagnosis.confirmed else "Refitted values"
     return WordTable(title, head, rows)
@@ -79,8 +83,15 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
             candidate.name,
             number(candidate.score + 0.0, 1),
             number(candidate.threshold, 1),
-            share(candidate.explained) if candidate.score > candidate.threshold else NONE,
-            f"{number(candidate.size, 2)} × typical" if candidate.score > _NO_GAIN else NONE,
+            *(
+                (
+                    share(candidate.explained),
+                    f"{number(candidate.size, 2)} × typical",
+                    ", ".join(too_small(candidate)) or NONE,
+                )
+                if candidate.score > _NO_GAIN
+                else (NONE, NONE, "score")
+            ),
             "in full" if candidate.tried == "full" else "linearly",
         )
         for candidate in candidates

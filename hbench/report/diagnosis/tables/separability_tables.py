@@ -129,7 +129,9 @@ def detectable(diagnosis: Diagnosis) -> str:
     fitted = [in_words(name) for name, why in diagnosis.not_tried.items() if why == FITTED]
     verb = "is" if len(fitted) == 1 else "are"
     more = f" {capital(listed(fitted))} {verb} fitted with the model's values." if fitted else ""
-    return f"These runs would show {count} known effects at a typical size.{rest}{more}"
+    untried = [in_words(name) for name in seen if name in diagnosis.not_tried]
+    tried = f" ({len(seen) - len(untried)} tried, and {listed(untried)})" if untried else ""
+    return f"These runs would show {count} known effects{tried} at a typical size.{rest}{more}"
 
 
 def undetectable(diagnosis: Diagnosis) -> str:

@@ -26,8 +26,8 @@ from hbench.report.diagnosis.names import (
 from hbench.report.diagnosis.words.change import readings_words
 from hbench.report.diagnosis.words.coefficient import (
     alike_words,
-    common_cause,
     gap_words,
+    leak_alike,
     parts_present,
 )
 from hbench.report.diagnosis.words.deviation import beyond_balances, too_small_words
@@ -183,8 +183,8 @@ def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
         return _TOO_SMALL
     if parts := _first_parts(_inspections(diagnosis, matters)):
         first = ", then ".join(parts)
-        if common := next(filter(None, map(common_cause, matters)), ""):
-            return f"First check for {common}; then inspect {first}."
+        if any(map(leak_alike, matters)):
+            return f"First check the valves for leakage; then inspect {first}."
         return f"{'Inspect first' if parts[1:] else 'Next, inspect'} {first}."
     return " ".join(practice[each.name].repair for each in matters if each.name in practice)
 

@@ -209,29 +209,30 @@ def parts_words(effect: AddedEffect) -> str:
     parts = parts_present(effect)
     if len(parts) != 2:
         return ""
-    return listed(
-        [f"{coefficient_words(name, effect.name)} {_size_text(effect, name)}" for name in parts]
-    )
+    sizes = [_size_text(effect, name) for name in parts]
+    first, at, reference = sizes[0].partition(" at ")
+    if at and sizes[1].endswith(f"{at}{reference}"):
+        sizes[0] = first  # the condition is that of both
+    names = [coefficient_words(name, effect.name) for name in parts]
+    return listed([f"{name} {size}" for name, size in zip(names, sizes, strict=True)])
 
 
-def common_cause(effect: AddedEffect) -> str:
-    """Return what to check first where both cylinders leak alike; empty where they do not."""
+def leak_alike(effect: AddedEffect) -> bool:
+    """Return whether both cylinders leak alike, as leaking valves would make them."""
     both = [effect.parameters[name] for name in ("test", "load") if name in parts_present(effect)]
     if effect.name != "internal_leakage" or len(both) < 2:
-        return ""
+        return False
     (low, high), (other_low, other_high) = ((p.ci95 or (p.value, p.value)) for p in both)
-    if max(low, other_low) > min(high, other_high):
-        return ""
-    return "a common cause, such as leakage of the valves"
+    return max(low, other_low) <= min(high, other_high)
 
 
 def alike_words(effect: AddedEffect) -> str:
     """State that both cylinders leak alike, which a common cause explains better; or nothing."""
-    if not (cause := common_cause(effect)):
+    if not leak_alike(effect):
         return ""
     return (
-        f"Both cylinders leak alike: check first for {cause}, which these runs may not distinguish "
-        "from two like seals."
+        "Both cylinders leak alike, and leaking valves may look the same in these runs: check the "
+        "valves for leakage first."
     )
 
 

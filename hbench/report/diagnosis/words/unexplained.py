@@ -70,9 +70,10 @@ def limits_words(diagnosis: Diagnosis) -> str:
         0 < gap.material < gap.deviation < _FAR * gap.material for gap in gaps
     ):
         return ""
-    ratios = listed([significant(gap.deviation / gap.material, 3) for gap in gaps])
-    limits = "limits above which they matter" if gaps[1:] else "limit above which it matters"
-    return f"That is only {ratios} times the {limits}."
+    excess = [100 * (gap.deviation / gap.material - 1) for gap in gaps]
+    percents = listed([significant(percent, 1 if percent < 10 else 2) for percent in excess])
+    limits = "limits that matter" if gaps[1:] else "limit that matters"
+    return f"That is only {percents} % above the {limits} (before rounding)."
 
 
 def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
@@ -111,8 +112,8 @@ def _below_limit_words(diagnosis: Diagnosis, gap: Gap) -> str:
     if held_out is None or not held_out.refitted > CLEARLY_WORSE * held_out.floor:
         return f"{words}."
     return (
-        f"{words}. In runs outside the fit its gap is {gap_number(held_out.refitted)}, where a "
-        f"correct model would have {gap_number(held_out.floor)}: do not rely on it."
+        f"{words}. Do not use the model for this quantity: in runs outside the fit its gap is "
+        f"{gap_number(held_out.refitted)}; a correct model has {gap_number(held_out.floor)}."
     )
 
 

@@ -1,0 +1,64 @@
+"""A diagnosis for a terminal: the paragraph and the answers of the page, then every table."""
+
+from hbench.records import Diagnosis
+from hbench.report.diagnosis.heading import title_words
+from hbench.report.diagnosis.names import in_words, keys_in_words, of_the_mass
+from hbench.report.diagnosis.sentences import reason_words
+from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
+from hbench.report.diagnosis.text import diagnosis_tables, gap_line, in_page_words, law_lines
+from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.diagnosis.words.coefficient import keys_as_words
+from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
+from hbench.report.render.symbols import capital
+from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import plain, wrapped
+
+_LEFT_OUT = 5  # runs that the terminal lists
+
+
+def diagnosis_text(diagnosis: Diagnosis) -> str:
+    """Return the verdict, the answers, every table and the caveats."""
+    title = f"{title_words(diagnosis)} ({diagnosis.provenance.source}, verdict: "
+    lead = of_the_mass(diagnosis, verdict_words(diagnosis))
+    errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
+    blocks = [
+        "\n".join((f"{title}{diagnosis.verdict})", *wrapped(lead))),
+        _paragraphs(*(f"{question}: {words}" for question, words in answers(diagnosis))),
+        _paragraphs(gap_line(diagnosis)),
+        _paragraphs(reason_words(diagnosis)),
+        _paragraphs(" ".join(filter(None, errors))),
+        _paragraphs(*effect_lines(diagnosis), *law_lines(diagnosis)),
+    ]
+    tables = map(in_page_words, diagnosis_tables(diagnosis))
+    blocks += ["\n".join(table_lines(table)) for table in tables]
+    notes = [line for note in diagnosis.notes for line in wrapped(note)]  # keys of files are kept
+    blocks += [_paragraphs(*caveats(diagnosis)), "\n".join(notes)]
+    return plain("\n\n".join(block for block in blocks if block))
+
+
+def _paragraphs(*texts: str) -> str:
+    """Return texts in lines of limited width, with effects and quantities in words."""
+    return "\n".join(line for text in texts for line in wrapped(keys_in_words(text)))
+
+
+def effect_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return for each effect whether it is the bench's or a sensor's, its law and its form."""
+    return tuple(
+        f"{capital(in_words(effect.name))} (of the {'sensors' if effect.of_sensor else 'bench'}): "
+        f"{effect.description}; form: {effect.shape or 'the textbook one'}."
+        for effect in diagnosis.effects
+    )
+
+
+def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return missing data, effects that were not tried and runs left out, a sentence each."""
+    lines = [f"Missing for a better verdict: {item}" for item in diagnosis.missing]
+    lines += map(capital, map(keys_as_words, not_tried_lines(diagnosis.not_tried)))
+    lines += [diagnosis.refit_refused] if diagnosis.refit_refused else []
+    if diagnosis.left_out:
+        lines.append(f"Runs left out: {len(diagnosis.left_out)}")
+        lines += [f"- {line}" for line in diagnosis.left_out[:_LEFT_OUT]]
+        if (more := len(diagnosis.left_out) - _LEFT_OUT) > 0:
+            lines.append(f"- and {more} more, in diagnosis.json")
+    return tuple(lines)

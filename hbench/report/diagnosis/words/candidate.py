@@ -1,0 +1,110 @@
+"""Candidates of the search in words: how much they explain, and why they are not named."""
+
+from collections.abc import Sequence
+
+from hbench.records import Candidate, Diagnosis
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
+from hbench.report.diagnosis.names import PRESSURE_SYMBOLS, in_words, share
+from hbench.report.render.numbers import number, significant
+from hbench.report.render.symbols import capital, listed
+
+
+def too_small(candidate: Candidate) -> list[str]:
+    """Return which of the three numbers of a candidate are too small for it to be named."""
+    enough = {
+        "score": candidate.score > candidate.threshold,
+        "share": candidate.explained >= LEAST_EXPLAINED,
+        "size": candidate.size >= LEAST_SIZE,
+    }
+    return [name for name, fulfilled in enough.items() if not fulfilled]
+
+
+def closeness(candidates: Sequence[Candidate]) -> str:
+    """Return how close the scores of an ambiguous set are."""
+    explained = [f"{in_words(each.name)} {share(each.explained)}" for each in candidates]
+    scores = [f"{in_words(each.name)} {number(each.score, 0)}" for each in candidates]
+    return (
+        "Share of the gap beyond the repeatability that each explains in cross-validation: "
+        f"{', '.join(explained)}. Their scores ({', '.join(scores)} nats) are too close to decide. "
+        "The laws of the catalogue are approximations: the effect with the better score may be the "
+        "wrong one."
+    )
+
+
+def best_candidate(diagnosis: Diagnosis) -> str:
+    """Return how much the best candidate explains, with its score and size."""
+    if not diagnosis.ranking:
+        return ""
+    best = diagnosis.ranking[0]
+    reasons = _not_named(best)
+    why = f" It is not named: {listed(reasons)}." if reasons else ""
+    needs = f" It would need {coefficients}." if (coefficients := _coefficients(best)) else ""
+    enough = (
+        f"; that share is large enough ({share(LEAST_EXPLAINED)} needed)"
+        if best.score <= best.threshold and best.explained >= LEAST_EXPLAINED
+        else ""
+    )
+    hint = (
+        " Take it as a hint: errors of the model's laws can look like a small effect."
+        if best.explained >= LEAST_EXPLAINED and diagnosis.verdict == "unknown"
+        else ""
+    )
+    return (
+        f"{capital(in_words(best.name))} is the closest of the {len(diagnosis.ranking)} effects "
+        f"that were tried and would explain {share(best.explained)} of the gap in the quantities "
+        f"that it changes{enough}.{needs}{why}{hint}{_too_small_ones(diagnosis)}"
+    )
+
+
+def _coefficients(candidate: Candidate) -> str:
+    """Write which offsets of the pressures a candidate consists of; empty for other candidates."""
+    sizes = [abs(value) for name, value in candidate.parameters.items() if name in PRESSURE_SYMBOLS]
+    if not sizes or len(sizes) < len(candidate.parameters):
+        return ""
+    low, high = (significant(size / 1e5, 2) for size in (min(sizes), max(sizes)))
+    return (
+        f"offsets of {low} to {high} bar, up to {number(candidate.size, 1)} times typical ones, "
+        "which a gauge would show"
+    )
+
+
+def _too_small_ones(diagnosis: Diagnosis) -> str:
+    """State which other candidates fail by their size alone; empty without any."""
+    failing = [each for each in diagnosis.ranking[1:] if too_small(each) == ["size"]]
+    return "".join(
+        f" {capital(in_words(each.name))} exceeds its score ({number(each.score, 1)} nats, "
+        f"{number(each.threshold, 1)} needed) and its share ({share(each.explained)}), but at "
+        f"{number(each.size, 2)} times a typical size ({number(LEAST_SIZE, 2)} needed) it is too "
+        "small to be named."
+        for each in failing
+    )
+
+
+def _not_named(best: Candidate) -> list[str]:
+    """Return the criteria of a named effect that a candidate does not meet."""
+    reasons = []
+    if best.score <= best.threshold:
+        reasons.append(
+            "it does not predict other operating points so much better that chance is ruled out "
+            f"(score {number(best.score + 0.0, 1)} nats, {number(best.threshold, 1)} needed)"
+        )
+    if best.explained < LEAST_EXPLAINED:
+        reasons.append(f"it explains too little ({share(LEAST_EXPLAINED)} needed)")
+    if best.size < LEAST_SIZE:
+        size = f"its size of {number(best.size, 2)} times a typical one"
+        reasons.append(f"{size} is too small ({number(LEAST_SIZE, 2)} needed)")
+    return reasons
+
+
+def hint(diagnosis: Diagnosis) -> str:
+    """Return the known effect that explains a part of the deviation; empty for none."""
+    if not diagnosis.ranking:
+        return ""
+    best = diagnosis.ranking[0]
+    if best.score <= best.threshold or best.explained < LEAST_EXPLAINED:
+        return ""
+    small = ", too small to be named," if best.size < LEAST_SIZE else ""
+    return (
+        f"A hint: {in_words(best.name)}{small} would explain {share(best.explained)} of the "
+        "deviation in the quantities that it changes."
+    )
