@@ -8,11 +8,11 @@ import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.parameters import CylinderParameters
+from hbench.reconcile.acceptance import TIE
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
 from hbench.reconcile.measured.balances import BALANCES
-from hbench.reconcile.search.acceptance import TIE
 from hbench.records import (
     AddedEffect,
     BeforeAfter,

@@ -7,9 +7,9 @@ import numpy as np
 
 from hbench.analysis.rounding import distinct_texts
 from hbench.analysis.screening.calibrate import RUN_FIELDS
+from hbench.reconcile.acceptance import ALIKE, CRITERIA, ambiguity_margin
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
-from hbench.reconcile.search.acceptance import ALIKE, CRITERIA, ambiguity_margin
 from hbench.reconcile.search_result import SearchResult
 from hbench.records import KINDS, Candidate, Gap, Run, Verdict
 from hbench.records.diagnosis import UNEXPLAINED_GAP

@@ -10,6 +10,7 @@ from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.acceptance import CRITERIA
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.evidence import CrossValidation, Priors
@@ -17,7 +18,6 @@ from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
-from hbench.reconcile.search.acceptance import CRITERIA
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search.candidates import EvaluatedCandidate, explained_share
 from hbench.reconcile.search.refinement import silent

@@ -26,6 +26,7 @@ import numpy as np
 
 from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
 from hbench.parallel.threads import map_on_threads
+from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.learned.balance_products import (
@@ -43,7 +44,6 @@ from hbench.reconcile.learned.table import (
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.search.acceptance import CRITERIA, score_to_exceed
 from hbench.reconcile.search.candidates import CandidateEvaluator
 
 _MOST_LAWS = 4

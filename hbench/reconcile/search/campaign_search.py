@@ -36,11 +36,11 @@ import numpy as np
 
 from hbench.analysis.rounding import distinct_texts, ranked
 from hbench.parallel.threads import map_on_threads
+from hbench.reconcile.acceptance import CRITERIA, TIE, indistinguishable, may_be_rival
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.hypothesis import effect_coefficients, typical_size
 from hbench.reconcile.linearised import LinearisedModel, linearise
-from hbench.reconcile.search.acceptance import CRITERIA, TIE, indistinguishable, may_be_rival
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search.refinement import EffectRefinement
 from hbench.reconcile.search_result import SearchResult, SearchStep, added_names

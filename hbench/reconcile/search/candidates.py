@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from hbench.parallel.threads import map_on_threads
+from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
 from hbench.reconcile.evidence import Comparison, CrossValidation, Fit, log_likelihood
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
@@ -19,7 +20,6 @@ from hbench.reconcile.hypothesis import (
     typical_size,
 )
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.search.acceptance import CRITERIA, score_to_exceed
 from hbench.reconcile.search.refits import SHORTER, Refits
 from hbench.reconcile.window_sums import is_change, is_level
 from hbench.records import Candidate

@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.acceptance import CRITERIA
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.evidence import log_likelihood
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
 from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.search.acceptance import CRITERIA
 from hbench.reconcile.search.candidates import CandidateEvaluator, EvaluatedCandidate
 
 _AS_SMALL = 1.02  # times the smallest gap: no reason to prefer a model

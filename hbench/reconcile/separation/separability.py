@@ -39,10 +39,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.acceptance import CRITERIA, ambiguity_margin
 from hbench.reconcile.evidence import Priors, expected_loss, information
 from hbench.reconcile.hypothesis import CoefficientKey, effect_coefficients
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.search.acceptance import CRITERIA, ambiguity_margin
 from hbench.records import DetectableSize, EffectPair, Separability
 
 LARGEST = 10.0  # typical sizes: no larger effect is considered

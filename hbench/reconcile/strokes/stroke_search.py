@@ -20,13 +20,13 @@ import numpy as np
 from hbench.analysis.rounding import ranked
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.acceptance import NULLS, TIE, AcceptanceCriteria, indistinguishable
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, times, whole_dof
 from hbench.reconcile.evidence import rotated
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.nuisance import nuisances
-from hbench.reconcile.search.acceptance import NULLS, TIE, AcceptanceCriteria, indistinguishable
 from hbench.reconcile.search.candidates import CandidateEvaluator, EvaluatedCandidate
 from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.records import Candidate, FitParameter
