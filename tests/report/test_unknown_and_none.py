@@ -318,11 +318,24 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert f"{largest} 12 N), {small}" in text and "trial scatters" not in text
     assert "and is more than 2 times the repeatability." in diagnosis_page(compared, ())
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
+    better = verdict(BeforeAfter(0.8, 0.73, 0.73, 1.37), deviation=19.0, p_value=0.008)
+    assert "by 0.730 times the repeatability, no more than a correct one (1.37 on" in better
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
     assert "agrees" in text and "is not significant (p = 0.300)." in text
     assert "times the repeatability; a correct model would by" in text
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
+
+
+@pytest.mark.parametrize(("given", "kept"), [(0.8, True), (3.0, False)])
+def test_a_model_that_agrees_as_given_is_kept(compared, given, kept):
+    """Its refit is as close outside the fit, but not in what the fit does not compare."""
+    total = BeforeAfter(given, 0.73, 0.73, 1.37)
+    table = GapTable(total, {"force_test": total}, {}, {})
+    refit = {"refitted": FACTOR, "refit_priors": dict.fromkeys(FACTOR, 0.2)}
+    none = replace(compared, verdict="none", rest=(), gap_heldout=table, **refit)
+    told = dict(answers(none))["What to do"]
+    assert told.startswith("Keep the model as given" if kept else "Use model.yaml")
 
 
 @pytest.mark.parametrize(

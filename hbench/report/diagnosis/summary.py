@@ -266,7 +266,14 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.refitted and not diagnosis.refit_refused:
-        yield _ACTION, "Use model.yaml, which has the refitted values."
+        total = diagnosis.gap_heldout.total
+        yield (
+            _ACTION,
+            "Keep the model as given: runs outside the fit deviate from it no more than from a "
+            "correct one."
+            if total.before <= total.floor
+            else "Use model.yaml, which has the refitted values.",
+        )
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis) if hint(diagnosis) else ""
     yield _REFIT, refit_words(diagnosis)

@@ -26,6 +26,12 @@ def agreement_words(diagnosis: Diagnosis) -> str:
     if agrees(diagnosis):
         return f"{where}{refitted}the model agrees with the measurement"
     total = diagnosis.gap_heldout.total
+    if total.refitted <= total.floor:
+        return (
+            f"{where}{refitted}the model deviates from runs outside the fit by "
+            f"{gap_number(total.refitted)} times the repeatability, no more than a correct one "
+            f"({gap_number(total.floor)} on average)"
+        )
     return (
         f"{where}{refitted}the model deviates from runs outside the fit by "
         f"{gap_number(total.refitted)} times the repeatability, a correct one by "
