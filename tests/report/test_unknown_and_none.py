@@ -319,7 +319,9 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "and is more than 2 times the repeatability." in diagnosis_page(compared, ())
     assert "agrees" not in verdict(close, gap=1.9, deviation=19.0, p_value=0.008)
     better = verdict(BeforeAfter(0.8, 0.73, 0.73, 1.37), deviation=19.0, p_value=0.008)
-    assert "by 0.730 times the repeatability, no more than a correct one (1.37 on" in better
+    assert "by 0.73 times the repeatability, no more than a correct one (1.37 on" in better
+    immaterial = verdict(off, gap=1.9, deviation=9.0, p_value=0.008)
+    assert "agrees with the measurement as far as it matters (it deviates from" in immaterial
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
     assert "agrees" in text and "is not significant (p = 0.300)." in text
     assert "times the repeatability; a correct model would by" in text

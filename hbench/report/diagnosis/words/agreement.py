@@ -32,10 +32,18 @@ def agreement_words(diagnosis: Diagnosis) -> str:
             f"{gap_number(total.refitted)} times the repeatability, no more than a correct one "
             f"({gap_number(total.floor)} on average)"
         )
+    gaps = (
+        f"by {gap_number(total.refitted)} times the repeatability, a correct one by "
+        f"{gap_number(total.floor)} on average"
+    )
+    if not exceeding(diagnosis.where):
+        return (
+            f"{where}{refitted}the model agrees with the measurement as far as it matters (it "
+            f"deviates from runs outside the fit {gaps})"
+        )
     return (
-        f"{where}{refitted}the model deviates from runs outside the fit by "
-        f"{gap_number(total.refitted)} times the repeatability, a correct one by "
-        f"{gap_number(total.floor)} on average; no known effect explains the difference"
+        f"{where}{refitted}the model deviates from runs outside the fit {gaps}; no known effect "
+        "explains the difference"
     )
 
 
