@@ -79,3 +79,9 @@ def test_the_stored_campaigns_tell_what_was_hidden_in_them_only_beside_them():
             for one in told[name]["effects"]
             if one in (SAMPLE / name / "campaign.yaml").read_text()
         ]
+
+
+def test_a_stribeck_campaign_of_another_plant_is_neither_refused_nor_given_an_effect():
+    """One rod-side pressure a direction; the plant is ``data_samples/plant.yaml``."""
+    found = blind.outcome(ROOT / "data_samples" / "stribeck-small")
+    assert (found.verdict, found.named, found.close) == ("none", (), ())

@@ -107,12 +107,26 @@ def test_an_effect_of_which_refinement_leaves_nothing_is_not_named():
     assert set(found.final.hypothesis.effects) & set(CANDIDATES) == {"internal_leakage"}
 
 
-@pytest.mark.parametrize(("lost", "stays"), [(4.0, False), (6.0, True)])
-def test_an_effect_that_may_be_zero_stays_if_it_is_needed(monkeypatch, lost, stays):
+@pytest.mark.parametrize(
+    ("lost", "before", "after", "stays"),
+    [
+        (4.0, 3.0, 1.0, False),
+        (6.0, 3.0, 1.0, True),
+        (6.0, 3.0, 2.8, False),  # 14 % of the gap outside the fit
+        (6.0, 0.7, 0.1, False),  # there is none
+    ],
+)
+def test_an_effect_that_may_be_zero_stays_if_it_is_needed(monkeypatch, lost, before, after, stays):
     class Losing(CampaignSearch):
         def _lost(self, model, without, effects, fewer):
             return lost
 
+    outside = iter((before, after))
+
+    def gap_outside(gaps, balances, points):
+        return next(outside) if len(points) == 2 else gap_of_balances(gaps, balances, points)
+
+    monkeypatch.setattr("hbench.reconcile.search.refinement.gap_of_balances", gap_outside)
     monkeypatch.setattr(ParameterEstimates, "may_be_zero", lambda _, name: True)
     leak = {"internal_leakage": {"load": "5e-3 l/min/bar"}}
     found, _, _ = searched(leak, candidates=("internal_leakage",), search=Losing)
