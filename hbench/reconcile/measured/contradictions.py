@@ -11,8 +11,9 @@ so they are looked for first, in windows of steady motion:
   friction. A fit of the areas with friction and an offset gives their ratio. Friction is dry,
   viscous and in proportion to each pressure, so strokes in both directions are needed: in one
   alone, friction that grows with a pressure is like an area. So are pressures that differ between
-  the directions alone, and are not judged. An error of the load cell's gain changes both areas
-  alike, so the ratio is free of it.
+  the directions alone. What the pressure on the rod side does and friction does not must also
+  exceed several times what the fit leaves: friction of another law may do as much. An error of the
+  load cell's gain changes both areas alike, so the ratio is free of it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -36,6 +37,7 @@ _AREAS = 0.08  # relative error of the areas' ratio; 11 % or more to the next ro
 _SIGMAS = 4.0  # of its standard error, at least
 _LEAST_SHARE = 0.5  # of the piston's area by the fit
 _LEAST_OWN = 0.05  # part of a pressure that friction and the other one do not follow: it tells
+_CLEAR = 3.0  # times the force that the fit leaves: that of the rod side's own part by its area
 _FEEDS = {"u_t_v": ("T", 1), "u_l1_v": ("L1", 1), "u_l2_v": ("L2", -1)}  # sign of v it drives
 
 
@@ -145,13 +147,16 @@ def _refuse_areas(
     if min(np.sum(way > 0), np.sum(way < 0)) < _FEWEST or not size.all():
         return
     columns = columns / size
-    if min(_own_part(columns, 0), _own_part(columns, 1)) < _LEAST_OWN:
-        return
     fit = np.linalg.lstsq(columns, steady.force_n, rcond=None)[0]
-    covariance, _ = covariance_over_runs(columns, steady.force_n - columns @ fit, steady.run)
+    left = steady.force_n - columns @ fit
+    covariance, _ = covariance_over_runs(columns, left, steady.run)
     (piston, rod), se = fit[:2] / size[:2], np.sqrt(np.diag(covariance)[:2]) / size[:2]
     if not (np.isfinite(se).all() and piston > max(_LEAST_SHARE, _SIGMAS * se[0])):
         return  # the force does not follow the pressures, or friction may follow them
+    own = _own_part(columns, 0), _own_part(columns, 1)
+    told = abs(rod - piston) * size[1] * own[1]
+    if min(own) < _LEAST_OWN or told < _CLEAR * np.linalg.norm(left):
+        return  # friction of another law may do the same
     off, error = rod / piston - 1, np.hypot(*se) / piston
     if abs(off) > max(_AREAS, _SIGMAS * error):
         given, found = rod_m2 / piston_m2, rod_m2 / piston_m2 * (1 + off)
