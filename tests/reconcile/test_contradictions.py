@@ -4,7 +4,6 @@ The strokes are written down by hand, with friction that is not hbench's: its dr
 the square root of the velocity, and a part of it grows with the pressure on the rod side.
 """
 
-from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -142,20 +141,13 @@ def test_a_wrong_rod_in_the_model_is_refused_with_the_rod_that_would_fit(runs, m
 
 
 def test_areas_are_not_judged_by_forces_that_no_area_explains(runs, model):
-    """The rod is wrong by 5 mm, and each run has 1.5 kN more or less, as of a guide that jams."""
-    own = model.par.test
-    rod_m = np.sqrt((own.area_piston_m2 - own.area_rod_m2) * 4 / np.pi)
-    thinner = own.area_piston_m2 - np.pi / 4 * (rod_m - 5e-3) ** 2
-    wrong = replace(model, par=model.par._replace(test=own._replace(area_rod_m2=thinner)))
-    for force_n, is_refused in ((0.0, True), (1500.0, False)):
-        pushed = sessions(
-            [
-                replace(run, f_applied_n=run.f_applied_n + force_n * (-1) ** i)
-                for i, run in enumerate(runs)
-            ]
-        )
-        with pytest.raises(DataError) if is_refused else nullcontext():
-            refuse_contradictions(pushed, wrong)
+    """Points have 600 N more or less, alike in each of ten trials: 9 % by the least squares."""
+    signs = np.random.default_rng(8).choice([-1, 1], len(runs))
+    pushed = [
+        replace(run, f_applied_n=run.f_applied_n + 600 * sign)
+        for run, sign in zip(10 * runs, np.tile(signs, 10), strict=True)
+    ]
+    refuse_contradictions(sessions(pushed), model)
 
 
 def test_logs_without_load_cylinder_or_force_sensor_are_not_refused(runs, model):
