@@ -17,6 +17,7 @@ from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult, Unconfirmed
 from hbench.records import FitParameter
+from hbench.records.diagnosis import UNEXPLAINED_GAP
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
 # Nuisances that a file may omit, as it would contain them.
@@ -28,7 +29,8 @@ def without_unconfirmed(
 ) -> SearchResult:
     """Return the result with those effects alone in its final model that held-out points confirm.
 
-    An effect is confirmed if it reduces their gap in the balances that it touches.
+    An effect is confirmed if it reduces their gap in the balances that it touches. One that does
+    not is no longer named where that gap is too large for an agreement: something else is missing.
     """
     unconfirmed: dict[str, Unconfirmed] = {}
     while kept := tuple(name for name in result.names if name not in unconfirmed):
@@ -36,10 +38,17 @@ def without_unconfirmed(
         removed = [name for name, (before, after) in gaps.items() if not after < before]
         if not removed:
             break
-        unconfirmed |= dict.fromkeys(removed, Unconfirmed(result.final, kept))
+        refuted = tuple(name for name in removed if gaps[name][0] > UNEXPLAINED_GAP)
+        doubtful = [name for name in removed if name not in refuted]
+        unconfirmed |= dict.fromkeys(doubtful, Unconfirmed(result.final, kept))
         others = tuple(name for name in kept if name not in removed)
         without = search.without(result.final, removed, others) if others else result.refitted
-        result = replace(result, final=without, unconfirmed=dict(unconfirmed))
+        result = replace(
+            result,
+            final=without,
+            unconfirmed=dict(unconfirmed),
+            vanished=(*result.vanished, *refuted),
+        )
     return result
 
 

@@ -40,7 +40,7 @@ class SearchResult:
     laws: tuple[LawFound, ...] = ()  # learned, in the final model
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
     unconfirmed: Mapping[str, Unconfirmed] = field(default_factory=dict)  # not in the final model
-    vanished: tuple[str, ...] = ()  # what refinement or laws left too little of
+    vanished: tuple[str, ...] = ()  # of little effect after refinement, laws or outside the fit
 
     @property
     def names(self) -> tuple[str, ...]:

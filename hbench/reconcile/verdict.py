@@ -78,8 +78,8 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
                 )
             elif best.name in result.vanished:
                 reason += (
-                    " It is not named: refitted, it is too small, within its tolerance, or not "
-                    "distinguishable from 0."
+                    " It is not named: refitted, it is too small, within its tolerance, not "
+                    "distinguishable from 0, or leaves the gap of runs outside the fit as it is."
                 )
         return "unknown", reason + unnamed
     return "none", NO_RESIDUALS

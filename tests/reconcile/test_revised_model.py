@@ -57,24 +57,34 @@ def model_with(force, supply):
 
 
 @pytest.mark.parametrize(
-    ("mass_after", "droop_after", "kept"),
+    ("mass_after", "droop_before", "droop_after", "kept"),
     [
-        (1.1, 1.2, ("added_mass", "supply_droop")),
-        (1.9, 1.2, ("supply_droop",)),
-        (1.9, 5.5, ()),
+        (1.1, 5.0, 1.2, ("added_mass", "supply_droop")),
+        (1.9, 5.0, 1.2, ("supply_droop",)),
+        (1.9, 1.8, 1.9, ()),
     ],
 )
 def test_the_revised_model_has_the_effects_that_held_out_runs_confirm(
-    mass_after, droop_after, kept
+    mass_after, droop_before, droop_after, kept
 ):
     """Added mass touches the force alone, a droop the supply alone."""
-    steps = tuple(
-        SearchStep(model_with(1.5, 5.0), (), name, ()) for name in ("added_mass", "supply_droop")
-    )
-    refitted, final = model_with(1.5, 5.0), model_with(mass_after, droop_after)
-    search = SimpleNamespace(without=lambda model, removed, others: model_with(1.5, droop_after))
-    result = SearchResult(None, refitted, steps, final)
-    result = without_unconfirmed(search, result, np.array([1]))
+    result, refitted, final = confirmed(mass_after, droop_before, droop_after)
     assert result.names == ("added_mass", "supply_droop") and result.confirmed == kept
     assert [each.model for each in result.unconfirmed.values()] == [final] * (2 - len(kept))
     assert (result.final is refitted) == (not kept) and (result.final is final) == (len(kept) == 2)
+
+
+def test_an_effect_that_leaves_a_large_gap_outside_the_fit_is_not_named():
+    """5.5 times the repeatability with it, and 5.0 without: another effect is missing."""
+    result, refitted, _ = confirmed(1.9, 5.0, 5.5)
+    assert result.names == ("added_mass",) and result.vanished == ("supply_droop",)
+    assert not result.confirmed and result.final is refitted
+
+
+def confirmed(mass_after, droop_before, droop_after):
+    """Return a result with two effects, confirmed or not, its refitted model and that with both."""
+    refitted, final = model_with(1.5, droop_before), model_with(mass_after, droop_after)
+    steps = tuple(SearchStep(refitted, (), name, ()) for name in ("added_mass", "supply_droop"))
+    search = SimpleNamespace(without=lambda model, removed, others: model_with(1.5, droop_after))
+    result = SearchResult(None, refitted, steps, final)
+    return without_unconfirmed(search, result, np.array([1])), refitted, final
