@@ -131,7 +131,7 @@ def design(folder: Path) -> None:
     subprocess.run(
         [sys.executable, "-m", "hbench", *map(str, command)], check=True, stdout=subprocess.DEVNULL
     )
-    picture(folder / "design" / "design.html", DOCUMENTS / "design.png", height=1690)
+    picture(folder / "design" / "design.html", DOCUMENTS / "design.png", height=1450)
 
 
 def identification(folder: Path) -> None:
