@@ -41,6 +41,7 @@ CASES = [
     ({"valve_trim": {"exponent": "0.05 1", "curvature": "0.02 1/V"}}, FLOWS),
     ({"valve_trim": {"ports": "2 %", "inlets": "-4 %"}}, ("flow_tp", "flow_tr")),
     ({"valve_trim": {"hose": "0.2 bar min/l"}}, FLOWS),
+    ({"valve_trim": {"small": "10 %"}}, FLOWS),
 ]
 
 
