@@ -10,7 +10,6 @@ import numpy as np
 
 from hbench.config.friction import LuGre
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.acceptance import CRITERIA
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.hypothesis import Hypothesis
@@ -30,14 +29,13 @@ def without_unconfirmed(
 ) -> SearchResult:
     """Return the result with those effects alone in its final model that held-out points confirm.
 
-    An effect is confirmed if it reduces their gap in the balances that it touches, by a quarter
-    where that gap is too large for an agreement. One that does not is then no longer named:
-    something else is missing.
+    An effect is confirmed if it reduces their gap in the balances that it touches. One that does
+    not is no longer named where that gap is too large for an agreement: something else is missing.
     """
     unconfirmed: dict[str, Unconfirmed] = {}
     while kept := tuple(name for name in result.names if name not in unconfirmed):
         gaps = {name: held_out_gaps(result, result.final, name, held_out) for name in kept}
-        removed = [name for name, of_effect in gaps.items() if not _is_confirmed(*of_effect)]
+        removed = [name for name, (before, after) in gaps.items() if not after < before]
         if not removed:
             break
         refuted = tuple(name for name in removed if gaps[name][0] > UNEXPLAINED_GAP)
@@ -52,12 +50,6 @@ def without_unconfirmed(
             vanished=(*result.vanished, *refuted),
         )
     return result
-
-
-def _is_confirmed(before: float, after: float) -> bool:
-    """Return whether an effect explains enough of a gap in squares beyond the repeatability."""
-    share = CRITERIA.explained if before > UNEXPLAINED_GAP else 0.0
-    return before**2 - after**2 > share * (before**2 - 1)
 
 
 def held_out_gaps(

@@ -6,7 +6,7 @@ criteria of a candidate about that model. At the end the effects found are refin
 the nuisances, now with the deviations below what is material, which a search for names leaves out,
 and with the shape of each law that cross-validation supports. An effect that is then smaller than
 these criteria ask for is left out again. So is one whose coefficients together do not differ from 0
-(95 %) and without which the refitted model loses at most 5 nats, or hardly deviates more in runs
+(95 %) and without which the refitted model loses at most 5 nats, or deviates no more in runs
 outside the fit.
 """
 
@@ -80,8 +80,8 @@ class EffectRefinement(CandidateEvaluator):
     def _is_needed(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
         """Return whether the refitted model without one of its effects is clearly worse.
 
-        It loses over 5 nats, and leaves a gap outside the fit in the balances of this effect, of
-        which the effect explains a quarter.
+        It loses over 5 nats, and leaves a gap outside the fit in the balances of this effect, which
+        the effect reduces.
         """
         others = tuple(each for each in names if each != name)
         without = self.without(model, [name], others)
@@ -93,7 +93,7 @@ class EffectRefinement(CandidateEvaluator):
         before, after = (
             gap_of_balances(one.gap_map, EFFECTS[name].balances, out) for one in (without, model)
         )
-        return before**2 - after**2 > CRITERIA.explained * (before**2 - 1) > 0
+        return before > max(after, 1.0)
 
     def without_superfluous(
         self, model: LinearisedModel, names: tuple[str, ...]
