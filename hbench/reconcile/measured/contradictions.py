@@ -36,8 +36,8 @@ _WRONG = 0.9  # share of windows in which a command has the wrong sign
 _AREAS = 0.08  # relative error of the areas' ratio; 11 % or more to the next rod of ISO 3320
 _SIGMAS = 4.0  # of its standard error, at least
 _LEAST_SHARE = 0.5  # of the piston's area by the fit
-_LEAST_OWN = 0.05  # part of a pressure that friction and the other one do not follow: it tells
-_CLEAR = 3.0  # times the force that the fit leaves: that of the rod side's own part by its area
+_LEAST_OWN = 0.05  # part of a pressure that neither friction nor the other pressure explains
+_CLEAR = 3.0  # times the force that the fit leaves: what a wrong area must explain, at least
 _FEEDS = {"u_t_v": ("T", 1), "u_l1_v": ("L1", 1), "u_l2_v": ("L2", -1)}  # sign of v it drives
 
 
@@ -154,8 +154,8 @@ def _refuse_areas(
     if not (np.isfinite(se).all() and piston > max(_LEAST_SHARE, _SIGMAS * se[0])):
         return  # the force does not follow the pressures, or friction may follow them
     own = _own_part(columns, 0), _own_part(columns, 1)
-    told = abs(rod - piston) * size[1] * own[1]
-    if min(own) < _LEAST_OWN or told < _CLEAR * np.linalg.norm(left):
+    by_area = abs(rod - piston) * size[1] * own[1]
+    if min(own) < _LEAST_OWN or by_area < _CLEAR * np.linalg.norm(left):
         return  # friction of another law may do the same
     off, error = rod / piston - 1, np.hypot(*se) / piston
     if abs(off) > max(_AREAS, _SIGMAS * error):

@@ -223,7 +223,7 @@ class CampaignSearch(EffectRefinement):
     def _alike(
         self, accepted: Sequence[EvaluatedCandidate], added: tuple[str, ...]
     ) -> tuple[str, ...]:
-        """Return the accepted candidates that the runs are not expected to tell from the first."""
+        """Return the accepted candidates that the runs hardly distinguish from the first one."""
         best, *rivals = accepted
         if best.model is None or not rivals:
             return ()
