@@ -11,13 +11,13 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.evidence import maximum_likelihood, spread
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
     Hypothesis,
     effect_coefficients,
     typical_size,
 )
+from hbench.reconcile.likelihood import maximum_likelihood, spread
 from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
@@ -35,7 +35,7 @@ class ParameterEstimates:
     chosen: tuple[int, ...]  # (q,) indices of the model's columns
     beta: np.ndarray  # (q,)
     covariance: np.ndarray  # (q, q)
-    sandwich: np.ndarray  # (q, q) covariance from the residuals alone; see ``evidence.py``
+    sandwich: np.ndarray  # (q, q) covariance from the residuals alone; see ``likelihood.py``
     dof: np.ndarray  # (q,)
     low: np.ndarray  # (q,)
     high: np.ndarray  # (q,)

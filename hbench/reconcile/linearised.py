@@ -1,6 +1,6 @@
 """Linearised model about a hypothesis: residuals of the balances and their columns.
 
-The columns (see ``evidence.py``) are the derivatives of the measured residuals by the parameters.
+The columns (see ``likelihood.py``) are the derivatives of the measured residuals by the parameters.
 Units: factors in standard deviations of their priors (of the logarithm), coefficients in typical
 sizes, disturbances and modes of learned laws in standard deviations of their priors.
 """
@@ -12,10 +12,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.learned.table import is_mode, mode_of
+from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.measured.disturbances import is_disturbance
 from hbench.reconcile.nuisance import BOUND, REPLACED, nuisances, standard_deviation
 from hbench.reconcile.products import Products

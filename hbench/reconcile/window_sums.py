@@ -1,4 +1,4 @@
-"""Sums of products of residuals and columns over windows, for ``evidence.py``.
+"""Sums of products of residuals and columns over windows, for ``likelihood.py``.
 
 The windows of a balance are grouped by motion: at rest, steady, unsteady, or reversing. Each group
 has a variance of its own, and a model's error in it is as large as the group's residuals. Most of

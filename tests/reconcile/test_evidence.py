@@ -9,16 +9,12 @@ from scipy.optimize import minimize
 from hbench.analysis.statistics.student import student_factor
 from hbench.reconcile.evidence import (
     Comparison,
-    Fit,
-    Priors,
-    cost,
     cross_validate,
     log_likelihood,
-    maximum_likelihood,
     random_signs,
-    spread,
     touched,
 )
+from hbench.reconcile.likelihood import Fit, Priors, cost, maximum_likelihood, spread
 from hbench.reconcile.products import Products, column_products
 
 NOISE = 1e-3  # variance of d, in squares of the scatter

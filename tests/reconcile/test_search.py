@@ -13,9 +13,10 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.evidence import CrossValidation, Priors
+from hbench.reconcile.evidence import CrossValidation
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.search.campaign_search import CampaignSearch

@@ -9,7 +9,7 @@ from scipy.linalg import subspace_angles
 from scipy.optimize import minimize
 
 from hbench.reconcile.acceptance import CRITERIA
-from hbench.reconcile.evidence import Priors
+from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.separation.separability import (

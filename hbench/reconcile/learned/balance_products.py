@@ -7,15 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from hbench.config.effects import Target
-from hbench.reconcile.evidence import (
-    Fit,
-    Priors,
-    least_cost,
-    log_likelihood,
-    maximum_likelihood,
-    predicted,
-    touched,
-)
+from hbench.reconcile.evidence import log_likelihood, predicted, touched
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.learned.columns import (
     knots_of,
@@ -24,6 +16,7 @@ from hbench.reconcile.learned.columns import (
     table_columns,
 )
 from hbench.reconcile.learned.table import Table, empty_table
+from hbench.reconcile.likelihood import Fit, Priors, least_cost, maximum_likelihood
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel
 from hbench.reconcile.measured_campaign import MeasuredCampaign

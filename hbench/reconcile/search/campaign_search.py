@@ -1,6 +1,6 @@
 """Search for effects of the catalogue that a model does not contain, one after another.
 
-Each candidate is first evaluated about the refitted model by its columns (``evidence.score``). The
+Each candidate is first evaluated about the refitted model by its columns (``Comparison.score``). The
 best are then evaluated in full, at their fitted coefficients. An effect is added if, by
 cross-validation over operating points,
 

@@ -12,13 +12,14 @@ import numpy as np
 
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
-from hbench.reconcile.evidence import Comparison, CrossValidation, Fit, log_likelihood
+from hbench.reconcile.evidence import Comparison, CrossValidation, log_likelihood
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
     effect_coefficients,
     shape_coefficients,
     typical_size,
 )
+from hbench.reconcile.likelihood import Fit
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search.refits import SHORTER, Refits
 from hbench.reconcile.window_sums import is_change, is_level

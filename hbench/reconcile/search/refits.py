@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hbench.reconcile.evidence import CrossValidation, cost, cross_validate, maximum_likelihood
+from hbench.reconcile.evidence import CrossValidation, cross_validate
 from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.likelihood import cost, maximum_likelihood
 from hbench.reconcile.linearised import (
     LinearisedModel,
     Measured,
