@@ -1,9 +1,11 @@
 """Maps of windows that are made up: white noise and differences between runs of known sizes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from hbench.reconcile.gaps.log_map import Windows, between_runs, log_map
+from hbench.reconcile.gaps.log_map import Windows, between_runs, log_map, ranked_gaps
 
 RUNS, TRIALS, LENGTH = 120, 3, 30
 NAMES = ("first", "second")
@@ -123,3 +125,51 @@ def test_variance_between_runs_is_pooled_over_operating_points():
     points = np.array([0, 0, 1, 1, 1, 2])
     assert between_runs(values, run, points) == pytest.approx([8 / 3])
     assert between_runs(values[:4], run[:4], points[:1]) == pytest.approx([0.0])
+
+
+def strokes(rng, trials, errors, noise=1.0, points=16):
+    """Runs to and fro, each begun at its own moment; ``errors`` of (v, x, load) are in SIGMA[0]."""
+    lengths = (LENGTH,) * (points * trials)
+    windows = windows_of(lengths, trials)
+    phase = np.repeat(rng.uniform(0, 2 * np.pi, len(lengths)), LENGTH)
+    at = 2 * np.pi * np.tile(np.arange(LENGTH), len(lengths)) / 10 + phase
+    load = np.repeat(np.repeat(np.linspace(1.0, 9.0, points), trials), LENGTH)
+    windows = replace(windows, v_m_s=np.cos(at), x_m=np.sin(at), load_n=load)
+    values = SIGMA * noise * rng.standard_normal((len(at), 2))
+    values[:, 0] += SIGMA[0] * errors(windows.v_m_s, windows.x_m, load)
+    return replace(log_map(windows, NAMES, values, 0 * SIGMA), material=np.zeros(2))
+
+
+def p_values(residuals):
+    return {gap.name: gap.p_value for gap in ranked_gaps(residuals, np.zeros(2))}
+
+
+@pytest.mark.parametrize("trials", [1, 3])
+@pytest.mark.parametrize(
+    "errors",
+    [
+        pytest.param(lambda v, x, load: np.sign(v), id="turns with the direction"),
+        pytest.param(lambda v, x, load: 1.5 * v * load / 9, id="share of the speed under load"),
+        pytest.param(lambda v, x, load: 1.5 * x, id="along the bore"),
+    ],
+)
+def test_errors_that_cancel_in_a_runs_mean_are_significant(trials, errors):
+    found = p_values(strokes(np.random.default_rng(trials), trials, errors))
+    assert found["first"] <= 0.01
+
+
+@pytest.mark.parametrize("trials", [1, 3])
+def test_noise_is_significant_as_often_as_its_level(trials):
+    rng = np.random.default_rng(7)
+    found = [p_values(strokes(rng, trials, lambda v, x, load: 0 * v)) for _ in range(150)]
+    low = np.mean([min(one.values()) < 0.1 for one in found])
+    assert 0.03 < low < 0.17  # of 150: 0.1 +- 0.025, after Holm at most
+
+
+def test_what_differs_from_trial_to_trial_is_not_significant():
+    rng = np.random.default_rng(3)
+    low = []
+    for _ in range(60):
+        residuals, _ = made(rng, between=2.0, lengths=(LENGTH,) * 24)
+        low.append(min(p_values(replace(residuals, material=np.zeros(2))).values()) < 0.1)
+    assert np.mean(low) < 0.25

@@ -115,8 +115,8 @@ def _run_means(values: np.ndarray, run: np.ndarray, runs: int) -> np.ndarray:
 def ranked_gaps(residuals: GapMap, allowed: np.ndarray, seed: int = 0) -> tuple[Gap, ...]:
     """Return the gaps of all balances, largest first; ``allowed`` (c,) is what tolerances explain.
 
-    The p-value is that of a permutation test: the means of the runs of a correct model have random
-    signs. Whole runs are turned at random 999 times.
+    The p-value is that of a permutation test: what the trials of an operating point have in common
+    has random signs in a correct model. Whole trials are turned at random 999 times.
     """
     assert residuals.white is not None and residuals.material is not None
     p_values = holm(_sign_p_values(residuals, np.random.default_rng(seed)))
@@ -166,12 +166,52 @@ def unexplained_at(residuals: GapMap, points: np.ndarray) -> tuple[Gap, ...]:
 
 def _sign_p_values(residuals: GapMap, rng: np.random.Generator) -> np.ndarray:
     """Return p-values (c,): the share of random signs with a sum over trials at least as large."""
-    first = np.unique(residuals.run, return_index=True)[1]
-    points = residuals.point[first]
-    means = np.nan_to_num(_run_means(residuals.difference, residuals.run, len(first)))
-    trials = (points[:, None] == np.arange(len(residuals.points))).astype(float)
-    signs = rng.choice([-1.0, 1.0], (_PERMUTATIONS, len(first)))
-    observed = ((trials.T @ means) ** 2).sum(axis=0)
-    turned = np.einsum("br,rc,rp->bpc", signs, means, trials, optimize=True)
-    larger = (turned**2).sum(axis=1) >= observed * (1 - 1e-9)
+    part, points = _trials(residuals)
+    moments = _moments(residuals, part, len(points))
+    signs = rng.choice([-1.0, 1.0], (1 + _PERMUTATIONS, len(points)))
+    signs[0] = 1.0
+    squares = np.zeros((len(signs), *moments.shape[1:]))
+    for point in np.unique(points):
+        own = np.flatnonzero(points == point)
+        squares += np.tensordot(signs[:, own], moments[own], 1) ** 2
+    observed, *turned = squares.sum(axis=1)
+    larger = np.array(turned) >= observed * (1 - ROUNDING)
     return (1 + larger.sum(axis=0)) / (1 + _PERMUTATIONS)
+
+
+def _trials(residuals: GapMap) -> tuple[np.ndarray, np.ndarray]:
+    """Return the trial (w,) that each window belongs to, and the operating points (t,) of trials.
+
+    A trial is a run. Where an operating point has one run, its halves are taken as trials.
+    """
+    run = np.unique(residuals.run, return_inverse=True)[1]
+    first, count = np.unique(run, return_index=True, return_counts=True)[1:]
+    point_of_run = residuals.point[first]
+    alone = (np.bincount(point_of_run) == 1)[point_of_run]
+    later = np.arange(len(run)) >= (first + (count + 1) // 2)[run]
+    trial = np.unique(2 * run + (later & alone[run]), return_inverse=True)[1]
+    return trial, residuals.point[np.unique(trial, return_index=True)[1]]
+
+
+def _moments(residuals: GapMap, trial: np.ndarray, trials: int) -> np.ndarray:
+    """Return the mean products (t, k, c) of each trial's residuals with k functions of its motion.
+
+    For each direction: a constant, speed, position and load. In the mean alone, errors of strokes
+    to and fro would cancel.
+    """
+    v, load = residuals.v_m_s, np.nan_to_num(residuals.load_n)
+    functions = [_scaled(each) for each in (np.abs(v), residuals.x_m, load)]
+    functions = np.array([np.ones_like(v), *functions])
+    functions = np.concatenate([functions, np.sign(v) * functions])
+    sums = np.zeros((trials, len(functions), len(residuals.names)))
+    d = np.nan_to_num(residuals.difference)
+    np.add.at(sums, trial, functions.T[:, :, None] * d[:, None, :])
+    counts = np.zeros((trials, len(residuals.names)))
+    np.add.at(counts, trial, np.isfinite(residuals.difference))
+    return sums / np.maximum(counts, 1)[:, None, :]
+
+
+def _scaled(values: np.ndarray) -> np.ndarray:
+    """Return values with the mean 0 and the standard deviation 1; 0 where they are all equal."""
+    spread = values.std()
+    return (values - values.mean()) / spread if spread > 0 else np.zeros_like(values)
