@@ -22,14 +22,15 @@ _NO_BENCH = (
 )
 
 
-def determines_flows(runs: Sequence[Run], model_file: Path) -> bool:
-    """Return whether commands and chamber pressures of some run determine flows.
+def no_flows_without(runs: Sequence[Run], model_file: Path) -> tuple[str, ...]:
+    """Return the channels without which no run determines a flow; none if some run does.
 
-    Those into the test cylinder suffice if the model's file describes the valve. Raises
+    Those of the test cylinder suffice if the model's file describes the valve. Raises
     ``ConfigError``.
     """
     known = FLOWS if "valve" in read_yaml(model_file) else FLOWS[-1:]
-    return any(not channels_missing(run, balance) for run in runs for balance in known)
+    missing = [channels_missing(run, balance) for run in runs for balance in known]
+    return min(missing, key=len, default=())
 
 
 def diagnosed(

@@ -30,7 +30,7 @@ def diagnosed_motion(
     The model's file needs only moving_mass.test and friction.test. Raises ``ConfigError``,
     ``DataError``.
     """
-    label = chosen_series(campaign, series)
+    label = chosen_series(campaign, series, "The drive force is known")
     bench = (campaign.header.get("bench") or {}).get("content")
     data = read_yaml(model_file)
     if bench:

@@ -49,8 +49,8 @@ def reconcile(
     runs = tuple(r for r in calibrated_runs(campaign) if KINDS[r.plan.kind].is_reconciled)
     if campaign.imported and has_drive(runs):
         return diagnosed_motion(campaign, runs, model_file, series, material, stage)
-    if campaign.imported and not campaign_diagnosis.determines_flows(runs, model_file):
-        return diagnosed_strokes(campaign, model_file, series)
+    if campaign.imported and (absent := campaign_diagnosis.no_flows_without(runs, model_file)):
+        return diagnosed_strokes(campaign, model_file, series, absent)
     if series is not None:
         raise ConfigError(
             f"--series: {folder} has pressures and valve commands: all its series are compared",

@@ -1,5 +1,6 @@
 """Diagnosis of imported campaigns, whose motion can't be simulated, by their steady strokes."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,17 +10,20 @@ from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
 from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
 from hbench.records import Diagnosis, ScreenedRun
+from hbench.report.render.symbols import listed
 from hbench.store.campaign.folder import StoredCampaign
 from hbench.workflow.results import screened_runs
 
 
-def diagnosed_strokes(campaign: StoredCampaign, model_file: Path, series: str | None) -> Diagnosis:
+def diagnosed_strokes(
+    campaign: StoredCampaign, model_file: Path, series: str | None, absent: Sequence[str]
+) -> Diagnosis:
     """Diagnose the steady strokes of a ``series``, which is optional if there is only one.
 
-    The model's file needs only test_cylinder and friction.test. Raises ``ConfigError``,
-    ``DataError``.
+    Without the channels ``absent`` the campaign is not comparable as a whole. The model's file
+    needs only test_cylinder and friction.test. Raises ``ConfigError``, ``DataError``.
     """
-    chosen = chosen_series(campaign, series)
+    chosen = chosen_series(campaign, series, f"Without {listed(absent)} flows are not known")
     bench = (campaign.header.get("bench") or {}).get("content")
     data = read_yaml(model_file)
     if bench:
@@ -38,13 +42,17 @@ def diagnosed_strokes(campaign: StoredCampaign, model_file: Path, series: str | 
     )
 
 
-def chosen_series(campaign: StoredCampaign, series: str | None) -> str:
-    """Return the label of a ``series``, or of the only one. Raises ``ConfigError``."""
+def chosen_series(campaign: StoredCampaign, series: str | None, why: str) -> str:
+    """Return the label of a ``series``, or of the only one; ``why`` one alone is compared.
+
+    Raises ``ConfigError``.
+    """
     labels = list(dict.fromkeys(entry.plan.label for entry in campaign.entries))
     names = ", ".join(map(repr, labels))
     if series is None and len(labels) > 1:
         raise ConfigError(
-            f"{campaign.folder}: contains several series: {names}", "Choose one with --series."
+            f"{campaign.folder}: contains several series: {names}",
+            f"{why}, so one series is compared: choose it with --series.",
         )
     chosen = labels[0] if series is None else series
     if chosen not in labels:

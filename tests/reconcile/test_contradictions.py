@@ -156,3 +156,45 @@ def test_logs_without_load_cylinder_or_force_sensor_are_not_refused(runs, model)
         for run in runs
     ]
     refuse_contradictions(sessions(alone), model)
+
+
+def triangles(model):
+    """The strokes of ``strokes``, with a velocity that rises and falls by half of itself."""
+    swinging = []
+    for run in strokes(model, wander=0.0):
+        v, t = run.plan.v_ref_m_s, run.t_s
+        more = 0.5 * v * (2 * np.abs((t / 0.75) % 2 - 1) - 1)
+        x = run.x_m + np.cumsum(more) * 0.01
+        swinging.append(replace(run, x_m=x, u_t_v=12 * (v + more), u_l1_v=9 * (v + more)))
+    return swinging
+
+
+def test_faults_are_refused_without_a_window_of_steady_motion(model):
+    swinging = triangles(model)
+    refuse_contradictions(sessions(swinging), model)
+    error = refused([replace(run, u_t_v=-run.u_t_v) for run in swinging], model)
+    assert error.message.startswith("u_t_v: valve T is commanded against the motion")
+
+
+def test_exchanged_pressures_and_a_turned_force_are_told_apart(runs, model):
+    error = refused([replace(run, p_tp_pa=run.p_tr_pa, p_tr_pa=run.p_tp_pa) for run in runs], model)
+    assert error.message.startswith("test_cylinder: the force falls where p_tp_pa rises")
+    assert error.hint.startswith("Exchange the columns of p_tp_pa and p_tr_pa")
+    error = refused([replace(run, f_applied_n=-run.f_applied_n) for run in runs], model)
+    assert "f_applied_n scale: -1" in error.hint
+
+
+def test_commands_beyond_the_limit_of_their_valve_are_refused(runs, model):
+    in_ma = [replace(run, u_l2_v=20 + 0.8 * run.u_l2_v) for run in runs]
+    error = refused(in_ma, model)
+    assert error.message.startswith("u_l2_v: 20") and "limit of the valve: 10 V" in error.message
+    assert "unit" in error.hint
+    limited = [replace(run, u_l2_v=np.where(run.t_s < 0.4, 20.0, run.u_l2_v)) for run in runs]
+    refuse_contradictions(sessions(limited), model)
+
+
+def test_positions_outside_the_stroke_are_refused(runs, model):
+    longer = [replace(run, x_m=3 * run.x_m) for run in runs]
+    error = refused(longer, model)
+    assert error.message.startswith("x_m: positions from") and "stroke" in error.message
+    assert "offset" in error.hint
