@@ -200,9 +200,8 @@ def _moments(residuals: GapMap, trial: np.ndarray, trials: int) -> np.ndarray:
     to and fro would cancel.
     """
     v, load = residuals.v_m_s, np.nan_to_num(residuals.load_n)
-    functions = [_scaled(each) for each in (np.abs(v), residuals.x_m, load)]
-    functions = np.array([np.ones_like(v), *functions])
-    functions = np.concatenate([functions, np.sign(v) * functions])
+    plane = np.array([np.ones_like(v), *map(_scaled, (np.abs(v), residuals.x_m, load))])
+    functions = np.concatenate([plane, np.sign(v) * plane])
     sums = np.zeros((trials, len(functions), len(residuals.names)))
     d = np.nan_to_num(residuals.difference)
     np.add.at(sums, trial, functions.T[:, :, None] * d[:, None, :])

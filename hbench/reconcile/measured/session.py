@@ -15,6 +15,7 @@ from hbench.errors import DataError
 from hbench.motion.noise import robust_sigma
 from hbench.reconcile.measured.weak import EVEN, Window, sampling, window
 from hbench.records import Run
+from hbench.records.diagnosis import REST_M_S
 
 PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
 COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
@@ -100,6 +101,11 @@ class Session:
         own = self.logged or self
         lowest = [own.channels[name][own._samples].min(axis=1) for name in PRESSURES[:4]]
         return np.column_stack(lowest) < CAVITATES_PA
+
+    @cached_property
+    def resting(self) -> np.ndarray:
+        """Windows (w,) in which the piston rests."""
+        return np.abs(self.rate(self.channels["x_m"])) < REST_M_S
 
     def mean(self, y: np.ndarray) -> np.ndarray:
         """Return <y> (..., w) of the samples (..., n)."""
