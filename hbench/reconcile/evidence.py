@@ -43,10 +43,10 @@ class Comparison(NamedTuple):
         if within is not None:
             groups = np.intersect1d(groups, within)
         before, after = (
-            _log_likelihoods(predicted(self.data, fit, self.points, signs, groups))
+            predicted(self.data, fit, self.points, signs, groups)
             for fit in (self.before, self.after)
         )
-        return groups, after - before
+        return groups, after.gains_over(before)
 
 
 def predicted(
@@ -76,6 +76,16 @@ class CrossValidation:
     noise: np.ndarray  # (g,) its part from noise
     points: np.ndarray  # (g,) number of operating points
     windows: np.ndarray  # (g,) number of windows
+
+    def gains_over(self, other: "CrossValidation") -> np.ndarray:
+        """Return the gain (b, g) in ln L over another prediction of the same groups.
+
+        A group's variance is at least the noise of both: about another model the trials may differ
+        more or less, and that is no evidence.
+        """
+        noise = np.maximum(self.noise, other.noise)
+        own, others = (np.maximum(each.variance, noise) for each in (self, other))
+        return 0.5 * self.points * np.log(others / own)
 
 
 def cross_validate(
@@ -118,16 +128,6 @@ def _cross_validated(
         total = total + sums.squared_residuals(beta)
     whole = data.sums(chosen, points, signs, groups)
     return CrossValidation(total / whole.windows, whole.noise, whole.points, whole.windows)
-
-
-def log_likelihood(prediction: CrossValidation) -> np.ndarray:
-    """Return ln L (b,) less a constant; a group's variance is at least its noise."""
-    return _log_likelihoods(prediction).sum(axis=-1)
-
-
-def _log_likelihoods(prediction: CrossValidation) -> np.ndarray:
-    variance = np.maximum(prediction.variance, prediction.noise)
-    return -0.5 * prediction.points * np.log(variance)
 
 
 def rotated(data: Products, count: int, seed: int) -> np.ndarray:

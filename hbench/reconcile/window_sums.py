@@ -30,6 +30,7 @@ MOTIONS = ("rest", "steady", "unsteady", "reversing")
 _REVERSING = MOTIONS.index("reversing")
 GROUPS = (*MOTIONS, "level", "change", "step", "change at a reversal")  # of each balance
 LEVEL = GROUPS.index("level")
+STEADY = ("rest", "steady", "level")
 _STEP = 0.6  # relative change of the velocity
 _IMMATERIAL_CHANGE = 0.2  # of what is not material: root mean square over a group, not its largest
 _UNSTEADY = 0.1  # relative change of the velocity over a window's width

@@ -10,7 +10,6 @@ from hbench.analysis.statistics.student import student_factor
 from hbench.reconcile.evidence import (
     Comparison,
     cross_validate,
-    log_likelihood,
     random_signs,
     touched,
 )
@@ -219,12 +218,9 @@ def test_groups_that_a_candidate_does_not_touch_change_no_score():
     free, points = freedom(4), everywhere(data)
     assert list(touched(data, [0, 2], [1])) == [0, 1]
 
-    def whole(chosen):
-        return log_likelihood(cross_validate(data, free, chosen, points))[0]
-
-    assert gain(data, free, [0, 2], [1])[0] == pytest.approx(
-        whole([0, 2, 1]) - whole([0, 2]), abs=1e-6
-    )
+    after, before = (cross_validate(data, free, chosen, points) for chosen in ([0, 2, 1], [0, 2]))
+    whole = after.gains_over(before)[0].sum()
+    assert gain(data, free, [0, 2], [1])[0] == pytest.approx(whole, abs=1e-6)
 
 
 def test_a_group_that_shares_a_nuisance_with_atouched_one_counts():
@@ -239,11 +235,11 @@ def test_a_group_that_shares_a_nuisance_with_atouched_one_counts():
     assert list(touched(data, [0], [1])) == [0, 1, 2]
     first = cross_validate(data, freedom(2), [0], everywhere(data), groups=np.array([0]))
     assert first.variance.shape == (1, 1)
-    whole = [
-        log_likelihood(cross_validate(data, freedom(2), chosen, everywhere(data)))[0]
-        for chosen in ([0], [0, 1])
-    ]
-    assert gain(data, freedom(2), [0], [1])[0] == pytest.approx(whole[1] - whole[0])
+    before, after = (
+        cross_validate(data, freedom(2), chosen, everywhere(data)) for chosen in ([0], [0, 1])
+    )
+    whole = after.gains_over(before)[0].sum()
+    assert gain(data, freedom(2), [0], [1])[0] == pytest.approx(whole)
 
 
 def test_a_column_within_its_tolerance_gains_only_what_lies_beyond():
@@ -304,7 +300,17 @@ def test_points_left_out_are_predicted_by_the_others_alone():
         total += np.sum((raw.d[out] - raw.columns[out] @ beta) ** 2, axis=(0, 2))
     found = cross_validate(data, free, [0, 1], points)
     assert found.variance[0] == pytest.approx(total / (25 * 8))
-    assert log_likelihood(found)[0] == pytest.approx(-0.5 * 25 * np.sum(np.log(total / (25 * 8))))
+    half = replace(found, variance=0.5 * found.variance)
+    assert half.gains_over(found)[0] == pytest.approx(0.5 * 25 * np.log(2) * np.ones(3))
+
+
+def test_less_noise_between_the_trials_is_no_gain():
+    found = cross_validate(
+        drawn(np.random.default_rng(7), [1.0]).products(), freedom(1), [0], np.arange(30)
+    )
+    quiet = replace(found, variance=0 * found.variance, noise=found.noise / 9)
+    loud = replace(found, variance=0 * found.variance)
+    assert not quiet.gains_over(loud).any() and not loud.gains_over(quiet).any()
 
 
 # ---- intervals

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from hbench.config.effects import Target
-from hbench.reconcile.evidence import log_likelihood, predicted, touched
+from hbench.reconcile.evidence import predicted, touched
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.learned.columns import (
     knots_of,
@@ -80,7 +80,7 @@ class BalanceProducts:
         # The products of the nuisances are the same for every table: they keep their prediction.
         known = predicted(self.base, before, points, signs, groups)
         with_table = predicted(data, after, points, signs, groups)
-        return log_likelihood(with_table) - log_likelihood(known)
+        return with_table.gains_over(known).sum(axis=-1)
 
     def gain(self, table: Table, points: np.ndarray) -> float:
         """Return the gain of a table in nats at the points that it is fitted to."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
-from hbench.reconcile.evidence import Comparison, CrossValidation, log_likelihood
+from hbench.reconcile.evidence import Comparison, CrossValidation
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
     effect_coefficients,
@@ -22,7 +22,7 @@ from hbench.reconcile.hypothesis import (
 from hbench.reconcile.likelihood import Fit
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search.refits import SHORTER, Refits
-from hbench.reconcile.window_sums import is_change, is_level
+from hbench.reconcile.window_sums import STEADY, is_change, is_level
 from hbench.records import Candidate
 
 _FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it
@@ -168,10 +168,12 @@ class CandidateEvaluator(Refits):
         """Return the last of the effects ``joined`` at its coefficients in ``with_effect``."""
         name = joined[-1]
         after = self._cross_validate(with_effect, joined)
-        gain = float((log_likelihood(after) - log_likelihood(before))[0])
+        gain = float(after.gains_over(before)[0].sum())
         values = self._own_values(with_effect, name)
         squares = self._squares(with_effect, values)
-        share = explained_share(name, model, before, after, squares)
+        share = 0.0
+        if holds_in_steady_motion(model, before, after, squares):
+            share = explained_share(name, model, before, after, squares)
         return self._candidate(name, gain, share, values, "full")
 
     def _squares(
@@ -200,6 +202,23 @@ class CandidateEvaluator(Refits):
         parameters = {key: value for (_, key), value in values.items()}
         size = largest if beyond else 0.0
         return Candidate(name, gain, share, size, parameters, tried, CRITERIA.score)
+
+
+def holds_in_steady_motion(
+    model: LinearisedModel, before: CrossValidation, after: CrossValidation, squares: np.ndarray
+) -> bool:
+    """Return whether an effect gains in steady motion as far as it acts there.
+
+    What acts in all motion and improves starts and reversals alone makes up for another law of
+    friction in these. By the effect's own ``squares`` (g,) in the noise a share of its evidence
+    should be that of steady motion and of levels; a quarter of this is enough.
+    """
+    steady = np.array([kind in STEADY for _, kind in model.data.groups])
+    noise = before.windows * before.noise
+    acts = before.points * np.divide(squares, noise, out=np.zeros_like(squares), where=noise > 0)
+    gains = after.gains_over(before)[0]
+    expected = acts[steady].sum() / max(acts.sum(), 1e-300)
+    return bool(gains[steady].sum() >= CRITERIA.explained * expected * gains.sum())
 
 
 def explained_share(

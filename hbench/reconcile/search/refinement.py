@@ -19,7 +19,6 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
-from hbench.reconcile.evidence import log_likelihood
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
 from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
 from hbench.reconcile.measured_campaign import MeasuredCampaign
@@ -132,7 +131,7 @@ class EffectRefinement(CandidateEvaluator):
         About that model the lost effect may have no score: a large rival can leave no way back.
         """
         before, after = self._cross_validate(model, effects), self._cross_validate(without, fewer)
-        return float((log_likelihood(before) - log_likelihood(after))[0])
+        return float(before.gains_over(after)[0].sum())
 
     def _hypothesis_without(self, model: LinearisedModel, removed: Sequence[str]) -> Hypothesis:
         """Return a model's hypothesis with some effects at their start."""
@@ -166,8 +165,8 @@ class EffectRefinement(CandidateEvaluator):
             if new := [shape for shape in shapes if shape not in best.columns]:
                 shaped = self.with_columns(best, new)
                 shaped = self.refit(shaped, names, _columns_of(shaped, names))
-                gain = [log_likelihood(self._cross_validate(m, names))[0] for m in (best, shaped)]
-                best = shaped if gain[1] > gain[0] else best
+                if self._lost(shaped, best, names, names) > 0:
+                    best = shaped
         fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
         settled = self.refit(fine, self._tolerated(names), renewed=())
         models = (fine, settled, model)
