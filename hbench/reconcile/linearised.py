@@ -39,7 +39,11 @@ class Measured(Protocol):
 
     @property
     def tolerances(self) -> Mapping[CoefficientKey, float]:
-        """Limits [SI] of the coefficients that are nuisances within them."""
+        """Limits [SI] of the coefficients that are nuisances within them, about the start."""
+
+    @property
+    def start(self) -> Hypothesis:
+        """The given model, with the values of all coefficients that are nuisances."""
 
     def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
         """Return the residuals of the measured runs with a hypothesis.
@@ -159,7 +163,9 @@ def linearise_residuals(
         low, high = min(row.to_si(row.low), neutral) / size - at, row.to_si(row.high) / size - at
         wide.append((neutral / size - at, sigma, low, high))
         limit = measured.tolerances.get(which, 0.0) / size
-        tight.append((-at, standard_deviation(limit), -limit - at, limit - at) if limit else _OFF)
+        off = measured.start.coefficient(which) / size - at if limit else 0.0
+        within = (off, standard_deviation(limit), off - limit, off + limit)
+        tight.append(within if limit else _OFF)
     return LinearisedModel(
         hypothesis,
         residuals,

@@ -1,6 +1,6 @@
 """Linearised models: products, priors and hypotheses, against plain algebra."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import sqrt
 
 import numpy as np
@@ -64,6 +64,7 @@ class Made:
     plant: Plant
     map: GapMap
     tolerances: dict
+    start: Hypothesis = field(default_factory=Hypothesis)
 
     def gap_map(self, hypothesis, reference=None):
         return self.map if reference is None else self.map.in_units_of(reference)

@@ -203,7 +203,7 @@ def test_each_run_has_a_level_of_friction_in_both_force_balances(campaign):
                         for log in campaign.logs]) / found.scatter
     )  # fmt: skip
     for level in found.levels:
-        own = change[level.windows, level.balance]
+        own = np.nan_to_num(change[level.windows, level.balance])  # at rest nothing is compared
         assert np.linalg.norm(level.change - own) < 0.02 * np.linalg.norm(own)
         assert level.ridge == 1.0
 
@@ -287,3 +287,15 @@ def test_all_factors_of_the_plant_have_a_column(campaign):
     assert list(columns) == names
     for name, column in columns.items():
         assert np.nanmax(np.abs(column)) > 0, name
+
+
+def test_a_tolerance_is_about_the_value_that_the_model_states(bench, bench_data, runs):
+    """Load valves of another size: 38 % less gain than that of the test valve."""
+    stated = {"effects": {"valve_trim": {"gain_load_1": "-38 %"}}}
+    plant = parse_plant(bench_data, stated, "")
+    campaign = MeasuredCampaign(bench, plant, INSTRUMENTS, sessions(runs), MATERIAL)
+    names = ["valve_trim.gain_load_1", "valve_trim.gain_test"]
+    model = linearise(campaign, campaign.start, campaign.columns(campaign.start, names))
+    found = hypothesis_at(model, plant, [0, 1], model.tight.low)
+    assert found.effects["valve_trim"]["gain_load_1"] == pytest.approx(-0.48)
+    assert found.effects["valve_trim"]["gain_test"] == pytest.approx(-0.10)

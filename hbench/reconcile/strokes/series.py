@@ -205,6 +205,11 @@ class MeasuredStrokes:
         """Limits [SI] of the coefficients that are nuisances within them: none is known."""
         return {}
 
+    @property
+    def start(self) -> Hypothesis:
+        """The given model."""
+        return Hypothesis()
+
     @cached_property
     def mean_pairs(self) -> tuple[StrokePair, ...]:
         """The mean pair of each load, in the order of the gap map."""
