@@ -20,7 +20,11 @@ from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.search.campaign_search import CampaignSearch
-from hbench.reconcile.search.candidates import EvaluatedCandidate, explained_share
+from hbench.reconcile.search.candidates import (
+    EvaluatedCandidate,
+    explained_share,
+    holds_in_steady_motion,
+)
 from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import Candidate
@@ -453,6 +457,24 @@ def test_the_gap_of_a_larger_effect_is_not_held_against_a_smaller_one():
     assert explained_share("offset", model, before, after, small) == pytest.approx(0.9)
     assert explained_share("offset", model, before, after, large) == pytest.approx(0.45, abs=0.01)
     assert explained_share("offset", model, before, before, small) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("of_the_effect", "gained_in", "holds"),
+    [
+        ((9.0, 1.0, 2.0), (False, True, True), False),  # acts when steady, gains at starts
+        ((9.0, 1.0, 2.0), (True, False, True), True),
+        ((1.0, 9.0, 9.0), (False, True, True), True),  # acts for a moment
+    ],
+)
+def test_what_acts_in_all_motion_must_gain_in_steady_motion(of_the_effect, gained_in, holds):
+    kinds = ("level", "unsteady", "step")
+    model = SimpleNamespace(data=SimpleNamespace(groups=[("force_test", kind) for kind in kinds]))
+    points, windows, noise = np.full(3, 20), np.full(3, 400), np.full(3, 0.5)
+    before = CrossValidation(np.full((1, 3), 4.0), noise, points, windows)
+    after = replace(before, variance=np.where(gained_in, 1.0, 4.0)[None])
+    squares = np.array(of_the_effect) * windows
+    assert holds_in_steady_motion(model, before, after, squares) == holds
 
 
 # ---- refinement
