@@ -173,3 +173,9 @@ def test_what_differs_from_trial_to_trial_is_not_significant():
         residuals, _ = made(rng, between=2.0, lengths=(LENGTH,) * 24)
         low.append(min(p_values(replace(residuals, material=np.zeros(2))).values()) < 0.1)
     assert np.mean(low) < 0.25
+
+
+def test_an_error_at_one_operating_point_of_many_is_significant():
+    rng = np.random.default_rng(5)
+    found = p_values(strokes(rng, 2, lambda v, x, load: 4 * np.sign(v) * (load > 8.9)))
+    assert found["first"] <= 0.05

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.special import fdtrc
 
 from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
@@ -25,7 +26,7 @@ from hbench.records import Gap
 from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 
 _APART = 2  # windows
-_PERMUTATIONS = 999
+_DEPENDENT = 0.1  # share of the largest function of the motion: a smaller one shows little alone
 
 
 @dataclass(frozen=True)
@@ -112,14 +113,14 @@ def _run_means(values: np.ndarray, run: np.ndarray, runs: int) -> np.ndarray:
         return sums / np.where(counts > 0, counts, np.nan)
 
 
-def ranked_gaps(residuals: GapMap, allowed: np.ndarray, seed: int = 0) -> tuple[Gap, ...]:
+def ranked_gaps(residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
     """Return the gaps of all balances, largest first; ``allowed`` (c,) is what tolerances explain.
 
-    The p-value is that of a permutation test: what the trials of an operating point have in common
-    has random signs in a correct model. Whole trials are turned at random 999 times.
+    The p-value is that of what the trials of an operating point have in common: in a correct model
+    it is as large as the differences between them make it.
     """
     assert residuals.white is not None and residuals.material is not None
-    p_values = holm(_sign_p_values(residuals, np.random.default_rng(seed)))
+    p_values = holm(_p_values(residuals))
     scatter = residuals.scatter[0]
     d = residuals.difference / scatter
     mean_square = column_means(d**2)
@@ -164,23 +165,34 @@ def unexplained_at(residuals: GapMap, points: np.ndarray) -> tuple[Gap, ...]:
     return unexplained_gaps(ranked_gaps(chosen, np.zeros(len(chosen.names))))
 
 
-def _sign_p_values(residuals: GapMap, rng: np.random.Generator) -> np.ndarray:
-    """Return p-values (c,): the share of random signs with a sum over trials at least as large."""
-    part, points = _trials(residuals)
-    moments = _moments(residuals, part, len(points))
-    signs = rng.choice([-1.0, 1.0], (1 + _PERMUTATIONS, len(points)))
-    signs[0] = 1.0
-    squares = np.zeros((len(signs), *moments.shape[1:]))
-    for point in np.unique(points):
-        own = np.flatnonzero(points == point)
-        squares += np.tensordot(signs[:, own], moments[own], 1) ** 2
-    observed, *turned = squares.sum(axis=1)
-    larger = np.array(turned) >= observed * (1 - ROUNDING)
-    return (1 + larger.sum(axis=0)) / (1 + _PERMUTATIONS)
+def _p_values(residuals: GapMap) -> np.ndarray:
+    """Return p-values (c,) of what the trials of operating points have in common; see above.
+
+    An F test: the mean moments of each point and function against their variance between trials,
+    with degrees of freedom for variances that differ (Satterthwaite 1946).
+    """
+    trial = _trials(residuals)
+    common, within, dof = [], [], []
+    for point in range(len(residuals.points)):
+        own = np.flatnonzero(residuals.point == point)
+        moments = _moments(residuals, own, trial[own])
+        if len(moments) > 1:
+            mean = moments.mean(axis=0)
+            common.append(len(moments) * mean**2)
+            within.append(((moments - mean) ** 2).sum(axis=0))
+            dof.append(np.full(len(mean), len(moments) - 1.0))
+    if not dof:
+        return np.full(len(residuals.names), np.nan)
+    nu, w = np.concatenate(dof)[:, None], np.concatenate(within)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.concatenate(common).mean(axis=0) / (w.sum(axis=0) / nu.sum())
+        of_common = (w / nu).sum(axis=0) ** 2 / (w**2 / (nu * (nu + 2))).sum(axis=0)
+        of_within = w.sum(axis=0) ** 2 / (w**2 / (nu + 2)).sum(axis=0)
+    return fdtrc(of_common, of_within, ratio)
 
 
-def _trials(residuals: GapMap) -> tuple[np.ndarray, np.ndarray]:
-    """Return the trial (w,) that each window belongs to, and the operating points (t,) of trials.
+def _trials(residuals: GapMap) -> np.ndarray:
+    """Return the number (w,) of the trial that each window belongs to.
 
     A trial is a run. Where an operating point has one run, its halves are taken as trials.
     """
@@ -189,25 +201,23 @@ def _trials(residuals: GapMap) -> tuple[np.ndarray, np.ndarray]:
     point_of_run = residuals.point[first]
     alone = (np.bincount(point_of_run) == 1)[point_of_run]
     later = np.arange(len(run)) >= (first + (count + 1) // 2)[run]
-    trial = np.unique(2 * run + (later & alone[run]), return_inverse=True)[1]
-    return trial, residuals.point[np.unique(trial, return_index=True)[1]]
+    return 2 * run + (later & alone[run])
 
 
-def _moments(residuals: GapMap, trial: np.ndarray, trials: int) -> np.ndarray:
-    """Return the mean products (t, k, c) of each trial's residuals with k functions of its motion.
+def _moments(residuals: GapMap, own: np.ndarray, trial: np.ndarray) -> np.ndarray:
+    """Return the products (t, k, c) of each trial's residuals with k functions of the motion.
 
-    For each direction: a constant, speed, position and load. In the mean alone, errors of strokes
-    to and fro would cancel.
+    ``own`` are the windows of an operating point. The functions are for each direction a constant,
+    speed, position and load, made orthogonal. In the mean alone, errors of strokes to and fro would
+    cancel.
     """
-    v, load = residuals.v_m_s, np.nan_to_num(residuals.load_n)
-    plane = np.array([np.ones_like(v), *map(_scaled, (np.abs(v), residuals.x_m, load))])
-    functions = np.concatenate([plane, np.sign(v) * plane])
-    sums = np.zeros((trials, len(functions), len(residuals.names)))
-    d = np.nan_to_num(residuals.difference)
-    np.add.at(sums, trial, functions.T[:, :, None] * d[:, None, :])
-    counts = np.zeros((trials, len(residuals.names)))
-    np.add.at(counts, trial, np.isfinite(residuals.difference))
-    return sums / np.maximum(counts, 1)[:, None, :]
+    v, load = residuals.v_m_s[own], np.nan_to_num(residuals.load_n[own])
+    plane = np.array([np.ones_like(v), *map(_scaled, (np.abs(v), residuals.x_m[own], load))])
+    every, sizes, _ = np.linalg.svd(np.vstack([plane, np.sign(v) * plane]).T, full_matrices=False)
+    functions = every[:, sizes > _DEPENDENT * sizes[0]]
+    products = functions[:, :, None] * np.nan_to_num(residuals.difference[own])[:, None, :]
+    which = np.unique(trial, return_inverse=True)[1]
+    return np.stack([products[which == each].sum(axis=0) for each in range(which.max() + 1)])
 
 
 def _scaled(values: np.ndarray) -> np.ndarray:
