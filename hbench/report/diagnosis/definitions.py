@@ -121,15 +121,18 @@ _ALL_RUNS = (
 )
 _PROBABILITY = (
     "Probability of such a deviation with a correct model, corrected after Holm for the number of "
-    "quantities. It is computed from 999 random draws, so the smallest possible value is 0.001 "
-    "times this number."
+    "quantities."
 )
 _P = (
     "p (Holm)",
-    f"{_PROBABILITY} A draw gives the means of the runs random signs, so a deviation in the few "
-    "trials of a single operating point cannot become significant.",
+    f"{_PROBABILITY} What the trials of an operating point have in common is compared with what "
+    "differs between them (F test). Where a point has one run, its halves are taken as trials.",
 )
-_P_OF_STROKES = ("p (Holm)", _PROBABILITY)
+_P_OF_STROKES = (
+    "p (Holm)",
+    f"{_PROBABILITY} It is computed from 999 random draws, so the smallest possible value is 0.001 "
+    "times this number.",
+)
 _P_OF_MOTION = (
     "p (Holm)",
     "Probability that as many runs deviate by more than the noise if the model is correct: then "
