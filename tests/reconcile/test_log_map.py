@@ -5,7 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.reconcile.gaps.log_map import Windows, between_runs, log_map, ranked_gaps
+from hbench.reconcile.gaps.log_map import (
+    Windows,
+    between_runs,
+    log_map,
+    ranked_gaps,
+    unexplained_at,
+)
 
 RUNS, TRIALS, LENGTH = 120, 3, 30
 NAMES = ("first", "second")
@@ -179,3 +185,10 @@ def test_an_error_at_one_operating_point_of_many_is_significant():
     rng = np.random.default_rng(5)
     found = p_values(strokes(rng, 2, lambda v, x, load: 4 * np.sign(v) * (load > 8.9)))
     assert found["first"] <= 0.05
+
+
+def test_a_part_of_the_operating_points_has_its_own_significance():
+    found = strokes(np.random.default_rng(5), 2, lambda v, x, load: 2 * np.sign(v) * (load > 5))
+    high = np.flatnonzero(np.unique(found.load_n) > 5)
+    assert unexplained_at(found, high)[0].name == "first"
+    assert not unexplained_at(found, np.setdiff1d(np.arange(16), high))

@@ -173,7 +173,7 @@ def _p_values(residuals: GapMap) -> np.ndarray:
     """
     trial = _trials(residuals)
     common, within, dof = [], [], []
-    for point in range(len(residuals.points)):
+    for point in np.unique(residuals.point):
         own = np.flatnonzero(residuals.point == point)
         moments = _moments(residuals, own, trial[own])
         if len(moments) > 1:
