@@ -188,7 +188,7 @@ def test_an_error_at_one_operating_point_of_many_is_significant():
 
 
 def test_a_part_of_the_operating_points_has_its_own_significance():
-    found = strokes(np.random.default_rng(5), 2, lambda v, x, load: 2 * np.sign(v) * (load > 5))
+    found = strokes(np.random.default_rng(5), 2, lambda v, x, load: 6 * np.sign(v) * (load > 5))
     high = np.flatnonzero(np.unique(found.load_n) > 5)
     assert unexplained_at(found, high)[0].name == "first"
     assert not unexplained_at(found, np.setdiff1d(np.arange(16), high))
