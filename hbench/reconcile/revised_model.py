@@ -12,12 +12,13 @@ from hbench.config.friction import LuGre
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult, Unconfirmed
 from hbench.records import FitParameter
-from hbench.records.diagnosis import UNEXPLAINED_GAP
+from hbench.records.diagnosis import LEAST_EXPLAINED, UNEXPLAINED_GAP
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
 # Nuisances that a file may omit, as it would contain them.
@@ -31,14 +32,21 @@ def without_unconfirmed(
 
     An effect is confirmed if it reduces their gap in the balances that it touches. One that does
     not is no longer named where that gap is too large for an agreement: something else is missing.
+    Nor is one that leaves significant gaps and reduces that of all balances by less than a quarter:
+    what causes them may have caused its part too.
     """
     unconfirmed: dict[str, Unconfirmed] = {}
     while kept := tuple(name for name in result.names if name not in unconfirmed):
         gaps = {name: held_out_gaps(result, result.final, name, held_out) for name in kept}
-        removed = [name for name, (before, after) in gaps.items() if not after < before]
+        minor = [name for name in kept if _is_minor(result, name, held_out)]
+        removed = [
+            name for name, (before, after) in gaps.items() if name in minor or not after < before
+        ]
         if not removed:
             break
-        refuted = tuple(name for name in removed if gaps[name][0] > UNEXPLAINED_GAP)
+        refuted = tuple(
+            name for name in removed if name in minor or gaps[name][0] > UNEXPLAINED_GAP
+        )
         doubtful = [name for name in removed if name not in refuted]
         unconfirmed |= dict.fromkeys(doubtful, Unconfirmed(result.final, kept))
         others = tuple(name for name in kept if name not in removed)
@@ -50,6 +58,18 @@ def without_unconfirmed(
             vanished=(*result.vanished, *refuted),
         )
     return result
+
+
+def _is_minor(result: SearchResult, name: str, held_out: np.ndarray) -> bool:
+    """Return whether an effect leaves significant gaps, and most of the gap of all balances."""
+    final = result.final.gap_map
+    if not unexplained_at(final, np.arange(len(final.points))):
+        return False
+    before = next(step.before for step in result.steps if step.added == name).gap_map
+    excess, left = (
+        max(gap_of_balances(each, each.names, held_out) ** 2 - 1, 0.0) for each in (before, final)
+    )
+    return left > (1 - LEAST_EXPLAINED) * excess
 
 
 def held_out_gaps(

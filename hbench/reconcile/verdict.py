@@ -79,7 +79,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             elif best.name in result.vanished:
                 reason += (
                     " It is not named: refitted, it is too small, within its tolerance, not "
-                    "distinguishable from 0, or leaves the gap of runs outside the fit as it is."
+                    "distinguishable from 0, or leaves most of the gap of runs outside the fit."
                 )
         return "unknown", reason + unnamed
     return "none", NO_RESIDUALS

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hbench.reconcile import revised_model
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.revised_model import revision, without_unconfirmed
 from hbench.reconcile.search_result import SearchResult, SearchStep
@@ -47,13 +48,23 @@ def test_a_refit_or_what_is_fitted_with_an_addition_is_in_the_model(result):
     assert sections == {"valve": {"gain": "1.2e-06 m^2/V"}}
 
 
-def model_with(force, supply):
+@pytest.fixture(autouse=True)
+def stated_gaps(monkeypatch):
+    """Which gaps are significant is stated with each model."""
+    monkeypatch.setattr(revised_model, "unexplained_at", lambda found, points: found.unexplained)
+
+
+def model_with(force, supply, unexplained=()):
     """A model with a gap in the force balance and in that of the supply, at each of two points."""
     excess = np.array([[force**2 - 1, supply**2 - 1]] * 2)
-    names = ("force_test", "supply")
-    return SimpleNamespace(
-        gap_map=SimpleNamespace(excess=excess, point=np.array([0, 1]), names=names)
+    found = SimpleNamespace(
+        excess=excess,
+        point=np.array([0, 1]),
+        points=(0, 1),
+        names=("force_test", "supply"),
+        unexplained=unexplained,
     )
+    return SimpleNamespace(gap_map=found)
 
 
 @pytest.mark.parametrize(
@@ -88,3 +99,16 @@ def confirmed(mass_after, droop_before, droop_after):
     search = SimpleNamespace(without=lambda model, removed, others: model_with(1.5, droop_after))
     result = SearchResult(None, refitted, steps, final)
     return without_unconfirmed(search, result, np.array([1])), refitted, final
+
+
+@pytest.mark.parametrize(("left", "named"), [(5.8, False), (4.0, True)])
+def test_what_leaves_most_of_a_significant_gap_is_not_named(left, named):
+    """The force falls from 4.8 to 3.5, the supply's gap of 6 has another cause or the same."""
+    refitted, final = model_with(4.8, 6.0), model_with(3.5, left, unexplained=("supply",))
+    steps = (SearchStep(refitted, (), "added_mass", ()),)
+    search = SimpleNamespace(without=None)
+    result = without_unconfirmed(search, SearchResult(None, refitted, steps, final), np.array([1]))
+    assert (result.names == ("added_mass",)) == named
+    assert (result.vanished == ("added_mass",)) != named
+    agreeing = SearchResult(None, refitted, steps, model_with(3.5, left))
+    assert without_unconfirmed(search, agreeing, np.array([1])).names == ("added_mass",)
