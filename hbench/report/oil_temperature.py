@@ -5,7 +5,7 @@ from dataclasses import replace
 from statistics import fmean
 
 from hbench.records import Curve, OilTemperature, Reduction, Results, ViscosityEffect
-from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.records.rod_pressure import series_key, without_common_rod_pressure
 from hbench.records.summary import SEPARATED_VIF
 from hbench.report.campaign.fit_tables import fit_tables, law_words
 from hbench.report.campaign.series_words import TITLES
@@ -137,8 +137,7 @@ def _curve_table(results: Results, oil: OilTemperature) -> Table:
 
 
 def _key(curve: Curve) -> tuple:
-    load = curve.f_load_n, curve.p_lr_ref_pa
-    return curve.kind, curve.label, curve.direction, *load, curve.specimen
+    return curve.kind, *series_key(curve), curve.specimen
 
 
 def _largest_change(curve: Curve, reduced: Curve) -> str:

@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from hbench.records import (
@@ -103,6 +103,12 @@ def identification_tables(identification: Identification) -> tuple[WordTable, ..
         ),
     )
     return tuple(table for table in every if table.rows)
+
+
+def with_law_names(table: WordTable) -> WordTable:
+    """Return a table with the laws' names in place of their keys."""
+    rows = tuple((law_words(first), *rest) for first, *rest in table.rows)
+    return replace(table, rows=rows)
 
 
 def reasons(identification: Identification) -> tuple[str, ...]:

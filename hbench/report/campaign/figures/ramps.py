@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import KINDS, Comparison, Curve, Fit, Results
-from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.records.rod_pressure import series_key, without_common_rod_pressure
 from hbench.report.campaign.figures.friction import (
     is_drawn,
     line_look,
@@ -40,8 +40,7 @@ def ramps(results: Results) -> dict[str, Figure]:
     for curve in without_common_rod_pressure(
         curve for curve in results.curves if _analysis(curve) in _ORDER
     ):
-        key = curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
-        groups[key].append(curve)
+        groups[series_key(curve)].append(curve)
     accelerations = sorted({c.a_ref_m_s2 or 0.0 for c in results.curves if KINDS[c.kind].is_ramp})
     figures = {}
     for (label, direction, load, p_lr), curves in groups.items():
