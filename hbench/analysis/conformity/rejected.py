@@ -6,7 +6,7 @@ They would be missing among the measured values: a cylinder could pass by the ru
 from collections.abc import Iterator
 
 from hbench.analysis.conformity.measured import applies, near
-from hbench.records import KINDS, Results, RunPlan, ScreenedRun
+from hbench.records import DIRECTION_WORDS, KINDS, Results, RunPlan, ScreenedRun
 from hbench.records.conformity.acceptance import Requirement
 from hbench.records.rod_pressure import SeriesKey, series_key
 from hbench.units import from_si
@@ -34,10 +34,10 @@ def rejected_points(results: Results, requirement: Requirement) -> Iterator[str]
         plan = each.run.plan
         if not any(_replaces(other, plan) for other in accepted):
             rejected.setdefault(series_key(plan), []).append(each)
-    for (label, direction, f_load_n, _), each_of in rejected.items():
+    for (label, _, f_load_n, _), each_of in rejected.items():
         speeds = {f"{from_si(abs(each.run.plan.v_ref_m_s), 'mm/s'):.3g}" for each in each_of}
         reasons = {reason.split(":")[0] for each in each_of for reason in each.reasons}
-        series = [label, f"{direction}ing"]
+        series = [label, DIRECTION_WORDS[each_of[0].run.plan.direction]]
         if f_load_n is not None and requirement.f_load_n is None:
             series.append(f"load {f_load_n:.4g} N")
         yield (

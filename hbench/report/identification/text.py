@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from hbench.records import (
+    DIRECTION_WORDS,
     DIRECTIONS,
     Fit,
     FitParameter,
@@ -313,7 +314,7 @@ def _ramps(identification: Identification) -> list[tuple[str, ...]]:
     decimals = len(significant(slowest, 3).partition(".")[2])
     return [
         (
-            f"{ramp.direction}ing",
+            DIRECTION_WORDS[ramp.direction],
             force(ramp.f_load_n),
             number(ramp.a_ref_m_s2, decimals),
             number(ramp.steady_on_steady_n),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import NamedTuple
 
-from hbench.records import Change, Diagnosis, EffectInPractice, WorkingPoint
+from hbench.records import DIRECTION_WORDS, Change, Diagnosis, EffectInPractice, WorkingPoint
 from hbench.report.diagnosis.names import (
     AXES,
     EDGES,
@@ -33,7 +33,7 @@ _FEW = 2  # balances, places or changes in a sentence
 _OF_PLACE = ("position_friction", "end_cushion")
 AT_POINT = "At the working point,"  # which is described elsewhere
 _OF_CHANGES = "only while speed or pressure changes."
-_WAYS = {"extend": "extending", "retract": "retracting", "rest": "at rest"}
+_WAYS = {**DIRECTION_WORDS, "rest": "at rest"}
 
 
 def where_words(point: WorkingPoint | None) -> str:
