@@ -17,8 +17,6 @@ typedef struct {
     float pressure_step_pa;  /* per tick */
     hb_u32 return_ticks;     /* upper limit for a return */
     hb_u32 load_ticks;       /* upper limit until the load is applied while holding */
-    float area_piston_m2;    /* of the test cylinder, for its friction */
-    float area_rod_m2;
 } hb_schedule_config;
 
 typedef struct {
@@ -28,8 +26,8 @@ typedef struct {
     hb_u16 cycle;   /* from 0 */
     hb_u16 segment; /* of the step, from 0 */
     hb_u16 runs_done;
-    hb_u32 ticks;        /* counted towards the end of the phase or segment */
-    hb_u32 wait_ticks;   /* since the return began, or while holding until the load is applied */
+    hb_u32 ticks;       /* since the phase or segment began */
+    hb_u32 ready_ticks; /* returning: near the start; holding: at rest under load */
     hb_settle settle;
     bool settled; /* the last run ended by its condition */
     hb_u32 supply_ticks; /* while venting: since the supply's pressure was low */
