@@ -105,7 +105,8 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_INPUTS], hb_i16 dac[HB_VALV
             advance(core);
         }
     }
-    if (core->state == HB_STATE_RUNNING && hb_schedule_vents_under_pressure(&core->schedule)) {
+    if (core->state == HB_STATE_RUNNING && core->schedule.phase == HB_PHASE_VENT
+        && hb_vent_under_pressure(&core->schedule.vent)) {
         hb_core_halt(core, HB_STATE_FAULT, HB_FAULT_SUPPLY);
     }
     if (core->state != HB_STATE_RUNNING || core->schedule.phase == HB_PHASE_CLOSED) {
@@ -113,7 +114,7 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_INPUTS], hb_i16 dac[HB_VALV
     } else if (core->schedule.phase == HB_PHASE_VENT) {
         const float limit = core->control_config.limit_v;
         hb_control_hold(&core->control,
-                        hb_clamp(hb_schedule_vent_v(&core->schedule), -limit, limit));
+                        hb_clamp(hb_vent_command_v(&core->schedule.vent), -limit, limit));
     } else {
         hb_control_step(&core->control_config, &core->control, &core->schedule.references,
                         &core->sensors);

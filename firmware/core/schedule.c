@@ -9,15 +9,6 @@
 #define HB_NEAR_M 1e-3f
 #define HB_NEAR_S 0.1f
 
-/* Venting: small openings, so that the piston moves slowly should the supply come on. */
-#define HB_VENT_V 0.5f
-#define HB_VENT_SIDE_S 0.25f
-/* The supply is on: at the begin, above a tank's pressure and a transducer's zero error; later, above
- * what the chambers' oil can raise it to. */
-#define HB_VENT_BEGIN_PA 10e5f
-#define HB_VENT_SUPPLY_PA 40e5f
-#define HB_VENT_SUPPLY_S 1.0f
-
 hb_schedule_config hb_schedule_design(const hb_settings *settings)
 {
     const float *value = settings->value;
@@ -61,7 +52,7 @@ void hb_schedule_init(hb_schedule_state *state)
     state->runs_done = 0;
     hb_settle_init(&state->settle);
     state->settled = false;
-    state->supply_ticks = 0;
+    hb_vent_init(&state->vent);
     state->begin_x_m = 0.0f;
     state->begin_f_test_n = 0.0f;
     state->references.v_m_s = 0.0f;
@@ -119,7 +110,7 @@ static void enter_segment(const hb_steps *steps, hb_schedule_state *state,
                           const hb_sensors_state *sensors)
 {
     enter(state, phase_of(present_segment(steps, state)));
-    state->supply_ticks = 0;
+    hb_vent_init(&state->vent);
     state->begin_x_m = sensors->value[HB_SENSOR_X];
     state->begin_f_test_n = sensors->f_test_n;
 }
@@ -175,16 +166,29 @@ static void next_trial(const hb_steps *steps, hb_schedule_state *state)
     enter(state, HB_PHASE_RETURN);
 }
 
+/* Ends the segment, or its acceleration. */
+static void continue_segment(const hb_steps *steps, hb_schedule_state *state,
+                             const hb_sensors_state *sensors)
+{
+    const hb_step *step = &steps->step[state->step];
+    const hb_segment *segment = present_segment(steps, state);
+
+    if (segment_is_over(state, step, segment, sensors->value[HB_SENSOR_X])) {
+        next_segment(steps, state, sensors);
+    } else if (state->phase == HB_PHASE_ACCELERATE && state->references.v_m_s == segment->v_m_s) {
+        state->phase = HB_PHASE_STEADY; /* its ticks continue from the segment's start */
+    }
+}
+
 /* Enters the next phase if the present phase is over. */
 static void change_phase(const hb_steps *steps, hb_schedule_state *state,
                          const hb_sensors_state *sensors)
 {
     const hb_step *step = &steps->step[state->step];
-    const hb_segment *segment = present_segment(steps, state);
 
     switch (state->phase) {
     case HB_PHASE_RETURN:
-        if (segment->valves == HB_VALVES_VENTING) {
+        if (present_segment(steps, state)->valves == HB_VALVES_VENTING) {
             begin_run(steps, state, sensors);
         } else if (state->ready_ticks >= hb_ticks(HB_NEAR_S)) {
             enter(state, HB_PHASE_HOLD);
@@ -195,24 +199,15 @@ static void change_phase(const hb_steps *steps, hb_schedule_state *state,
             begin_run(steps, state, sensors);
         }
         break;
-    case HB_PHASE_ACCELERATE:
-    case HB_PHASE_STEADY:
-    case HB_PHASE_CLOSED:
-    case HB_PHASE_PUSH:
-    case HB_PHASE_VENT:
-        if (segment_is_over(state, step, segment, sensors->value[HB_SENSOR_X])) {
-            next_segment(steps, state, sensors);
-        } else if (state->phase == HB_PHASE_ACCELERATE
-                   && state->references.v_m_s == segment->v_m_s) {
-            state->phase = HB_PHASE_STEADY; /* its ticks continue from the segment's start */
-        }
-        break;
     case HB_PHASE_BRAKE:
         if (state->references.v_m_s == 0.0f) {
             next_trial(steps, state);
         }
         break;
     default:
+        if (hb_schedule_moving(state)) {
+            continue_segment(steps, state, sensors);
+        }
         break;
     }
 }
@@ -297,9 +292,7 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
                                    * ((float)state->ticks * HB_PERIOD_S);
     }
     if (state->phase == HB_PHASE_VENT) {
-        const float limit = state->ticks <= 1u ? HB_VENT_BEGIN_PA : HB_VENT_SUPPLY_PA;
-        const bool high = !(sensors->value[HB_SENSOR_P_S] <= limit);
-        state->supply_ticks = high ? state->supply_ticks + 1u : 0u;
+        hb_vent_step(&state->vent, sensors->value[HB_SENSOR_P_S]);
     }
     if (state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY) {
         hb_settle_add(&state->settle, condition_value(step, state, sensors));
@@ -316,18 +309,6 @@ hb_u16 hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_s
         return HB_FAULT_LOAD;
     }
     return HB_FAULT_NONE;
-}
-
-float hb_schedule_vent_v(const hb_schedule_state *state)
-{
-    const hb_u32 side = state->ticks / hb_ticks(HB_VENT_SIDE_S);
-    return side % 2u == 0u ? HB_VENT_V : -HB_VENT_V;
-}
-
-bool hb_schedule_vents_under_pressure(const hb_schedule_state *state)
-{
-    const hb_u32 limit = state->ticks <= 1u ? 0u : hb_ticks(HB_VENT_SUPPLY_S);
-    return state->phase == HB_PHASE_VENT && state->supply_ticks > limit;
 }
 
 bool hb_schedule_moving(const hb_schedule_state *state)
