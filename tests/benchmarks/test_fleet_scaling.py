@@ -196,8 +196,8 @@ def _made(folder: Path) -> list[Path]:
     workflow.measure_seeds(
         workflow.load_experiment(folder / "cylinder.yaml", None),
         folder / "made",
-        seeds=range(SEEDS),
-        plant=None,
+        workflow.Line(seed=0),
+        SEEDS,
         resume=False,
         clock=partial(datetime.fromtimestamp, 0, UTC),
         report=lambda done: None,
