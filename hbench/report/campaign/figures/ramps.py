@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import KINDS, Comparison, Curve, Fit, Results
+from hbench.records.numbers import SIGNIFICANCE
 from hbench.records.rod_pressure import series_key, without_common_rod_pressure
 from hbench.report.campaign.figures.friction import (
     is_drawn,
@@ -15,7 +16,7 @@ from hbench.report.campaign.figures.friction import (
     of_trials,
     undetermined_words,
 )
-from hbench.report.campaign.motion_rows import SIGNIFICANT, comparison_words, differs
+from hbench.report.campaign.motion_rows import comparison_words, differs
 from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import short
@@ -154,7 +155,7 @@ def _differences(results: Results, comparisons: list[Comparison], title: str, le
     axes.set_yticks(range(len(comparisons)), names, fontsize=8)
     axes.set_ylim(len(comparisons) - 0.5, -0.5)
     axes.set_xlabel(f"|F|, {less} (N)")
-    for face, meaning in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not significant")):
+    for face, meaning in (("C", f"p < {SIGNIFICANCE:g} after Holm"), ("w", "not significant")):
         colour = style.COLOURS[1] if face == "C" else style.COLOURS[0]
         axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=meaning)
     style.head(axes, title, results)
