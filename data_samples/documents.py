@@ -154,9 +154,7 @@ def measure(
     workflow.measure(
         workflow.load_experiment(schedule, None, serial),
         folder,
-        port="sim",
-        plant=plant,
-        seed=seed,
+        workflow.Line(plant=plant, seed=seed),
         resume=False,
         clock=lambda: start,
         report=lambda progress: None,

@@ -63,9 +63,7 @@ def measure(experiment: workflow.Experiment, folder: Path, plant: Path | None, n
     workflow.measure(
         experiment,
         folder,
-        port="sim",
-        plant=plant,
-        seed=SEED,
+        workflow.Line(plant=plant, seed=SEED),
         resume=False,
         clock=now,
         report=lambda progress: None,

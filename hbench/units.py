@@ -8,6 +8,7 @@ expression.
 
 import math
 import re
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -85,7 +86,7 @@ UNITS: dict[str, Unit] = {
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _LONGEST = 200  # characters of a quantity
 _PRINTED = str.maketrans({"²": "^2", "³": "^3", "·": " ", "°": "deg"})  # typographic notation
-_TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)|(\^)\s*(-?\d+)|([*/()])|$)")
+_TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)(?:\s*\^\s*(-?\d+))?|(\^(?=\s*-?\d)|[*/()]))")
 
 
 @lru_cache(maxsize=1024)
@@ -96,60 +97,60 @@ def parse_unit(text: str) -> Unit:
     text = text.translate(_PRINTED)
     if (alone := UNITS.get(text.strip())) is not None:
         return alone
-    position, factor = 0, 1.0
+    factor = 1.0
     dimension: Dimension = (0,) * 5
-    signs, sign = [1], 1  # sign of the open parentheses, sign of the next name
-    last: Unit | None = None
-    while position < len(text.rstrip()):
+    for unit, sign, exponent in _factors(text):
+        signed = unit.factor**sign
+        factor = factor * signed * signed ** (exponent - 1)
+        powers = zip(dimension, unit.dimension, strict=True)
+        dimension = tuple(before + sign * exponent * own for before, own in powers)
+    return Unit(factor, dimension)
+
+
+def _factors(text: str) -> Iterator[tuple[Unit, int, int]]:
+    """Yield each unit of an expression with its sign, -1 if it divides, and its exponent."""
+    position, end = 0, len(text.rstrip())
+    signs, sign = [1], 1  # of the open parentheses, of the next unit or parenthesis
+    while position < end:
         match = _TOKEN.match(text, position)
         if match is None:
             raise ValueError(f"unit {text!r}: can't read {text[position:]!r}")
-        name, caret, exponent, mark = match.groups()
+        name, exponent, mark = match.groups()
         if name is not None:
-            if name not in UNITS:
-                known = ", ".join(sorted(UNITS))
-                similar = [unit for unit in UNITS if unit.lower() == name.lower()]
-                question = f"; did you mean {' or '.join(map(repr, similar))}?" if similar else ""
-                raise ValueError(f"unknown unit {name!r}{question or f'; known are {known}'}")
-            if UNITS[name].zero:
-                raise ValueError(f"unit {text!r}: {name} is not a factor; write K for differences")
-            power = sign * signs[-1]
-            last = Unit(UNITS[name].factor ** power, _scale(UNITS[name].dimension, power))
-            factor, dimension = factor * last.factor, _add(dimension, last.dimension)
+            yield _named(name, text), sign * signs[-1], _exponent(exponent or "1", text)
             sign = 1
-        elif caret is not None:
-            if last is None:
-                raise ValueError(f"unit {text!r}: '^' follows no unit")
-            if len(exponent.lstrip("-")) > 1:
-                raise ValueError(f"unit {text!r}: power {exponent[:20]}; limit 9")
-            extra = int(exponent) - 1
-            factor, dimension = (
-                factor * last.factor**extra,
-                _add(dimension, _scale(last.dimension, extra)),
-            )
-            last = None
+        elif mark == "^":
+            raise ValueError(f"unit {text!r}: '^' follows no unit")
         elif mark == "/":
-            sign, last = -1, None
+            sign = -1
         elif mark == "(":
             signs.append(signs[-1] * sign)
-            sign, last = 1, None
+            sign = 1
         elif mark == ")":
             if len(signs) == 1:
                 raise ValueError(f"unit {text!r}: ')' without '('")
             signs.pop()
-            last = None
         position = match.end()
     if len(signs) > 1:
         raise ValueError(f"unit {text!r}: '(' is not closed")
-    return Unit(factor, dimension)
 
 
-def _scale(dimension: Dimension, power: int) -> Dimension:
-    return tuple(power * exponent for exponent in dimension)
+def _named(name: str, text: str) -> Unit:
+    unit = UNITS.get(name)
+    if unit is None:
+        known = ", ".join(sorted(UNITS))
+        similar = [each for each in UNITS if each.lower() == name.lower()]
+        question = f"; did you mean {' or '.join(map(repr, similar))}?" if similar else ""
+        raise ValueError(f"unknown unit {name!r}{question or f'; known are {known}'}")
+    if unit.zero:
+        raise ValueError(f"unit {text!r}: {name} is not a factor; write K for differences")
+    return unit
 
 
-def _add(a: Dimension, b: Dimension) -> Dimension:
-    return tuple(x + y for x, y in zip(a, b, strict=True))
+def _exponent(digits: str, text: str) -> int:
+    if len(digits.lstrip("-")) > 1:
+        raise ValueError(f"unit {text!r}: power {digits[:20]}; limit 9")
+    return int(digits)
 
 
 def to_si(value: object, unit: str) -> float:

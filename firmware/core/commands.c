@@ -63,7 +63,7 @@ static hb_u16 write_segment(hb_core *core, hb_reader *reader)
     if (core->state == HB_STATE_RUNNING) {
         return HB_REFUSAL_BUSY;
     }
-    if (!hb_segment_in_range(&request.segment)
+    if (!hb_segment_valid(&request.segment)
         || !hb_segments_write(&core->steps, request.index, &request.segment)) {
         return HB_REFUSAL_OUT_OF_RANGE;
     }
@@ -81,7 +81,7 @@ static hb_u16 write_step(hb_core *core, hb_reader *reader)
     if (core->state == HB_STATE_RUNNING) {
         return HB_REFUSAL_BUSY;
     }
-    if (!hb_step_in_range(&request.step)
+    if (!hb_step_valid(&request.step)
         || !hb_steps_write(&core->steps, request.index, &request.step)) {
         return HB_REFUSAL_OUT_OF_RANGE;
     }
@@ -118,8 +118,8 @@ static hb_u16 start(hb_core *core, hb_octet sequence, hb_reader *reader)
     if (request.steps_crc != hb_steps_crc(&core->steps)) {
         return HB_REFUSAL_STEPS_DIFFER;
     }
-    if (!hb_settings_in_range(&core->settings, core->hal.dac.range_v)
-        || !hb_steps_sound(&core->steps, &core->settings)) {
+    if (!hb_settings_valid(&core->settings, core->hal.dac.range_v)
+        || !hb_steps_valid(&core->steps, &core->settings)) {
         return HB_REFUSAL_OUT_OF_RANGE;
     }
     if (!hb_log_has_numbers(&core->log)) {

@@ -23,8 +23,6 @@ hb_control_config hb_control_design(const hb_settings *settings)
     config.feedforward[HB_VALVE_L1] = on ? value[HB_SETTING_FEEDFORWARD_ROD_V_S_M] : 0.0f;
     config.feedforward[HB_VALVE_L2] = on ? -value[HB_SETTING_FEEDFORWARD_PISTON_V_S_M] : 0.0f;
     config.force_gain_v_n = value[HB_SETTING_FORCE_GAIN_V_N];
-    config.area_piston_m2 = value[HB_SETTING_AREA_PISTON_M2];
-    config.area_rod_m2 = value[HB_SETTING_AREA_ROD_M2];
     config.limit_v = value[HB_SETTING_VOLTAGE_LIMIT_V];
     config.load_control =
         (hb_u16)hb_clamp(value[HB_SETTING_LOAD_CONTROL], 0.0f, (float)HB_LOAD_CONTROLS - 1.0f);
@@ -39,12 +37,7 @@ hb_control_config hb_control_design(const hb_settings *settings)
     return config;
 }
 
-void hb_control_init(hb_control_state *state)
-{
-    hb_control_open(state, 0.0f);
-}
-
-void hb_control_open(hb_control_state *state, float u_v)
+void hb_control_hold(hb_control_state *state, float u_v)
 {
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
         state->loop[i].u = 0.0f;
@@ -59,9 +52,7 @@ void hb_control_open(hb_control_state *state, float u_v)
 static void push(const hb_control_config *config, hb_control_state *state,
                  const hb_references *references, const hb_sensors_state *sensors)
 {
-    const float f_test_n =
-        hb_test_force(sensors, config->area_piston_m2, config->area_rod_m2);
-    const float u = config->force_gain_v_n * (references->f_test_n - f_test_n);
+    const float u = config->force_gain_v_n * (references->f_test_n - sensors->f_test_n);
 
     state->u[HB_VALVE_T] = hb_clamp(u, -config->limit_v, config->limit_v);
     state->loop[HB_VALVE_T].u = state->u[HB_VALVE_T];
@@ -77,7 +68,7 @@ static float load_friction(const hb_control_config *config, float v_m_s)
 {
     const float falling = config->stiction_n - config->coulomb_n;
     const float dry =
-        config->coulomb_n + falling * hb_decay(hb_abs(v_m_s) / config->stribeck_m_s);
+        config->coulomb_n + falling * hb_exp_minus(hb_abs(v_m_s) / config->stribeck_m_s);
 
     return dry * hb_clamp(v_m_s / HB_SIGN_M_S, -1.0f, 1.0f) + config->viscous_n_s_m * v_m_s;
 }
@@ -94,7 +85,7 @@ static float load_error(const hb_control_config *config, hb_control_state *state
     case HB_LOAD_CONTROL_LOAD_CELL:
         state->load_trim_pa =
             hb_clamp(state->load_trim_pa
-                         + config->load_integral * (f_ref_n - sensors->force_n)
+                         + config->load_integral * (f_ref_n - sensors->f_applied_filtered_n)
                                / config->load_piston_m2,
                      -config->load_trim_max_pa, config->load_trim_max_pa);
         return error + state->load_trim_pa;

@@ -36,8 +36,6 @@ typedef struct {
     hb_pi_config loop[HB_VALVES];
     float feedforward[HB_VALVES]; /* signed [V s/m]; zero while it is off */
     float force_gain_v_n;
-    float area_piston_m2; /* of the test cylinder */
-    float area_rod_m2;
     float limit_v;
     hb_u16 load_control;
     float load_integral; /* T / tau_F */
@@ -57,10 +55,8 @@ typedef struct {
     bool saturated;     /* a command is at the limit */
 } hb_control_state;
 
-/* Valves neutral, integrators empty. */
-void hb_control_init(hb_control_state *state);
 /* All valves at u_v, integrators empty. */
-void hb_control_open(hb_control_state *state, float u_v);
+void hb_control_hold(hb_control_state *state, float u_v);
 hb_control_config hb_control_design(const hb_settings *settings);
 void hb_control_step(const hb_control_config *config, hb_control_state *state,
                      const hb_references *references, const hb_sensors_state *sensors);

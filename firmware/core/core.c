@@ -12,7 +12,7 @@ void hb_core_init(hb_core *core, const hb_hal *hal)
     core->tick = 0;
     hb_safety_init(&core->safety);
     hb_sensors_init(&core->sensors);
-    hb_control_init(&core->control);
+    hb_control_hold(&core->control, 0.0f);
     hb_schedule_init(&core->schedule);
     hb_log_init(&core->log, hal->ring, hal->ring_records);
     hb_core_configure(core);
@@ -26,7 +26,7 @@ void hb_core_configure(hb_core *core)
     core->sensors.primed = false;
     /* These divide by settings and convert them to integers, which is defined within their range
      * only. Outside of it "start" is refused. */
-    if (hb_settings_in_range(&core->settings, core->hal.dac.range_v)) {
+    if (hb_settings_valid(&core->settings, core->hal.dac.range_v)) {
         core->schedule_config = hb_schedule_design(&core->settings);
         core->safety_config = hb_safety_design(&core->settings);
     }
@@ -34,7 +34,7 @@ void hb_core_configure(hb_core *core)
 
 void hb_core_start(hb_core *core)
 {
-    hb_control_init(&core->control);
+    hb_control_hold(&core->control, 0.0f);
     hb_safety_init(&core->safety);
     core->fault = HB_FAULT_NONE;
     hb_schedule_start(&core->schedule, &core->sensors);
@@ -105,15 +105,16 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_INPUTS], hb_i16 dac[HB_VALV
             advance(core);
         }
     }
-    if (core->state == HB_STATE_RUNNING && hb_schedule_vents_under_pressure(&core->schedule)) {
+    if (core->state == HB_STATE_RUNNING && core->schedule.phase == HB_PHASE_VENT
+        && hb_vent_under_pressure(&core->schedule.vent)) {
         hb_core_halt(core, HB_STATE_FAULT, HB_FAULT_SUPPLY);
     }
     if (core->state != HB_STATE_RUNNING || core->schedule.phase == HB_PHASE_CLOSED) {
-        hb_control_init(&core->control); /* neutral */
+        hb_control_hold(&core->control, 0.0f);
     } else if (core->schedule.phase == HB_PHASE_VENT) {
         const float limit = core->control_config.limit_v;
-        hb_control_open(&core->control,
-                        hb_clamp(hb_schedule_vent_v(&core->schedule), -limit, limit));
+        hb_control_hold(&core->control,
+                        hb_clamp(hb_vent_command_v(&core->schedule.vent), -limit, limit));
     } else {
         hb_control_step(&core->control_config, &core->control, &core->schedule.references,
                         &core->sensors);

@@ -22,8 +22,8 @@ typedef struct {
 } hb_velocity_state;
 
 hb_velocity_config hb_velocity_design(float tau_s, float period_s);
-float hb_velocity_step(const hb_velocity_config *config, hb_velocity_state *state, float x,
-                       float a_m_s2);
+void hb_velocity_step(const hb_velocity_config *config, hb_velocity_state *state, float x,
+                      float a_m_s2);
 
 /* First-order low pass, equation D.29 with K = 1:
  * y_k = (x_k T + y_{k-1} tau) / (tau + T), computed as y_{k-1} + gain (x_k - y_{k-1}). */
@@ -32,7 +32,7 @@ typedef struct {
 } hb_lowpass_config;
 
 hb_lowpass_config hb_lowpass_design(float tau_s, float period_s);
-float hb_lowpass_step(const hb_lowpass_config *config, float *y, float x);
+void hb_lowpass_step(const hb_lowpass_config *config, float *y, float x);
 
 /* Mean of n words from their sum, rounded to the nearest integer: the FIR filter D.1 in exact
  * integers, sampled every n ticks. */

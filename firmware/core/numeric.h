@@ -2,7 +2,7 @@
 #ifndef HB_NUMERIC_H
 #define HB_NUMERIC_H
 
-#include "types.h"
+#include "hal.h"
 
 static inline float hb_abs(float x)
 {
@@ -31,7 +31,7 @@ static inline float hb_slew(float x, float target, float step)
 }
 
 /* exp(-x) for x >= 0, with an error below 0.02 % of 1: (1 + x/64 + (x/64)^2 / 2)^-64. */
-static inline float hb_decay(float x)
+static inline float hb_exp_minus(float x)
 {
     const float part = x / 64.0f;
     float power = 1.0f + part + 0.5f * part * part;
@@ -60,9 +60,10 @@ static inline hb_i16 hb_round_i16(float x, hb_i16 low, hb_i16 high)
 }
 
 /* Number of ticks in a time, rounded to the nearest integer. */
-static inline hb_u32 hb_ticks(float seconds, float rate_hz)
+static inline hb_u32 hb_ticks(float seconds)
 {
-    return (hb_u32)(seconds * rate_hz + 0.5f);
+    const float ticks = seconds * (float)HB_RATE_HZ + 0.5f;
+    return (hb_u32)ticks;
 }
 
 #endif

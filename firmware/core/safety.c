@@ -13,8 +13,8 @@ hb_safety_config hb_safety_design(const hb_settings *settings)
     config.pressure_max_pa = value[HB_SETTING_PRESSURE_MAX_PA];
     config.speed_max_m_s = value[HB_SETTING_SPEED_MAX_M_S];
     config.speed_error_max_m_s = value[HB_SETTING_SPEED_ERROR_MAX_M_S];
-    config.speed_error_ticks = hb_ticks(value[HB_SETTING_SPEED_ERROR_TIME_S], (float)HB_RATE_HZ);
-    config.heartbeat_ticks = hb_ticks(value[HB_SETTING_HEARTBEAT_S], (float)HB_RATE_HZ);
+    config.speed_error_ticks = hb_ticks(value[HB_SETTING_SPEED_ERROR_TIME_S]);
+    config.heartbeat_ticks = hb_ticks(value[HB_SETTING_HEARTBEAT_S]);
     return config;
 }
 

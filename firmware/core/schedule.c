@@ -9,15 +9,6 @@
 #define HB_NEAR_M 1e-3f
 #define HB_NEAR_S 0.1f
 
-/* Venting: small openings, so that the piston moves slowly should the supply come on. */
-#define HB_VENT_V 0.5f
-#define HB_VENT_SIDE_S 0.25f
-/* The supply is on: at the begin, above a tank's pressure and a transducer's zero error; later, above
- * what the chambers' oil can raise it to. */
-#define HB_VENT_BEGIN_PA 10e5f
-#define HB_VENT_SUPPLY_PA 40e5f
-#define HB_VENT_SUPPLY_S 1.0f
-
 hb_schedule_config hb_schedule_design(const hb_settings *settings)
 {
     const float *value = settings->value;
@@ -34,18 +25,14 @@ hb_schedule_config hb_schedule_design(const hb_settings *settings)
     config.return_ticks = hb_ticks(
         hb_min(3.0f * (value[HB_SETTING_TRAVEL_MAX_M] - value[HB_SETTING_TRAVEL_MIN_M]) / speed
                    + 10.0f + 8.0f / config.return_gain_1_s,
-               HB_MAX_TIME_S),
-        (float)HB_RATE_HZ);
+               HB_MAX_TIME_S));
     /* Twice the ramps of the pressures over their whole range and of the velocity to 0. */
     config.load_ticks = hb_ticks(
         hb_min(2.0f * (value[HB_SETTING_PRESSURE_MAX_PA] / value[HB_SETTING_PRESSURE_SLEW_PA_S]
                        + speed / acceleration)
                    + HB_LOAD_MARGIN_S,
-               HB_MAX_TIME_S),
-        (float)HB_RATE_HZ);
+               HB_MAX_TIME_S));
     config.pressure_step_pa = value[HB_SETTING_PRESSURE_SLEW_PA_S] * HB_PERIOD_S;
-    config.area_piston_m2 = value[HB_SETTING_AREA_PISTON_M2];
-    config.area_rod_m2 = value[HB_SETTING_AREA_ROD_M2];
     return config;
 }
 
@@ -53,7 +40,7 @@ static void enter(hb_schedule_state *state, hb_u16 phase)
 {
     state->phase = phase;
     state->ticks = 0;
-    state->wait_ticks = 0;
+    state->ready_ticks = 0;
 }
 
 void hb_schedule_init(hb_schedule_state *state)
@@ -65,7 +52,7 @@ void hb_schedule_init(hb_schedule_state *state)
     state->runs_done = 0;
     hb_settle_init(&state->settle);
     state->settled = false;
-    state->supply_ticks = 0;
+    hb_vent_init(&state->vent);
     state->begin_x_m = 0.0f;
     state->begin_f_test_n = 0.0f;
     state->references.v_m_s = 0.0f;
@@ -94,11 +81,6 @@ static const hb_segment *present_segment(const hb_steps *steps, const hb_schedul
     return &steps->segment[steps->step[state->step].segment + state->segment];
 }
 
-static bool time_is_over(const hb_schedule_state *state, float seconds)
-{
-    return state->ticks >= hb_ticks(seconds, (float)HB_RATE_HZ);
-}
-
 static bool segment_is_over(const hb_schedule_state *state, const hb_step *step,
                             const hb_segment *segment, float x_m)
 {
@@ -107,7 +89,7 @@ static bool segment_is_over(const hb_schedule_state *state, const hb_step *step,
                    || (segment->v_m_s < 0.0f && v < 0.0f && x_m <= step->x_min_m);
     const bool moved = state->phase == HB_PHASE_PUSH
                     && hb_abs(x_m - state->begin_x_m) >= segment->displacement_m;
-    return left || moved || time_is_over(state, segment->duration_s);
+    return left || moved || state->ticks >= hb_ticks(segment->duration_s);
 }
 
 static hb_u16 phase_of(const hb_segment *segment)
@@ -124,27 +106,27 @@ static hb_u16 phase_of(const hb_segment *segment)
     }
 }
 
-static void enter_segment(const hb_schedule_config *config, const hb_steps *steps,
-                          hb_schedule_state *state, const hb_sensors_state *sensors)
+static void enter_segment(const hb_steps *steps, hb_schedule_state *state,
+                          const hb_sensors_state *sensors)
 {
     enter(state, phase_of(present_segment(steps, state)));
-    state->supply_ticks = 0;
+    hb_vent_init(&state->vent);
     state->begin_x_m = sensors->value[HB_SENSOR_X];
-    state->begin_f_test_n = hb_test_force(sensors, config->area_piston_m2, config->area_rod_m2);
+    state->begin_f_test_n = sensors->f_test_n;
 }
 
-static void begin_run(const hb_schedule_config *config, const hb_steps *steps,
-                      hb_schedule_state *state, const hb_sensors_state *sensors)
+static void begin_run(const hb_steps *steps, hb_schedule_state *state,
+                      const hb_sensors_state *sensors)
 {
     state->cycle = 0;
     state->segment = 0;
     state->settled = false;
     hb_settle_init(&state->settle);
-    enter_segment(config, steps, state, sensors);
+    enter_segment(steps, state, sensors);
 }
 
-static void next_segment(const hb_schedule_config *config, const hb_steps *steps,
-                         hb_schedule_state *state, const hb_sensors_state *sensors)
+static void next_segment(const hb_steps *steps, hb_schedule_state *state,
+                         const hb_sensors_state *sensors)
 {
     const hb_step *step = &steps->step[state->step];
 
@@ -153,7 +135,7 @@ static void next_segment(const hb_schedule_config *config, const hb_steps *steps
     }
     if (state->segment + 1u < step->segments) {
         state->segment++;
-        enter_segment(config, steps, state, sensors);
+        enter_segment(steps, state, sensors);
         return;
     }
     state->settled = hb_settle_cycle(&state->settle, step->within)
@@ -161,7 +143,7 @@ static void next_segment(const hb_schedule_config *config, const hb_steps *steps
     if (!state->settled && state->cycle + 1u < step->cycles) {
         state->cycle++;
         state->segment = 0;
-        enter_segment(config, steps, state, sensors);
+        enter_segment(steps, state, sensors);
         return;
     }
     state->runs_done++;
@@ -184,36 +166,37 @@ static void next_trial(const hb_steps *steps, hb_schedule_state *state)
     enter(state, HB_PHASE_RETURN);
 }
 
-/* Enters the next phase if the present phase is over. */
-static void change_phase(const hb_schedule_config *config, const hb_steps *steps,
-                         hb_schedule_state *state, const hb_sensors_state *sensors)
+/* Ends the segment, or its acceleration. */
+static void continue_segment(const hb_steps *steps, hb_schedule_state *state,
+                             const hb_sensors_state *sensors)
 {
     const hb_step *step = &steps->step[state->step];
     const hb_segment *segment = present_segment(steps, state);
 
+    if (segment_is_over(state, step, segment, sensors->value[HB_SENSOR_X])) {
+        next_segment(steps, state, sensors);
+    } else if (state->phase == HB_PHASE_ACCELERATE && state->references.v_m_s == segment->v_m_s) {
+        state->phase = HB_PHASE_STEADY; /* its ticks continue from the segment's start */
+    }
+}
+
+/* Enters the next phase if the present phase is over. */
+static void change_phase(const hb_steps *steps, hb_schedule_state *state,
+                         const hb_sensors_state *sensors)
+{
+    const hb_step *step = &steps->step[state->step];
+
     switch (state->phase) {
     case HB_PHASE_RETURN:
-        if (segment->valves == HB_VALVES_VENTING) {
-            begin_run(config, steps, state, sensors);
-        } else if (time_is_over(state, HB_NEAR_S)) {
+        if (present_segment(steps, state)->valves == HB_VALVES_VENTING) {
+            begin_run(steps, state, sensors);
+        } else if (state->ready_ticks >= hb_ticks(HB_NEAR_S)) {
             enter(state, HB_PHASE_HOLD);
         }
         break;
     case HB_PHASE_HOLD:
-        if (state->ticks > 0u && time_is_over(state, step->hold_s)) {
-            begin_run(config, steps, state, sensors);
-        }
-        break;
-    case HB_PHASE_ACCELERATE:
-    case HB_PHASE_STEADY:
-    case HB_PHASE_CLOSED:
-    case HB_PHASE_PUSH:
-    case HB_PHASE_VENT:
-        if (segment_is_over(state, step, segment, sensors->value[HB_SENSOR_X])) {
-            next_segment(config, steps, state, sensors);
-        } else if (state->phase == HB_PHASE_ACCELERATE
-                   && state->references.v_m_s == segment->v_m_s) {
-            state->phase = HB_PHASE_STEADY; /* its ticks continue from the segment's start */
+        if (state->ready_ticks > 0u && state->ready_ticks >= hb_ticks(step->hold_s)) {
+            begin_run(steps, state, sensors);
         }
         break;
     case HB_PHASE_BRAKE:
@@ -222,21 +205,22 @@ static void change_phase(const hb_schedule_config *config, const hb_steps *steps
         }
         break;
     default:
+        if (hb_schedule_moving(state)) {
+            continue_segment(steps, state, sensors);
+        }
         break;
     }
 }
 
 /* The quantity of the step's condition: friction (equation 5.1; inertia cancels over a cycle) or
  * speed error. */
-static float condition_value(const hb_schedule_config *config, const hb_step *step,
-                     const hb_schedule_state *state, const hb_sensors_state *sensors)
+static float condition_value(const hb_step *step, const hb_schedule_state *state,
+                             const hb_sensors_state *sensors)
 {
     const float v_ref = state->references.v_m_s;
 
     if (step->until == HB_CONDITION_FRICTION) {
-        const float friction =
-            hb_test_force(sensors, config->area_piston_m2, config->area_rod_m2)
-            - sensors->value[HB_SENSOR_F_APPLIED];
+        const float friction = sensors->f_test_n - sensors->value[HB_SENSOR_F_APPLIED];
         return v_ref < 0.0f ? -friction : friction;
     }
     return hb_abs(v_ref - sensors->velocity.v);
@@ -251,33 +235,29 @@ static void follow_phase(const hb_schedule_config *config, const hb_steps *steps
     const float distance = steps->step[state->step].x_start_m - x_m;
     const hb_segment *segment = present_segment(steps, state);
 
+    state->ticks++;
     switch (state->phase) {
     case HB_PHASE_RETURN:
         *v = hb_slew(*v,
                      hb_clamp(config->return_gain_1_s * distance, -config->return_speed_m_s,
                               config->return_speed_m_s),
                      config->velocity_step_m_s);
-        state->ticks = hb_abs(distance) <= HB_NEAR_M ? state->ticks + 1u : 0u;
-        state->wait_ticks++;
+        state->ready_ticks = hb_abs(distance) <= HB_NEAR_M ? state->ready_ticks + 1u : 0u;
         break;
     case HB_PHASE_HOLD:
         *v = hb_slew(*v, 0.0f, config->velocity_step_m_s);
         if (loaded && *v == 0.0f) {
-            state->ticks++;
-        } else {
-            state->wait_ticks++;
+            state->ready_ticks++;
         }
         break;
     case HB_PHASE_ACCELERATE:
     case HB_PHASE_STEADY:
         *v = hb_slew(*v, segment->v_m_s, segment->a_m_s2 * HB_PERIOD_S);
-        state->ticks++;
         break;
     case HB_PHASE_CLOSED:
     case HB_PHASE_PUSH:
     case HB_PHASE_VENT:
         *v = 0.0f;
-        state->ticks++;
         break;
     default:
         *v = hb_slew(*v, 0.0f, config->velocity_step_m_s);
@@ -291,7 +271,7 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
     const float x_m = sensors->value[HB_SENSOR_X];
     hb_references *references = &state->references;
 
-    change_phase(config, steps, state, sensors);
+    change_phase(steps, state, sensors);
 
     const hb_step *step = &steps->step[state->step];
     if (state->phase == HB_PHASE_CLOSED || state->phase == HB_PHASE_VENT) {
@@ -312,37 +292,23 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
                                    * ((float)state->ticks * HB_PERIOD_S);
     }
     if (state->phase == HB_PHASE_VENT) {
-        const float limit = state->ticks <= 1u ? HB_VENT_BEGIN_PA : HB_VENT_SUPPLY_PA;
-        const bool high = !(sensors->value[HB_SENSOR_P_S] <= limit);
-        state->supply_ticks = high ? state->supply_ticks + 1u : 0u;
+        hb_vent_step(&state->vent, sensors->value[HB_SENSOR_P_S]);
     }
     if (state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY) {
-        hb_settle_add(&state->settle, condition_value(config, step, state, sensors));
+        hb_settle_add(&state->settle, condition_value(step, state, sensors));
     }
 }
 
 hb_u16 hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state)
 {
-    if (state->phase == HB_PHASE_RETURN && state->wait_ticks > config->return_ticks) {
+    if (state->phase == HB_PHASE_RETURN && state->ticks > config->return_ticks) {
         return HB_FAULT_RETURN;
     }
-    if (state->phase == HB_PHASE_HOLD && state->wait_ticks > config->load_ticks) {
+    if (state->phase == HB_PHASE_HOLD
+        && state->ticks - state->ready_ticks > config->load_ticks) {
         return HB_FAULT_LOAD;
     }
     return HB_FAULT_NONE;
-}
-
-float hb_schedule_vent_v(const hb_schedule_state *state)
-{
-    const hb_u32 side = state->ticks / hb_ticks(HB_VENT_SIDE_S, (float)HB_RATE_HZ);
-    return side % 2u == 0u ? HB_VENT_V : -HB_VENT_V;
-}
-
-bool hb_schedule_vents_under_pressure(const hb_schedule_state *state)
-{
-    const hb_u32 limit =
-        state->ticks <= 1u ? 0u : hb_ticks(HB_VENT_SUPPLY_S, (float)HB_RATE_HZ);
-    return state->phase == HB_PHASE_VENT && state->supply_ticks > limit;
 }
 
 bool hb_schedule_moving(const hb_schedule_state *state)

@@ -9,6 +9,7 @@
 #include "settings.h"
 #include "settle.h"
 #include "steps.h"
+#include "vent.h"
 
 typedef struct {
     float return_gain_1_s;   /* K of v_ref = K (x_start - x) */
@@ -17,8 +18,6 @@ typedef struct {
     float pressure_step_pa;  /* per tick */
     hb_u32 return_ticks;     /* upper limit for a return */
     hb_u32 load_ticks;       /* upper limit until the load is applied while holding */
-    float area_piston_m2;    /* of the test cylinder, for its friction */
-    float area_rod_m2;
 } hb_schedule_config;
 
 typedef struct {
@@ -28,11 +27,11 @@ typedef struct {
     hb_u16 cycle;   /* from 0 */
     hb_u16 segment; /* of the step, from 0 */
     hb_u16 runs_done;
-    hb_u32 ticks;        /* counted towards the end of the phase or segment */
-    hb_u32 wait_ticks;   /* since the return began, or while holding until the load is applied */
+    hb_u32 ticks;       /* since the phase or segment began */
+    hb_u32 ready_ticks; /* returning: near the start; holding: at rest under load */
     hb_settle settle;
     bool settled; /* the last run ended by its condition */
-    hb_u32 supply_ticks; /* while venting: since the supply's pressure was low */
+    hb_vent vent;
     float begin_x_m;     /* at the segment's begin */
     float begin_f_test_n;
     hb_references references;
@@ -51,12 +50,6 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
 /* The fault of a wait that takes longer than its limit: the return (the piston is blocked, or the
  * pump is off), or the load's references while holding. HB_FAULT_NONE without one. */
 hb_u16 hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state);
-
-/* Command of all valves while venting [V]: to either side in turn. */
-float hb_schedule_vent_v(const hb_schedule_state *state);
-
-/* Venting, although the supply is on. The chambers' oil may raise its pressure for a second. */
-bool hb_schedule_vents_under_pressure(const hb_schedule_state *state);
 
 /* A run's segments are being executed. */
 bool hb_schedule_moving(const hb_schedule_state *state);

@@ -13,6 +13,8 @@ hb_sensors_config hb_sensors_design(const hb_settings *settings, const hb_adc_sc
     config.acceleration_gain = value[HB_SETTING_ACCELERATION_GAIN_M_S2];
     config.acceleration_offset = value[HB_SETTING_ACCELERATION_OFFSET_M_S2];
     config.force_controls = value[HB_SETTING_LOAD_CONTROL] == (float)HB_LOAD_CONTROL_LOAD_CELL;
+    config.area_piston_m2 = value[HB_SETTING_AREA_PISTON_M2];
+    config.area_rod_m2 = value[HB_SETTING_AREA_ROD_M2];
     config.velocity = hb_velocity_design(value[HB_SETTING_VELOCITY_FILTER_S], HB_PERIOD_S);
     config.pressure = hb_lowpass_design(value[HB_SETTING_PRESSURE_FILTER_S], HB_PERIOD_S);
     return config;
@@ -23,7 +25,8 @@ void hb_sensors_init(hb_sensors_state *state)
     for (hb_u16 i = 0; i < HB_SENSORS; i++) {
         state->value[i] = 0.0f;
     }
-    state->force_n = 0.0f;
+    state->f_applied_filtered_n = 0.0f;
+    state->f_test_n = 0.0f;
     state->velocity.x = 0.0f;
     state->velocity.v = 0.0f;
     state->saturated = false;
@@ -82,7 +85,7 @@ void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
     }
     const float a = accelerated(config, state, adc[HB_INPUT_AUXILIARY]);
     if (!state->primed) {
-        state->force_n = si[HB_SENSOR_F_APPLIED];
+        state->f_applied_filtered_n = si[HB_SENSOR_F_APPLIED];
         state->velocity.x = si[HB_SENSOR_X];
         state->velocity.v = 0.0f;
         for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
@@ -93,14 +96,10 @@ void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
     state->value[HB_SENSOR_X] = si[HB_SENSOR_X];
     state->value[HB_SENSOR_F_APPLIED] = si[HB_SENSOR_F_APPLIED];
     for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
-        (void)hb_lowpass_step(&config->pressure, &state->value[i], si[i]);
+        hb_lowpass_step(&config->pressure, &state->value[i], si[i]);
     }
-    (void)hb_lowpass_step(&config->pressure, &state->force_n, si[HB_SENSOR_F_APPLIED]);
-    (void)hb_velocity_step(&config->velocity, &state->velocity, si[HB_SENSOR_X], a);
-}
-
-float hb_test_force(const hb_sensors_state *state, float area_piston_m2, float area_rod_m2)
-{
-    return area_piston_m2 * state->value[HB_SENSOR_P_TP]
-         - area_rod_m2 * state->value[HB_SENSOR_P_TR];
+    hb_lowpass_step(&config->pressure, &state->f_applied_filtered_n, si[HB_SENSOR_F_APPLIED]);
+    hb_velocity_step(&config->velocity, &state->velocity, si[HB_SENSOR_X], a);
+    state->f_test_n = config->area_piston_m2 * state->value[HB_SENSOR_P_TP]
+                    - config->area_rod_m2 * state->value[HB_SENSOR_P_TR];
 }

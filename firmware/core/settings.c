@@ -26,7 +26,7 @@ bool hb_settings_complete(const hb_settings *settings)
     return true;
 }
 
-bool hb_settings_in_range(const hb_settings *settings, float voltage_range_v)
+bool hb_settings_valid(const hb_settings *settings, float voltage_range_v)
 {
     static const struct {
         float low;

@@ -15,7 +15,7 @@ static bool is_duration(float seconds)
     return seconds >= 0.0f && seconds <= HB_MAX_TIME_S;
 }
 
-bool hb_segment_in_range(const hb_segment *segment)
+bool hb_segment_valid(const hb_segment *segment)
 {
     return segment->valves < HB_VALVES_STATES
         && hb_finite(segment->v_m_s)
@@ -25,7 +25,7 @@ bool hb_segment_in_range(const hb_segment *segment)
         && hb_finite(segment->displacement_m) && segment->displacement_m >= 0.0f;
 }
 
-bool hb_step_in_range(const hb_step *step)
+bool hb_step_valid(const hb_step *step)
 {
     return step->trials >= 1u
         && (hb_u32)step->run + step->trials <= 65536u
@@ -79,7 +79,7 @@ static bool between(float x, float low, float high)
     return x >= low && x <= high;
 }
 
-bool hb_steps_sound(const hb_steps *steps, const hb_settings *settings)
+bool hb_steps_valid(const hb_steps *steps, const hb_settings *settings)
 {
     const float x_min_m = settings->value[HB_SETTING_TRAVEL_MIN_M];
     const float x_max_m = settings->value[HB_SETTING_TRAVEL_MAX_M];

@@ -6,9 +6,11 @@ Without a terminal it is a plain log with a line per run. Rejected runs stay abo
 import os
 import time
 from contextlib import suppress
+from functools import partial
 from typing import TextIO
 
 from hbench.channels import CHANNELS
+from hbench.cli.progress import write_if_open
 from hbench.experiment.progress import Ended, Progress
 from hbench.records import KINDS, RunPlan
 
@@ -35,6 +37,7 @@ class BenchDisplay:
 
     def __init__(self, stream: TextIO):
         self._stream = stream
+        self._write = partial(write_if_open, stream)
         self._redraws = stream.isatty() and os.environ.get("TERM") != "dumb"
         self._lines = 0  # of the displayed block
         self._drawn_s = -_EVERY_S
@@ -75,11 +78,6 @@ class BenchDisplay:
         with suppress(OSError, ValueError):
             return os.get_terminal_size(self._stream.fileno()).columns or 80
         return 80
-
-    def _write(self, text: str) -> None:
-        with suppress(OSError):
-            self._stream.write(text)
-            self._stream.flush()
 
 
 def _block(now: Progress) -> list[str]:

@@ -2,11 +2,19 @@
 
 import time
 from contextlib import suppress
+from functools import partial
 from typing import TextIO
 
 from hbench.experiment.progress import Progress
 
 _BAR = 24
+
+
+def write_if_open(stream: TextIO, text: str) -> None:
+    """Write to a terminal at once; a closed one is no error."""
+    with suppress(OSError):
+        stream.write(text)
+        stream.flush()
 
 
 class ProgressLine:
@@ -16,7 +24,7 @@ class ProgressLine:
     """
 
     def __init__(self, stream: TextIO):
-        self._stream = stream
+        self._write = partial(write_if_open, stream)
         self._redraws = stream.isatty()
         self._start = time.monotonic()
         self._shown = -1  # tenths, without a terminal
@@ -69,11 +77,6 @@ class ProgressLine:
     def _redraw(self, text: str) -> None:
         self._write("\r" + text.ljust(self._width))
         self._width = len(text)
-
-    def _write(self, text: str) -> None:
-        with suppress(OSError):
-            self._stream.write(text)
-            self._stream.flush()
 
     def _left(self, done: int, total: int) -> str:
         if not done:

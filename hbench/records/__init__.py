@@ -169,6 +169,7 @@ _MODULES = {
     "results": ("Results",),
     "runs": (
         "DIRECTIONS",
+        "DIRECTION_WORDS",
         "TEMPERATURES",
         "Direction",
         "Factors",

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from hbench.records.curves import Band, BandTrend, Curve
-from hbench.records.numbers import Count
+from hbench.records.numbers import SIGNIFICANCE, Count
 from hbench.records.runs import Direction, Provenance
 from hbench.records.summary import Drift, OilTemperature, Quality
 
@@ -33,7 +33,7 @@ class Difference:
     def real(self) -> bool:
         """Significant by the trials after Holm, and beyond the instruments where they are known."""
         beyond = self.u95 is None or abs(self.value) > self.u95
-        return self.p_holm is not None and self.p_holm < 0.05 and beyond
+        return self.p_holm is not None and self.p_holm < SIGNIFICANCE and beyond
 
 
 @dataclass(frozen=True)

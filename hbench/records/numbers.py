@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from hbench.records.kinds import KINDS
 
 NORMAL_95 = 1.959964  # half of a normal 95 % interval, in standard deviations
+SIGNIFICANCE = 0.05  # level of tests: p below it, corrected for their number, is significant
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Rod-side pressure of the load cylinder, as a mark of series that differ in nothing else."""
+"""Key of a series of runs; the rod-side pressure of series that differ in nothing else."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from hbench.records.conformity.acceptance import Measurement
 from hbench.records.curves import Band, BandTrend, Curve, EfficiencyCurve
-from hbench.records.runs import RunPlan
+from hbench.records.runs import Direction, RunPlan
 from hbench.records.summary import HeadlineSeries, ImplausiblePoint, PointTrials
 
 SeriesRecord = TypeVar(
@@ -22,6 +22,12 @@ SeriesRecord = TypeVar(
     PointTrials,
     Measurement,
 )
+SeriesKey = tuple[str, Direction | None, float | None, float | None]
+
+
+def series_key(record: Curve | EfficiencyCurve | Measurement | RunPlan) -> SeriesKey:
+    """Return label, direction, load F_L (N) and rod-side pressure (Pa), which make a series."""
+    return record.label, record.direction, record.f_load_n, record.p_lr_ref_pa
 
 
 def differs_in_rod_pressure(series: Iterable[SeriesRecord]) -> bool:

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hbench.records.curves import Curve
-from hbench.records.numbers import Count, KindName
+from hbench.records.numbers import SIGNIFICANCE, Count, KindName
 from hbench.records.runs import Direction, TemperatureSensor
 
 Basis = Literal["trials", "one_trial", "extrapolated", "ramp", "breakaway"]
 Grade = Literal["good", "with care", "poor"]
-SIGNIFICANCE = 0.05  # level of the drift's test
 LARGE_DRIFT = 15.0  # change over a campaign, % of friction, that the data should exclude
 SEPARATED_VIF = 5.0  # largest variance inflation by speed of a plan that separates from it
 
@@ -93,7 +92,7 @@ class Drift:
 
     @property
     def significant(self) -> bool:
-        """Whether friction drifts, at the 5 % level."""
+        """Whether friction drifts, at the level ``SIGNIFICANCE``."""
         return self.p < SIGNIFICANCE
 
     @property

@@ -3,12 +3,17 @@
 import math
 
 from hbench.records import Drift
-from hbench.records.summary import SIGNIFICANCE
-from hbench.report.render.numbers import NONE, number, significant, with_interval
+from hbench.records.numbers import SIGNIFICANCE
+from hbench.report.render.numbers import (
+    NONE,
+    number,
+    p_equation,
+    p_words,
+    with_interval,
+)
 from hbench.report.render.word_tables import Cell, Table
 
 _HOUR_S = 3600.0
-_LEAST_P = 1e-4  # smaller ones are written as being below it
 
 
 def drift_fact(drift: Drift | None) -> str:
@@ -25,11 +30,11 @@ def drift_words(drift: Drift) -> str:
     how = "significant" if drift.significant else "not significant"
     if not drift.has_size:
         return (
-            f"an unknown amount: it drifts between the trials ({how}, {_p(drift.p)}), but no times "
-            "of the runs are known"
+            f"an unknown amount: it drifts between the trials ({how}, {p_equation(drift.p)}), but "
+            "no times of the runs are known"
         )
     basis = "" if drift.basis == "time" else ", by their order since no times are known"
-    text = f"{change} % from the first to the last steady run{basis} ({how}, {_p(drift.p)})"
+    text = f"{change} % from the first to the last steady run{basis} ({how}, {p_equation(drift.p)})"
     if drift.separated:
         apart = ", separated from speed by the order of the runs"
         return f"{text}{apart if drift.several_speeds else ''}"
@@ -46,8 +51,8 @@ def drift_finding(drift: Drift) -> str:
         return text if drift.separated else f"{text}, and would appear as an effect of speed"
     if drift.of_unknown_size:
         return (
-            f"Friction drifts between the trials ({_p(drift.p)}); its change over the campaign is "
-            "not known, since no times of the runs are"
+            f"Friction drifts between the trials ({p_equation(drift.p)}); its change over the "
+            "campaign is not known, since no times of the runs are"
         )
     change = with_interval(drift.change_percent, drift.change_percent_ci95)
     text = f"Friction changed by {change} % over the campaign"
@@ -86,7 +91,7 @@ def drift_with_oil(drift: Drift) -> str:
     said = f"Meanwhile the oil temperature {rose} by {number(abs(drift.temp_change_k), 1)} K"
     if drift.temp_correlation is None or drift.temp_p is None:
         return f"{said}."
-    which = f"correlation {number(drift.temp_correlation, 2)}, {_p(drift.temp_p)}"
+    which = f"correlation {number(drift.temp_correlation, 2)}, {p_equation(drift.temp_p)}"
     if drift.temp_p >= SIGNIFICANCE:
         return f"{said}; within the points, friction does not correlate with it ({which})."
     way = "falls as it rises" if drift.temp_correlation < 0 else "rises with it"
@@ -141,7 +146,7 @@ def drift_table(drift: Drift) -> Table:
         change if drift.has_size else "not known",
         *per_hour,
         f"{drift.trials} trials" if drift.span_s is None else _minutes(drift.span_s),
-        _p(drift.p).removeprefix("p = ").removeprefix("p "),
+        p_words(drift.p),
         str(drift.points),
         str(drift.trials),
         number(drift.speed_vif if drift.several_speeds else None),
@@ -155,10 +160,6 @@ def drift_table(drift: Drift) -> Table:
         words,
         title="Size, significance and separation of the drift",
     )
-
-
-def _p(p: float) -> str:
-    return f"p < {_LEAST_P:g}" if p < _LEAST_P else f"p = {significant(p, 2)}"
 
 
 def _minutes(seconds: float) -> str:

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from statistics import fmean
 
-from hbench.records import Curve, OilTemperature, Reduction, Results, ViscosityEffect
-from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.records import Curve, OilTemperature, Reduction, Results
+from hbench.records.rod_pressure import series_key, without_common_rod_pressure
 from hbench.records.summary import SEPARATED_VIF
 from hbench.report.campaign.fit_tables import fit_tables, law_words
 from hbench.report.campaign.series_words import TITLES
@@ -14,7 +14,7 @@ from hbench.report.drift import drift_words
 from hbench.report.oil_words import PLACES, celsius
 from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import number, significant, with_interval
+from hbench.report.render.numbers import number, p_words, significant, with_interval
 from hbench.report.render.word_tables import Table
 
 _LEFT = "Friction is not reduced to a reference temperature, since "
@@ -137,8 +137,7 @@ def _curve_table(results: Results, oil: OilTemperature) -> Table:
 
 
 def _key(curve: Curve) -> tuple:
-    load = curve.f_load_n, curve.p_lr_ref_pa
-    return curve.kind, curve.label, curve.direction, *load, curve.specimen
+    return curve.kind, *series_key(curve), curve.specimen
 
 
 def _largest_change(curve: Curve, reduced: Curve) -> str:
@@ -157,7 +156,7 @@ def _effect_table(reduction: Reduction) -> Table:
             with_interval(effect.dry_n, effect.dry_ci95_n),
             with_interval(effect.viscous_n_s_m, effect.viscous_ci95_n_s_m),
             with_interval(effect.correction_n, effect.correction_ci95_n),
-            _p(effect),
+            p_words(effect.p),
             str(effect.points),
             str(effect.trials),
             number(effect.speed_vif),
@@ -170,7 +169,3 @@ def _effect_table(reduction: Reduction) -> Table:
         *("Points", "Trials", "VIF of viscosity by speed", "Reduced"),
     )
     return table(head, rows, words=("Reduced",))
-
-
-def _p(effect: ViscosityEffect) -> str:
-    return "< 0.0001" if effect.p < 1e-4 else significant(effect.p, 2)

@@ -7,7 +7,14 @@ from importlib import import_module
 from typing import Any
 
 _MODULES = {
-    "board": ("find_boards", "flash", "flash_through_programmer", "load_image", "serve_rig"),
+    "board": (
+        "Line",
+        "find_boards",
+        "flash",
+        "flash_through_programmer",
+        "load_image",
+        "serve_rig",
+    ),
     "campaign": (
         "Experiment",
         "MeasurementSummary",

@@ -1,6 +1,7 @@
 """The board: flashing, discovery, and the virtual rig in its place."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,16 @@ from hbench.rig.serve import FullSpeed, WallClock, serve
 from hbench.units import from_si
 
 _INTERVAL_OF_HEARTBEAT = 0.5  # at full speed; the rest is for the client's next message
+
+
+@dataclass(frozen=True)
+class Line:
+    """Line to a board, or the virtual rig in its place."""
+
+    port: str = "sim"  # a serial device, socket://host:port, or sim for the virtual rig
+    baud: int | None = None  # None: 115200; on the virtual rig octets then take no time
+    plant: Path | None = None  # file of another plant for the virtual rig
+    seed: int = 1  # of the virtual rig's noise and scatter
 
 
 def load_image(image_file: Path) -> Image:
@@ -117,11 +128,14 @@ def serve_rig(
         rig.close()
 
 
-def open_port(name: str, bench: Bench, physics: Plant | None, seed: int, baud: int | None) -> Port:
-    """Open a port by its name; ``sim`` is a virtual rig of ``bench``, with ``physics`` if given."""
-    if name != "sim":
-        return SerialPort(name, baud or BAUD)
-    return _virtual_rig(bench, physics, seed, baud)
+def open_port(line: Line, bench: Bench, physics: Plant | None, seed: int) -> Port:
+    """Open a line's port; ``sim`` is a virtual rig of ``bench``, with ``physics`` if given.
+
+    ``seed`` is that of the session, which differs from the line's in a resumed campaign.
+    """
+    if line.port != "sim":
+        return SerialPort(line.port, line.baud or BAUD)
+    return _virtual_rig(bench, physics, seed, line.baud)
 
 
 def physics_of(bench_data: dict[str, Any], plant: Path | None) -> Plant | None:

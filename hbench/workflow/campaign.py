@@ -31,7 +31,7 @@ from hbench.store.campaign.folder import StoredCampaign, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
 from hbench.store.campaign.writer import CampaignWriter
 from hbench.store.files.bounded_read import LARGEST_LOG
-from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
+from hbench.workflow.board import Line, check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.watching.live import published
 
 if TYPE_CHECKING:
@@ -157,56 +157,52 @@ def demand(experiment: Experiment) -> "SteadyDemand | None":
 def measure(
     experiment: Experiment,
     folder: Path,
+    line: Line,
     *,
-    port: str,
-    plant: Path | None,
-    seed: int,
     resume: bool,
     clock: Callable[[], datetime],
     report: Report,
-    baud: int | None = None,
     take_over: bool = False,
     retry: int = 0,
 ) -> MeasurementSummary:
-    """Make the runs on ``port`` and journal them in the campaign ``folder``.
+    """Make the runs on ``line`` and journal them in the campaign ``folder``.
 
     A board that still runs, or has a latched fault, is taken over only with ``take_over`` or
-    ``resume``. ``baud`` is the line's rate: by default 115200; on the virtual rig octets then take
-    no time. ``plant`` is the file of another plant for the virtual rig; the campaign stores only
-    its checksum. ``resume`` also repeats completed runs whose log is missing or changed; a changed
-    log is kept. ``clock`` gives the time of the session's start; the times in the journal are that
-    plus the time of the line, so that setting the computer's clock does not change them. A run that
-    is rejected as it ends is repeated at once, up to ``retry`` times.
+    ``resume``. Of another plant's file the campaign stores only the checksum. ``resume`` also
+    repeats completed runs whose log is missing or changed; a changed log is kept. ``clock`` gives
+    the time of the session's start; the times in the journal are that plus the time of the line, so
+    that setting the computer's clock does not change them. A run that is rejected as it ends is
+    repeated at once, up to ``retry`` times.
     During the measurement, the folder's ``live.json`` contains the state given to ``report``.
     Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """
-    if plant is not None and port != "sim":
+    if line.plant is not None and line.port != "sim":
         raise ConfigError(
-            f"--plant: applies to the virtual rig only; --port is {port!r}", "Remove --plant."
+            f"--plant: applies to the virtual rig only; --port is {line.port!r}", "Remove --plant."
         )
-    bench = experiment.bench
+    bench, simulated = experiment.bench, line.port == "sim"
     with campaign_lock(folder):
         campaign = load_campaign(folder) if resume else None
         damaged = campaign.damaged() if campaign else {}
-        physics = physics_of(experiment.files["bench"]["content"], plant)
+        physics = physics_of(experiment.files["bench"]["content"], line.plant)
         on_board = bench
-        if port == "sim":
+        if simulated:
             from hbench.model.simulated_bench import as_run  # compiles
 
             on_board = as_run(bench, physics)
-        line = open_port(port, bench, physics, session_seed(seed, campaign), baud)
+        port = open_port(line, bench, physics, session_seed(line.seed, campaign))
         try:
-            client = BoardClient(line)
-            now = _session_clock(line, clock(), campaign if port == "sim" else None)
+            client = BoardClient(port)
+            now = _session_clock(port, clock(), campaign if simulated else None)
             identity = client.identify()
             bring_to_rest(client, resume or take_over)  # before the folder is created
             header = campaign_header(
-                experiment.schedule.name, experiment.files, identity, bench, port, now()
+                experiment.schedule.name, experiment.files, identity, bench, line.port, now()
             )
-            if port == "sim":  # the seed of a rig served by another process is not known
-                header["seed"] = seed
-            if plant is not None:
-                header["plant"] = {"sha256": file_sha256(plant)}
+            if simulated:  # the seed of a rig served by another process is not known
+                header["seed"] = line.seed
+            if line.plant is not None:
+                header["plant"] = {"sha256": file_sha256(line.plant)}
             if campaign is not None:
                 refuse_another(campaign, header)
                 journal = CampaignWriter.resume(folder)
@@ -215,7 +211,7 @@ def measure(
             else:
                 journal = CampaignWriter.create(folder, header)
                 done = set()
-            start, runs_made = line.now(), 0
+            start, runs_made = port.now(), 0
             rules = experiment.schedule.screening
             about = {key: str(header[key]) for key in ("name", "source")}
             with published(folder, report, about) as publish:
@@ -233,9 +229,9 @@ def measure(
                         retry=retry,
                     )
                     runs_made += len(part.runs)
-            return MeasurementSummary(runs_made, line.now() - start, damaged)
+            return MeasurementSummary(runs_made, port.now() - start, damaged)
         finally:
-            line.close()
+            port.close()
 
 
 def _session_clock(

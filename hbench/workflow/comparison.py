@@ -6,6 +6,7 @@ from hbench.analysis.comparison import matching
 from hbench.analysis.comparison.band_differences import band_differences, trend_differences
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.drift_effects import with_drift_effects
+from hbench.analysis.screening.zero_check import with_zero_checks
 from hbench.analysis.summary.run_clock import RunClock
 from hbench.errors import DataError
 from hbench.records import CampaignDifferences
@@ -36,8 +37,8 @@ def compare(
     setup_a, setup_b = campaign_a.setup(), campaign_b.setup()
     bench_a, bench_b = setup_a.bench, setup_b.bench
     instruments = (
-        setup_a.instruments,
-        setup_b.instruments,
+        with_zero_checks(setup_a.instruments, results_a.motions.zero_checks),
+        with_zero_checks(setup_b.instruments, results_b.motions.zero_checks),
     )
     if same_instruments is None:
         same_instruments = (

@@ -8,10 +8,7 @@ from scipy.stats import t as student
 
 from hbench.analysis.identification.driven_law import driven_friction
 from hbench.analysis.identification.identify import identify_laws
-from hbench.analysis.identification.leuven import (
-    STEADY,
-    fit_leuven,
-)
+from hbench.analysis.identification.leuven import STEADY, fit_leuven
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.config.friction import parse_friction
 from hbench.model.build import friction_parameters
@@ -166,7 +163,7 @@ def test_held_out_runs_tell_the_right_delta_max_from_a_wrong_one(leuven_motions)
     train, held_out = leuven_motions(0), leuven_motions(1)
     rmse = {}
     for given in (1.4e-3, 2e-3, 2.8e-3):
-        fit = fit_leuven(train, GUESS._replace(presliding=given))
+        fit = fit_leuven(train, GUESS._replace(presliding=given), STEADY)
         value = [fit.parameters[name].value for name in list(TRUTH)[:7]]
         coulomb, stiction, stribeck, viscous = value[3:]
         law = STEADY_KNOWN._replace(
@@ -184,7 +181,7 @@ def test_held_out_runs_tell_the_right_delta_max_from_a_wrong_one(leuven_motions)
 
 
 def coverage(leuven_motions, seeds):
-    held = [one for s in seeds for one in inside(fit_leuven(leuven_motions(s), GUESS))]
+    held = [one for s in seeds for one in inside(fit_leuven(leuven_motions(s), GUESS, STEADY))]
     print(f"Leuven: coverage {sum(held)} of {len(held)}")
     return np.mean(held)
 

@@ -158,7 +158,7 @@ def coverage(bench, rig_runs, seeds):
     inside, damping = [], []
     for seed in seeds:
         motions = logged_motions(rig_runs(REVERSALS, seed), OTHER_MASS_KG)
-        fit = fit_lugre(motions, friction_parameters(bench.friction.test))
+        fit = fit_lugre(motions, friction_parameters(bench.friction.test), list(UNKNOWNS))
         assert fit.converged, fit.message
         damping.append(fit.parameters["sigma1_n_s_m"].value)
         inside += [
@@ -178,7 +178,7 @@ def test_the_rigs_parameters_lie_in_the_95_percent_intervals(bench, rig_runs):
 
 def test_the_rigs_bristle_stiffness_is_found_within_two_percent(bench, rig_runs):
     motions = logged_motions(rig_runs(REVERSALS, 9), OTHER_MASS_KG)
-    fit = fit_lugre(motions, friction_parameters(bench.friction.test))
+    fit = fit_lugre(motions, friction_parameters(bench.friction.test), list(UNKNOWNS))
     sigma0 = fit.parameters["sigma0_n_m"]
     assert sigma0.value == pytest.approx(2.6e5, rel=0.02) and sigma0.se < 5e3
     assert fit.rmse_n < 12  # the level's scatter of 1.5 % of 500 N, and no more than that
@@ -189,7 +189,7 @@ def test_without_noise_and_scatter_the_rigs_bristle_damping_is_found_within_five
 ):
     friction = OTHER_PLANT["friction"]["test"] | {"scatter": 0.0}
     motions = logged_motions(rig_runs(REVERSALS, 1, friction, exact=True), OTHER_MASS_KG)
-    fit = fit_lugre(motions, friction_parameters(bench.friction.test))
+    fit = fit_lugre(motions, friction_parameters(bench.friction.test), list(UNKNOWNS))
     assert fit.parameters["sigma1_n_s_m"].value == pytest.approx(TRUTH["sigma1_n_s_m"], rel=0.05)
     assert fit.parameters["sigma0_n_m"].value == pytest.approx(TRUTH["sigma0_n_m"], rel=1e-3)
 

@@ -8,8 +8,9 @@ import pytest
 from scipy.optimize import curve_fit
 
 from hbench import workflow
-from hbench.analysis.fitting.fit import fit_pressure_based
-from hbench.analysis.fitting.pressure_based import PARAMETER_UNITS
+from hbench.analysis.fitting.fit import fit_law, fit_pressure_based
+from hbench.analysis.fitting.pressure_based import PARAMETER_UNITS, PRESSURE_BASED
+from hbench.config.fitting import Fitting
 from tests.support.analysis.other_plant import PRESSURE_FRICTION, STEADY
 
 SPEEDS = np.linspace(0.005, 0.2, 10)
@@ -80,7 +81,8 @@ def test_values_and_standard_errors_are_those_of_curve_fit(make_curves, seed):
 
 def test_friction_without_a_stribeck_fall_ends_at_the_bound_and_says_so(make_curves):
     """Friction that bends upwards at low speed would have a positive k2."""
-    fit = fit_pressure_based(make_curves(TRUTH * [-1, 1, 30, 30, 1]), k2_s_m=(-10.0, 0.0))
+    curves = make_curves(TRUTH * [-1, 1, 30, 30, 1])
+    fit = fit_law(PRESSURE_BASED, curves, Fitting(), {"k2_s_m": (-10.0, 0.0)})
     assert fit.parameters["k2_s_m"].at_bound == "lower"
     assert re.search(r"\bk2_s_m\b.* lower .* -10 s/m", fit.message)
 

@@ -8,9 +8,10 @@ from scipy import optimize, stats
 
 from hbench.analysis.fleet.precision import plan_of, precision_of
 from hbench.analysis.fleet.variance_components import (
+    PlanData,
     VarianceComponents,
     anova,
-    plan_data,
+    numbered,
     separated,
 )
 from hbench.records import CYLINDER, QUANTITIES
@@ -59,6 +60,18 @@ COAL = (
 
 def read(text, *shape):
     return np.array(text.split(), dtype=float).reshape(shape)
+
+
+def plan_data(trials, levels):
+    """The data of single trials, one sequence for each campaign."""
+    arrays = [np.asarray(each, dtype=float) for each in trials]
+    return PlanData(
+        means=np.array([each.mean() for each in arrays]),
+        trials=np.array([float(len(each)) for each in arrays]),
+        scatter=float(sum(((each - each.mean()) ** 2).sum() for each in arrays)),
+        dof=float(sum(len(each) - 1 for each in arrays)),
+        levels={name: numbered(each) for name, each in levels.items()},
+    )
 
 
 def crossed(trials):

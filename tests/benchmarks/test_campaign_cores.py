@@ -28,8 +28,8 @@ def test_two_cores_make_campaigns_1_8_times_as_fast(tmp_path, monkeypatch):
         workflow.measure_seeds(
             experiment,
             tmp_path / str(count),
-            seeds=range(CAMPAIGNS),
-            plant=None,
+            workflow.Line(seed=0),
+            CAMPAIGNS,
             resume=False,
             clock=partial(datetime.fromtimestamp, 0, UTC),
             report=lambda done: None,

@@ -18,12 +18,10 @@ import pytest
 import yaml
 
 from hbench import workflow
-from hbench.analysis.fleet.summary import summarize
 from hbench.parallel import process_pool
 from hbench.records import QUANTITIES
-from hbench.store.fleet.table import TABLE, FleetTable
 from tests.support.faults.loopback import Loopback
-from tests.support.report.made_fleet import MIDDLE, made_table
+from tests.support.report.made_fleet import MIDDLE, made_table, summary_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "stribeck-small"
@@ -198,8 +196,8 @@ def _made(folder: Path) -> list[Path]:
     workflow.measure_seeds(
         workflow.load_experiment(folder / "cylinder.yaml", None),
         folder / "made",
-        seeds=range(SEEDS),
-        plant=None,
+        workflow.Line(seed=0),
+        SEEDS,
         resume=False,
         clock=partial(datetime.fromtimestamp, 0, UTC),
         report=lambda done: None,
@@ -215,7 +213,7 @@ def _a_million(folder: Path, seen: Watched) -> None:
     made_table(folder / "rows", 30_000)
     table = (folder / "rows" / "fleet.parquet").stat().st_size / 30_000
     before, memory = time.perf_counter(), _rss_mb(os.getpid())
-    summarize(FleetTable(folder / "rows" / TABLE), str)
+    summary_of(folder / "rows")
     took, more = time.perf_counter() - before, _rss_mb(os.getpid()) - memory
     print(f"a million, from this: {each * MILLION / 3600:.0f} h of one core; fleet.parquet "
           f"{table * MILLION / 1e6:.0f} MB with {2 * len(MIDDLE)} of its {2 * len(QUANTITIES)} "

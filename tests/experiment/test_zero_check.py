@@ -59,7 +59,9 @@ def zeros(results):
     return [{zero.channel: zero for zero in check.zeros} for check in results.motions.zero_checks]
 
 
-def test_wrong_zeros_are_found_and_corrected_and_the_load_cell_lies_within_the_uncertainty(made):
+def test_wrong_zeros_are_found_and_corrected_and_the_load_cell_lies_within_the_uncertainty(
+    made, tmp_path
+):
     asked = []
     true = friction(derive(made("true", STEADY)))
     without = friction(derive(made("without", STEADY, effects=WRONG)))
@@ -95,6 +97,10 @@ def test_wrong_zeros_are_found_and_corrected_and_the_load_cell_lies_within_the_u
     assert page.count("not checked") == page.count(unchecked) > 0
     table = (campaign.folder / "results" / "zeros.csv").read_text().splitlines()
     assert len(table) == 1 + 2 * 4
+    differences = workflow.compare(campaign.folder, tmp_path / "without").curves
+    wrong = 2e5 * 1.25664e-3 + 1.9e5 * 7.65763e-4  # force of the zero errors, not corrected in B
+    assert [c.mean_n.value for c in differences] == pytest.approx([wrong, wrong], rel=0.02)
+    assert all(c.mean_n.u95 and c.efficiency.u95 for c in differences)
 
 
 def test_a_sensor_at_its_lowest_value_makes_the_data_poor(made):

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
-from hbench.analysis.fleet.summary import summarize
 from hbench.records import QUANTITIES, Trend
 from hbench.records.conformity.acceptance import Requirement
 from hbench.report.fleet.charts import chart_table, step_table
@@ -26,7 +25,7 @@ from hbench.report.fleet.text import (
 )
 from hbench.report.fleet.verdict import finding_sentences, fleet_verdict, stepped_numbers
 from hbench.store.campaign.stored_acceptance import stored_decision
-from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
+from hbench.store.fleet.table import TABLE, cells_of, write_table
 from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of
 from tests.support.report.spaces import ordinary_spaces
 
@@ -181,11 +180,9 @@ def test_decisions_are_counted_and_ppk_stands_on_page_in_text_and_json(tmp_path,
     made_table(tmp_path, 12)
     requirement = Requirement("friction", "N", low=None, high=900.0)
     of_a_load = replace(requirement, f_load_n=500.0, name="loaded <b>")
-    table = FleetTable(tmp_path / TABLE)
     decisions = {f"{i:07}": "PASS" if i else "FAIL" for i in range(12)}
-    fleet = summarize(
-        table, lambda _: "", None, [requirement, of_a_load], lambda p: decisions[p[-7:]]
-    )
+    limits = [requirement, of_a_load]
+    fleet = summary_of(tmp_path, requirements=limits, decision=lambda p: decisions[p[-7:]])
     assert fleet.decisions == (("FAIL", 1), ("PASS", 11))
     assert {each.decision for each in fleet.rows} == {"FAIL", "PASS"}
     page, text = fleet_page(fleet, draw_fleet(fleet)), fleet_text(fleet)

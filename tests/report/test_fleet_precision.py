@@ -8,20 +8,18 @@ import numpy as np
 import pytest
 
 from hbench.analysis.fleet.precision import Tolerance
-from hbench.analysis.fleet.summary import summarize
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.precision import limit_sentences
 from hbench.report.fleet.text import fleet_json, fleet_text
 from hbench.report.fleet.verdict import fleet_verdict
-from hbench.store.fleet.table import TABLE, FleetTable
+from tests.support.report.made_fleet import summary_of
 from tests.support.report.made_plan import SIGMA_N, WEAR_N_M, plan_rows, write_plan
 from tests.support.report.spaces import ordinary_spaces
 
 
 def summary(folder, rows, tolerance=None):
-    table = FleetTable(write_plan(folder, rows) / TABLE)
-    return summarize(table, lambda _: "", tolerance)
+    return summary_of(write_plan(folder, rows), tolerance)
 
 
 @pytest.fixture(scope="module")

@@ -2,13 +2,11 @@
 
 import json
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.fleet.summary import summarize
 from hbench.analysis.summary.fleet_numbers import fleet_numbers
 from hbench.analysis.summary.headline import at_working_speed, planned_speed_m_s
 from hbench.records import FleetRow
@@ -16,9 +14,9 @@ from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.row import fleet_row
 from hbench.report.fleet.text import campaign_table, fleet_json, fleet_text
-from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
-from hbench.workflow.fleet import report_link
+from hbench.store.fleet.table import TABLE, cells_of, write_table
 from tests.support.analysis.drawn_seal import LARGE, MIDDLE_N_BAR, drawn_seal
+from tests.support.report.made_fleet import summary_of
 from tests.support.report.spaces import ordinary_spaces
 
 LABELS = tuple("ABCDEFGHIJKL")
@@ -34,7 +32,7 @@ def row_of(path, results):
 def fleet_of(folder, rows):
     folder.mkdir(exist_ok=True)
     write_table(folder / TABLE, map(cells_of, rows))
-    return summarize(FleetTable(folder / TABLE), partial(report_link, folder))
+    return summary_of(folder)
 
 
 @pytest.fixture(scope="module")

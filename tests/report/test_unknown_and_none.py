@@ -85,12 +85,12 @@ def test_each_deviation_that_is_not_explained_has_its_name_and_its_probability(c
     first = compared.where[0]
     others = [
         replace(first, name=name, deviation=20.0, p_value=p)
-        for name, p in (("force_load", 0.09), ("kinematics", 0.0004), ("supply", 0.05))
+        for name, p in (("force_load", 0.09), ("kinematics", 0.00004), ("supply", 0.05))
     ]
     fifth = replace(first, name="flow_lr")
     found = replace(compared, rest=(first, *others, fifth))
     text = ordinary_spaces(summary(found))
-    for p in ("p = 0.010)", "p = 0.090)", "p < 0.001)", "p = 0.050)"):
+    for p in ("p = 0.010)", "p = 0.090)", "p < 0.0001)", "p = 0.050)"):
         assert text.count(p) == 1
     assert "; also the flow to the load rod side." in text
     lead = ordinary_spaces(verdict_words(found))
@@ -323,7 +323,7 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     immaterial = verdict(off, gap=1.9, deviation=9.0, p_value=0.008)
     assert "agrees with the measurement as far as it matters (it deviates from" in immaterial
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
-    assert "agrees" in text and "is not significant (p = 0.300)." in text
+    assert "agrees" in text and "is not significant (p = 0.30)." in text
     assert "times the repeatability; a correct model would by" in text
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text

@@ -33,7 +33,7 @@ SECTIONS
         commands.obj(.text) control.obj(.text) core.obj(.text) crc.obj(.text) filters.obj(.text)
         link.obj(.text) log.obj(.text) octets.obj(.text) payloads.obj(.text) pi.obj(.text)
         safety.obj(.text) schedule.obj(.text) sensors.obj(.text) settings.obj(.text)
-        settle.obj(.text) steps.obj(.text) wire.obj(.text)
+        settle.obj(.text) steps.obj(.text) vent.obj(.text) wire.obj(.text)
         adc.obj(.text) board.obj(.text) boots.obj(.text) dac.obj(.text) interrupts.obj(.text)
         system.obj(.text) uart.obj(.text)
     } LOAD = FLASH_A, RUN = PROGRAM,

@@ -15,7 +15,8 @@ void hb_probe_velocity(float tau_s, float period_s, const float *x, const float 
     hb_velocity_state state = {0.0f, 0.0f};
 
     for (uint32_t i = 0; i < count; i++) {
-        v[i] = hb_velocity_step(&config, &state, x[i], a[i]);
+        hb_velocity_step(&config, &state, x[i], a[i]);
+        v[i] = state.v;
     }
 }
 
@@ -25,7 +26,8 @@ void hb_probe_lowpass(float tau_s, float period_s, const float *in, float *out, 
     float y = 0.0f;
 
     for (uint32_t i = 0; i < count; i++) {
-        out[i] = hb_lowpass_step(&config, &y, in[i]);
+        hb_lowpass_step(&config, &y, in[i]);
+        out[i] = y;
     }
 }
 

@@ -24,8 +24,8 @@ from hbench.analysis.comparison.matching import (
     Distinction,
     SetPoint,
     distinction,
+    matching_key,
     nearest_set_point,
-    series_key,
 )
 from hbench.analysis.curves.band_trends import FEWEST, weights
 from hbench.analysis.statistics.student import satterthwaite
@@ -129,7 +129,7 @@ def _partner(
     same = {
         number: SetPoint(other.f_load_n, other.p_tp_pa)
         for number, other in enumerate(others)
-        if series_key(other, distinct) == series_key(band, distinct)
+        if matching_key(other, distinct) == matching_key(band, distinct)
         and all(
             abs(abs(theirs.v_m_s) - abs(ours.v_m_s)) <= tolerance * abs(ours.v_m_s)
             for ours, theirs in ((band.extend, other.extend), (band.retract, other.retract))

@@ -29,8 +29,8 @@ from hbench.analysis.comparison.matching import (
     Distinction,
     SetPoint,
     distinction,
+    matching_key,
     nearest_set_point,
-    series_key,
 )
 from hbench.analysis.comparison.point_weights import Weights, mean_weights, paired_weights
 from hbench.analysis.curves.ramps import sliding
@@ -106,7 +106,7 @@ def campaign_differences(
 
 
 def _key(curve: Curve | EfficiencyCurve, distinct: Distinction) -> CurveKey:
-    return (*series_key(curve, distinct), curve.direction, curve.a_ref_m_s2, curve.f_load_n)
+    return (*matching_key(curve, distinct), curve.direction, curve.a_ref_m_s2, curve.f_load_n)
 
 
 def _partner(curve: Curve, key: CurveKey, others: Mapping[CurveKey, Curve]) -> CurveKey | None:

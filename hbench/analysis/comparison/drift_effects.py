@@ -32,7 +32,6 @@ from hbench.records import (
 )
 
 _SAME_SPEED = 0.02  # relative, as of two points that are compared
-Sides = Sequence[tuple[Curve, Weights]]  # a curve of one campaign, and its points' weights
 
 
 def with_drift_effects(

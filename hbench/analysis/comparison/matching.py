@@ -54,7 +54,7 @@ def speed_tolerance(a: Results, b: Results) -> float:
     return SAME_STROKE_SPEED if measured else SPEED_TOLERANCE
 
 
-def series_key(series: Band | Curve | EfficiencyCurve, distinct: Distinction) -> tuple:
+def matching_key(series: Band | Curve | EfficiencyCurve, distinct: Distinction) -> tuple:
     """Return what series must have in common besides direction, load and speed."""
     factors = frozenset(factor for factor in series.factors if factor[0] in distinct.factors)
     label = _label(series) if distinct.labels else None

@@ -12,7 +12,8 @@ from hbench.analysis.conformity.measured import (
 )
 from hbench.analysis.conformity.rejected import rejected_points
 from hbench.records import Results
-from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement, Rule
+from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule
+from hbench.records.rod_pressure import SeriesKey, series_key
 from hbench.units import from_si
 
 _NOT_MEASURED = {
@@ -45,13 +46,13 @@ def conformity_checks(
 def _checks(
     results: Results, requirement: Requirement, rule: Rule, largest_uncertainty: float | None
 ) -> Iterator[ConformityCheck]:
-    worst: dict[tuple, ConformityCheck] = {}
+    worst: dict[SeriesKey, ConformityCheck] = {}
     for measured in measurements(results, requirement):
         decided = decide(requirement, measured, rule, largest_uncertainty)
         check = ConformityCheck(
             requirement, measured, decided.probability, decided.decision, decided.reason
         )
-        key = _series(measured)
+        key = series_key(measured)
         if key not in worst or _goodness(check) < _goodness(worst[key]):
             worst[key] = check
     yield from worst.values()
@@ -109,7 +110,3 @@ def _goodness(check: ConformityCheck) -> tuple[bool, float, float]:
     known = 1.0 if check.probability is None else check.probability
     inside = requirement.margin(measured.value)
     return check.decision not in ("FAIL", "NOT TESTED"), known, inside
-
-
-def _series(measured: Measurement) -> tuple:
-    return measured.label, measured.direction, measured.f_load_n, measured.p_lr_ref_pa

@@ -15,6 +15,7 @@ from hbench.config.sensors import Instruments
 from hbench.records import Results
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.conformity.certified import Certified
+from hbench.records.rod_pressure import series_key
 
 MOST_POINTS = 16  # steady points on a certificate; of more, three speeds of each series
 
@@ -121,7 +122,7 @@ def _fewer(points: list[Certified], working_m_s: float | None, kept: set[tuple])
         return points
     of_series: dict[tuple, list[float]] = {}
     for each in points:
-        of_series.setdefault(_series(each.measurement), []).append(each.measurement.v_m_s or 0.0)
+        of_series.setdefault(series_key(each.measurement), []).append(each.measurement.v_m_s or 0.0)
     for series, speeds in of_series.items():
         working = median_low(speeds) if working_m_s is None else working_m_s
         nearest = min(speeds, key=lambda speed: abs(speed - working))
@@ -129,9 +130,5 @@ def _fewer(points: list[Certified], working_m_s: float | None, kept: set[tuple])
     return [each for each in points if _point(each.measurement) in kept]
 
 
-def _series(measured: Measurement) -> tuple:
-    return measured.label, measured.direction, measured.f_load_n, measured.p_lr_ref_pa
-
-
 def _point(measured: Measurement) -> tuple:
-    return *_series(measured), measured.v_m_s or 0.0
+    return *series_key(measured), measured.v_m_s or 0.0

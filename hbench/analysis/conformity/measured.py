@@ -25,6 +25,7 @@ from hbench.records import (
 )
 from hbench.records.conformity.acceptance import LimitQuantity, Measurement, Requirement
 from hbench.records.motions import Series
+from hbench.records.rod_pressure import series_key
 
 TOLERANCE = 0.05  # relative difference from the stated speed, load or pressure
 _UNSTEADY = "not_steady"  # reason for rejection
@@ -145,8 +146,7 @@ def _speed_ripple(results: Results, requirement: Requirement) -> Iterable[Measur
         only_unsteady = all(reason.startswith(_UNSTEADY) for reason in each.reasons)
         if KINDS[plan.kind].has_constant_speed and only_unsteady and _ripple_of(each) is not None:
             if applies(plan, plan, requirement) and near(abs(plan.v_ref_m_s), requirement.v_m_s):
-                series = plan.label, plan.direction, plan.f_load_n, plan.p_lr_ref_pa
-                trials.setdefault((*series, abs(plan.v_ref_m_s)), []).append(each)
+                trials.setdefault((*series_key(plan), abs(plan.v_ref_m_s)), []).append(each)
     for (label, direction, f_load_n, p_lr_ref_pa, v_m_s), runs in trials.items():
         ripples = [ripple for ripple in map(_ripple_of, runs) if ripple is not None]
         dof = len(ripples) - 1

@@ -6,8 +6,9 @@ They would be missing among the measured values: a cylinder could pass by the ru
 from collections.abc import Iterator
 
 from hbench.analysis.conformity.measured import applies, near
-from hbench.records import KINDS, Direction, Results, RunPlan, ScreenedRun
+from hbench.records import DIRECTION_WORDS, KINDS, Results, RunPlan, ScreenedRun
 from hbench.records.conformity.acceptance import Requirement
+from hbench.records.rod_pressure import SeriesKey, series_key
 from hbench.units import from_si
 
 _OF_STEADY_RUNS = ("friction", "efficiency")
@@ -28,15 +29,15 @@ def rejected_points(results: Results, requirement: Requirement) -> Iterator[str]
         and near(abs(each.run.plan.v_ref_m_s), requirement.v_m_s)
     ]
     accepted = [each.run.plan for each in runs if each.accepted]
-    rejected: dict[tuple, list[ScreenedRun]] = {}
+    rejected: dict[SeriesKey, list[ScreenedRun]] = {}
     for each in runs:
         plan = each.run.plan
         if not any(_replaces(other, plan) for other in accepted):
-            rejected.setdefault(_series(plan), []).append(each)
-    for (label, direction, f_load_n, _), each_of in rejected.items():
+            rejected.setdefault(series_key(plan), []).append(each)
+    for (label, _, f_load_n, _), each_of in rejected.items():
         speeds = {f"{from_si(abs(each.run.plan.v_ref_m_s), 'mm/s'):.3g}" for each in each_of}
         reasons = {reason.split(":")[0] for each in each_of for reason in each.reasons}
-        series = [label, f"{direction}ing"]
+        series = [label, DIRECTION_WORDS[each_of[0].run.plan.direction]]
         if f_load_n is not None and requirement.f_load_n is None:
             series.append(f"load {f_load_n:.4g} N")
         yield (
@@ -46,9 +47,5 @@ def rejected_points(results: Results, requirement: Requirement) -> Iterator[str]
 
 
 def _replaces(accepted: RunPlan, rejected: RunPlan) -> bool:
-    same = _series(accepted) == _series(rejected)
+    same = series_key(accepted) == series_key(rejected)
     return same and near(abs(accepted.v_ref_m_s), abs(rejected.v_ref_m_s))
-
-
-def _series(plan: RunPlan) -> tuple[str, Direction, float | None, float | None]:
-    return plan.label, plan.direction, plan.f_load_n, plan.p_lr_ref_pa

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from hbench.records.conformity.acceptance import ConformityCheck
+from hbench.records.rod_pressure import series_key
 
 Series = tuple[tuple, tuple, int]  # requirement, label and load, number of its kind
 
@@ -18,7 +19,7 @@ def checks_by_series(checks: Sequence[ConformityCheck]) -> dict[Series, Conformi
         what, series = check.requirement, check.measurement
         if series is None:
             continue
-        load = (series.label, series.direction, series.f_load_n, series.p_lr_ref_pa)
+        load = series_key(series)
         named = (what.quantity, what.unit, what.name, what.v_m_s, what.dwell_s, what.leak)
         count = sum(key[:2] == (named, load) for key in found)
         found[named, load, count] = check

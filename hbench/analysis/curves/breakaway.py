@@ -30,6 +30,7 @@ from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.config.sensors import Instruments
 from hbench.records import Breakaway, Curve, CurvePoint, DwellLaw, Run, RunPlan, ScreenedRun, Series
+from hbench.records.rod_pressure import series_key
 
 _LINE = 5  # samples up to the maximum
 _LEAST_DWELLS = 3  # for a law over the time at rest
@@ -58,7 +59,8 @@ def breakaways(
         peak = _peak(verdict.run) if verdict.accepted else None
         if peak is None:
             continue
-        key = (*_series(plan), plan.dwell_s, abs(plan.force_rate_n_s or 0.0))
+        series = plan.kind, *series_key(plan), plan.specimen
+        key = (*series, plan.dwell_s, abs(plan.force_rate_n_s or 0.0))
         plans.setdefault(key, plan)
         groups[key][plan.trial].append((plan.run, peak))
     return tuple(_mean(plans[key], groups[key], instruments) for key in sorted(groups, key=_place))
@@ -85,11 +87,6 @@ def _place(key: tuple) -> tuple:
     """Return the place of a group: by label, direction, size of the load, rest and rate."""
     kind, label, direction, load, p_lr, _, *rest_and_rate = key
     return kind, label, direction, abs(load or 0.0), p_lr or 0.0, *(x or 0.0 for x in rest_and_rate)
-
-
-def _series(plan: RunPlan) -> tuple:
-    load = plan.f_load_n, plan.p_lr_ref_pa
-    return plan.kind, plan.label, plan.direction, *load, plan.specimen
 
 
 def _peak(run: Run) -> _Peak | None:

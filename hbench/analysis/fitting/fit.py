@@ -78,9 +78,9 @@ def _speeds(curve: Curve) -> int:
     return len(distinct(np.array([point.v_m_s for point in curve.points])))
 
 
-def fit_pressure_based(curves: Sequence[Curve], k2_s_m: tuple[float, float] | None = None) -> Fit:
+def fit_pressure_based(curves: Sequence[Curve]) -> Fit:
     """Fit equation 3.7 to the points of all ``curves`` jointly."""
-    return fit_law(PRESSURE_BASED, curves, Fitting(), k2_s_m and {"k2_s_m": k2_s_m})
+    return fit_law(PRESSURE_BASED, curves, Fitting())
 
 
 def fit_law(

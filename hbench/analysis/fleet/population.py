@@ -30,6 +30,7 @@ from scipy.special import chdtri, stdtr, stdtrit
 from hbench.analysis.rounding import ROUNDING, is_constant, merged
 from hbench.motion.noise import NORMAL_MEDIAN, robust_sigma
 from hbench.records import FEWEST_CAMPAIGNS
+from hbench.records.numbers import SIGNIFICANCE
 
 _EFFICIENCY = 0.37  # of the median absolute deviation against the standard deviation
 _NOISY = 3.0  # times the median standard error
@@ -79,8 +80,8 @@ def robust_deviations(
 
 
 def outlier_limit(n: int, tests: int) -> float:
-    """Return the |z| of a value of n campaigns whose p, times ``tests``, is 0.05."""
-    return -float(stdtrit(_freedom(n), 0.025 / tests))
+    """Return the |z| of a value of n campaigns whose p, times ``tests``, is ``SIGNIFICANCE``."""
+    return -float(stdtrit(_freedom(n), SIGNIFICANCE / 2 / tests))
 
 
 def _freedom(n: int) -> float:

@@ -28,7 +28,7 @@ from hbench.records import (
     Spread,
     Trend,
 )
-from hbench.records.numbers import NORMAL_95
+from hbench.records.numbers import NORMAL_95, SIGNIFICANCE
 from hbench.store.fleet.table import FleetTable
 
 LISTED = 20  # most deviating campaigns
@@ -73,7 +73,7 @@ def number_spreads(
         if n < FEWEST_CAMPAIGNS:
             continue
         p = np.minimum(tests * robust.p, 1.0)
-        is_outlier[sample.rows] |= p < 0.05
+        is_outlier[sample.rows] |= p < SIGNIFICANCE
         limit = outlier_limit(n, tests)
         for i in np.argsort(-np.abs(robust.z), kind="stable")[:LISTED]:
             x, median, z = float(sample.x[i]), float(centre[i]), float(robust.z[i])

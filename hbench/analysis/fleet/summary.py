@@ -37,21 +37,13 @@ _ENDINGS = [f"_{suffix}" for suffix in SUFFIXES]
 _DIGITS = re.compile(r"\d+")
 
 
-def _no_decision(path: str) -> str:
-    return ""
-
-
-def _no_checks(path: str) -> Sequence[ConformityCheck]:
-    return ()
-
-
 def summarize(
     table: FleetTable,
     report_link: Callable[[str], str],
-    tolerance: Tolerance | None = None,
-    requirements: Sequence[Requirement] = (),
-    decision: Callable[[str], str] = _no_decision,
-    checks: Callable[[str], Sequence[ConformityCheck]] = _no_checks,
+    tolerance: Tolerance | None,
+    requirements: Sequence[Requirement],
+    decision: Callable[[str], str],
+    checks: Callable[[str], Sequence[ConformityCheck]],
 ) -> Fleet:
     """Return the summary of a fleet's table.
 

@@ -19,7 +19,7 @@ the ones before, to their expectations (Henderson's method III; Searle et al., s
 balanced plan both agree where no ANOVA estimate is negative.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -255,20 +255,6 @@ def anova(data: PlanData) -> dict[str, float]:
     expectations[-1][-1] += data.dof
     found = np.linalg.lstsq(np.array(expectations, dtype=float), np.array(sums), rcond=None)[0]
     return dict(zip((*names, REPEATS), found.tolist(), strict=True))
-
-
-def plan_data(
-    trials: Sequence[Sequence[float]], levels: Mapping[str, Sequence[object]]
-) -> PlanData:
-    """Return the data of single trials, one sequence for each campaign."""
-    arrays = [np.asarray(each, dtype=float) for each in trials]
-    return PlanData(
-        means=np.array([each.mean() for each in arrays]),
-        trials=np.array([float(len(each)) for each in arrays]),
-        scatter=float(sum(((each - each.mean()) ** 2).sum() for each in arrays)),
-        dof=float(sum(len(each) - 1 for each in arrays)),
-        levels={name: numbered(each) for name, each in levels.items()},
-    )
 
 
 def numbered(levels: Sequence[object]) -> np.ndarray:

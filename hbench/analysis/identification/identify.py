@@ -37,7 +37,7 @@ from hbench.config.friction import parse_friction
 from hbench.errors import ConfigError, DataError
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
-from hbench.records import Curve, Direction, Fit, FitParameter, IdentifiedLaw
+from hbench.records import DIRECTION_WORDS, Curve, Direction, Fit, FitParameter, IdentifiedLaw
 
 REVERSING_M_S = 2e-3  # a reversing motion is faster than this in both directions
 _SEALS = ("k_piston_n_pa", "k_rod_n_pa")
@@ -119,7 +119,7 @@ def _enough(curves: Sequence[Curve], direction: Direction | Literal[""] = "") ->
     chosen = [curve for curve in curves if direction in ("", curve.direction)]
     speeds = max((len(curve.points) for curve in chosen), default=0)
     if speeds < len(PARAMETER_NAMES):
-        moving = f"{direction}ing " if direction else ""
+        moving = f"{DIRECTION_WORDS[direction]} " if direction else ""
         raise _NotDetermined(
             f"its {len(PARAMETER_NAMES)} parameters need a {moving}curve of at least "
             f"{len(PARAMETER_NAMES)} steady speeds; the campaign has {speeds or 'none'}"

@@ -33,7 +33,7 @@ _FACTORS, _SPANS, _EXPONENTS = (0.6, 1.0, 1.6), (0.5, 0.7, 1.0, 1.4, 2.0), (0.7,
 def fit_leuven(
     motions: Sequence[LoggedMotion],
     known: FrictionParameters,
-    names: Sequence[str] = STEADY,
+    names: Sequence[str],
     spans: Sequence[float] = _SPANS,
 ) -> Fit:
     """Fit all elements (non-negative) and the parameters in ``names``; others are as in ``known``.

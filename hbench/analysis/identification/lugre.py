@@ -59,7 +59,7 @@ _TOLERANCE = 1e-8  # of the sum of squares: a hundredth of the share of one in a
 def fit_lugre(
     motions: Sequence[LoggedMotion],
     known: FrictionParameters,
-    names: Sequence[str] = tuple(UNKNOWNS),
+    names: Sequence[str],
 ) -> Fit:
     """Fit the ``UNKNOWNS`` in ``names``; the other parameters are as in ``known``.
 

@@ -28,9 +28,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.records import Curve, CurvePoint, Direction, Grade, Loop, QualityCheck
+from hbench.records import DIRECTION_WORDS, Curve, CurvePoint, Grade, Loop, QualityCheck
 
-_WORDS: dict[Direction, str] = {"extend": "extending", "retract": "retracting"}
 _SUPPLIED_GOOD = 5.0  # of the friction by the load, %
 _CHANGE_GOOD, _CHANGE_POOR = 3.0, 10.0  # of the mean of both directions, % of the load
 _SMALL = 5.0  # such a change, % of friction: it does not matter
@@ -147,7 +146,7 @@ def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
     directions = {curve.direction for curve in curves if curve.points}
     if len(directions) == 1:
         yield (
-            f"directions: only {_WORDS[directions.pop()]} runs. A wrong diameter, a zero "
+            f"directions: only {DIRECTION_WORDS[directions.pop()]} runs. A wrong diameter, a zero "
             "offset or a weight that is not measured is then a part of friction that no check "
             "shows. Measure both directions"
         )

@@ -21,7 +21,7 @@ from hbench.records import (
     RunPlan,
 )
 from hbench.records.numbers import NORMAL_95
-from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.records.rod_pressure import SeriesKey, series_key, without_common_rod_pressure
 
 V_TOLERANCE = 0.2  # relative distance of a measured speed from the working speed
 
@@ -60,14 +60,14 @@ def headline(
     series, seen = [], set()
     for curve, original in zip(marked, curves, strict=True):
         kind = KINDS[curve.kind]
-        if not (kind.has_constant_speed if steady else kind.is_ramp) or _key(curve) in seen:
+        if not (kind.has_constant_speed if steady else kind.is_ramp) or series_key(curve) in seen:
             continue  # ramps of other accelerations
-        seen.add(_key(curve))
+        seen.add(series_key(curve))
         if own_speed and steady:
             point: CurvePoint | None = curve.points[0]
         else:
             point = _nearest(curve.points, speed) if steady else None
-        measured = at_rest.pop(_key(original), None)
+        measured = at_rest.pop(series_key(original), None)
         breakaway = _measured(measured) if measured else _AtRest(_breakaway(curve, ramps))
         friction = None if point is None else _friction(curve, point)
         area = curve.specimen.driving_area_m2(curve.direction)
@@ -136,9 +136,9 @@ def _on(area_m2: float, force: HeadlineNumber | None) -> HeadlineNumber | None:
     return HeadlineNumber(force.value / area_m2, u95, ci95, se, force.basis)
 
 
-def _longest_dwells(breakaways: Iterable[Breakaway]) -> dict[tuple, Breakaway]:
-    """Return the breakaway after the longest rest of each series, as ``_key`` names it."""
-    longest: dict[tuple, Breakaway] = {}
+def _longest_dwells(breakaways: Iterable[Breakaway]) -> dict[SeriesKey, Breakaway]:
+    """Return the breakaway after the longest rest of each series, by its ``series_key``."""
+    longest: dict[SeriesKey, Breakaway] = {}
     for each in sorted(breakaways, key=lambda each: each.dwell_s or 0.0):
         series = each.series
         longest[series.label, each.direction, series.f_load_n, series.p_lr_ref_pa] = each
@@ -187,7 +187,7 @@ def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
         inputs = of_instruments(slowest) or StandardUncertainty(0.0)
         u95 = combined([of_fit, inputs]).expanded()
         return HeadlineNumber(stiction.value, u95, half, stiction.se, "extrapolated")
-    same = [ramp for ramp in ramps if ramp.fits and _key(ramp) == _key(curve)]
+    same = [ramp for ramp in ramps if ramp.fits and series_key(ramp) == series_key(curve)]
     for ramp in sorted(same, key=lambda ramp: ramp.a_ref_m_s2 or math.inf):
         first = min((abs(v) for fit in ramp.fits for v, _ in fit.line), default=None)
         slid = [p for p in ramp.points if first is not None and abs(p.v_m_s) >= first - 1e-9]
@@ -201,7 +201,7 @@ def _efficiency(
 ) -> HeadlineNumber | None:
     """Return the efficiency at the point; None without load, where it is not that of operation."""
     for same in efficiency if curve.f_load_n != 0 else ():
-        if same.kind == curve.kind and _key(same) == _key(curve):
+        if same.kind == curve.kind and series_key(same) == series_key(curve):
             at = min(same.points, key=lambda p: abs(p.v_m_s - point.v_m_s))
             if at.efficiency is not None:
                 u95 = at.u95 or at.ci95
@@ -211,7 +211,3 @@ def _efficiency(
 
 def _basis(point: CurvePoint) -> Basis:
     return "one_trial" if point.n == 1 else "trials"
-
-
-def _key(curve: Curve | EfficiencyCurve) -> tuple:
-    return curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa

@@ -13,7 +13,7 @@ from hbench.cli.printed import AS_JSON, as_object
 
 if TYPE_CHECKING:
     from hbench.experiment.steady_demand import SteadyDemand
-    from hbench.workflow import Experiment
+    from hbench.workflow.campaign import Experiment, ScheduleEstimate
 
 _MOST_NOTES = 3
 
@@ -88,39 +88,19 @@ def run(
     if effects and not check:
         raise typer.BadParameter("needs --check", param_hint="'--effects'")
     if check:
-        demand = workflow.demand(experiment)
-        found = {"effects": _effects(experiment, plant, as_json)} if effects else {}
-        if as_json:
-            steady = {"steady_demand": None if demand is None else vars(demand)}
-            values = vars(estimate) | steady | found
-            typer.echo(as_object("estimate", name=experiment.schedule.name, **values))
-        else:
-            if demand is not None:
-                typer.echo(_demand_words(demand), err=True)
-                for words in demand.not_held[:_MOST_NOTES]:
-                    typer.echo(f"note: not held: {words}", err=True)
-            typer.echo(
-                "checked: travel, speeds, loads and pressures are within the bench's limits; "
-                "nothing has moved",
-                err=True,
-            )
+        _check(experiment, estimate, plant, effects, as_json)
         return
     if output is None:
         if serial is None or resume:
             raise typer.BadParameter("missing: give a campaign folder", param_hint="'-o'")
         output = Path(f"{re.sub(r'[^A-Za-z0-9.-]+', '_', serial)}_{_now():%Y-%m-%d_%H%M%S}")
+    line = workflow.Line(port, baud, plant, seed)
     display = BenchDisplay(sys.stderr)
-    common = {"plant": plant, "resume": resume, "baud": baud, "clock": _now, "retry": retry}
+    common = {"resume": resume, "clock": _now, "retry": retry}
     try:
         if campaigns is None:
             summary = workflow.measure(
-                experiment,
-                output,
-                port=port,
-                seed=seed,
-                take_over=take_over,
-                report=display,
-                **common,
+                experiment, output, line, take_over=take_over, report=display, **common
             )
         else:
             if port != "sim":
@@ -128,7 +108,8 @@ def run(
             summary = workflow.measure_seeds(
                 experiment,
                 output,
-                seeds=range(seed, seed + campaigns),
+                line,
+                campaigns,
                 report=lambda done: typer.echo(f"{done}/{campaigns} campaigns", err=True),
                 **common,
             )
@@ -156,6 +137,34 @@ def _serial(specimen: str | None) -> str | None:
     if not specimen.strip(" ._-"):
         raise typer.BadParameter("is empty", param_hint="'--specimen'")
     return specimen.strip()
+
+
+def _check(
+    experiment: "Experiment",
+    estimate: "ScheduleEstimate",
+    plant: Path | None,
+    effects: bool,
+    as_json: bool,
+) -> None:
+    """Print what the runs need of the bench, and with ``effects`` what they would show."""
+    from hbench import workflow
+
+    demand = workflow.demand(experiment)
+    found = {"effects": _effects(experiment, plant, as_json)} if effects else {}
+    if as_json:
+        steady = {"steady_demand": None if demand is None else vars(demand)}
+        values = vars(estimate) | steady | found
+        typer.echo(as_object("estimate", name=experiment.schedule.name, **values))
+        return
+    if demand is not None:
+        typer.echo(_demand_words(demand), err=True)
+        for words in demand.not_held[:_MOST_NOTES]:
+            typer.echo(f"note: not held: {words}", err=True)
+    typer.echo(
+        "checked: travel, speeds, loads and pressures are within the bench's limits; "
+        "nothing has moved",
+        err=True,
+    )
 
 
 def _demand_words(demand: "SteadyDemand") -> str:

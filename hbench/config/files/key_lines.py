@@ -40,16 +40,10 @@ def _nodes(file: str) -> yaml.Node | None:
         return None
 
 
-def line_of(text: str, keys: Sequence[str]) -> int | None:
+def _line_in(node: yaml.Node, keys: Sequence[str]) -> int | None:
     """Return the line of a key such as ``experiments``, ``0``, ``loads``; the nearest above it
     where it is missing, None where not even the first is there.
-
-    Raises ``ValueError`` for text that ``compose_yaml`` refuses.
     """
-    return _line_in(compose_yaml(text), keys)
-
-
-def _line_in(node: yaml.Node, keys: Sequence[str]) -> int | None:
     line = None
     for key in keys:
         below: dict[str, tuple[yaml.Node, yaml.Node]] = {}

@@ -5,6 +5,7 @@ from datetime import datetime
 from typing import Literal
 
 from hbench.records.fleet.campaigns import Quantity, Side
+from hbench.records.numbers import SIGNIFICANCE
 
 FEWEST_CAMPAIGNS = 10  # for quantiles, outliers and trends
 
@@ -22,7 +23,7 @@ class Trend:
     @property
     def real(self) -> bool:
         """Significant."""
-        return self.p_holm < 0.05
+        return self.p_holm < SIGNIFICANCE
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Deviation:
     @property
     def outlier(self) -> bool:
         """Significant."""
-        return self.p_bonferroni < 0.05
+        return self.p_bonferroni < SIGNIFICANCE
 
 
 @dataclass(frozen=True)
@@ -108,4 +109,4 @@ class WearTrend:
     @property
     def real(self) -> bool:
         """Significant."""
-        return self.p_holm < 0.05
+        return self.p_holm < SIGNIFICANCE

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from hbench.records.conformity.acceptance import Measurement, Requirement
 from hbench.records.fleet.campaigns import Quantity, Side
 from hbench.records.fleet.precision import Estimate
+from hbench.records.numbers import SIGNIFICANCE
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class ChartStep:
     @property
     def real(self) -> bool:
         """Significant."""
-        return self.p_holm < 0.05
+        return self.p_holm < SIGNIFICANCE
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,10 @@
 from collections.abc import Iterator
 
 from hbench.records import Comparison, DistanceTrend, Leakage, Level, Loop, Motions, Series, Surface
+from hbench.records.numbers import SIGNIFICANCE
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import number, short, significant, span, with_interval
 from hbench.units import from_si
-
-SIGNIFICANT = 0.05  # of p after Holm
 
 LEAKS = {
     "across_piston": "across the piston",
@@ -50,7 +49,7 @@ def comparison_words(comparison: Comparison) -> str:
 
 def differs(comparison: Comparison) -> bool:
     """Return whether a difference is significant after the correction for the number of tests."""
-    return comparison.p_holm is not None and comparison.p_holm < SIGNIFICANT
+    return comparison.p_holm is not None and comparison.p_holm < SIGNIFICANCE
 
 
 def distance_words(trend: DistanceTrend) -> str:
@@ -91,7 +90,7 @@ def _of_comparisons(comparisons: tuple[Comparison, ...]) -> Iterator[str]:
         # No interval: that of one comparison is too narrow for the largest of many.
         yield (
             f"{title}: {sum(map(differs, tested))} of {len(tested)} comparisons differ "
-            f"(p < {SIGNIFICANT:g} after Holm); the clearest: "
+            f"(p < {SIGNIFICANCE:g} after Holm); the clearest: "
             f"{_signed(clearest.effect_n, None)} N, p {p} ({comparison_words(clearest)})"
         )
 

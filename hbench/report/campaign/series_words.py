@@ -4,6 +4,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeAlias, TypeVar
 
 from hbench.records import (
+    DIRECTION_WORDS,
     KINDS,
     Curve,
     EfficiencyCurve,
@@ -22,7 +23,7 @@ AnySeries: TypeAlias = (
 
 Record = TypeVar("Record")
 
-TITLES = {"extend": "Extending", "retract": "Retracting"}  # of directions
+TITLES = {direction: words.capitalize() for direction, words in DIRECTION_WORDS.items()}
 
 
 def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:

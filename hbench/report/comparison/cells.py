@@ -13,7 +13,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.render.numbers import NONE, significant, with_interval
+from hbench.report.render.numbers import NONE, p_words, significant, with_interval
 
 SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
 MAY_BE_DRIFT = "may come from a drift"
@@ -66,11 +66,6 @@ def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[st
 def _with_u95(value: float, u95: float | None, scale: float) -> str:
     """Write A's or B's number with its own U; without one, with four digits."""
     return significant(value, 4) if u95 is None else with_interval(value, scale * u95)
-
-
-def p_words(value: float) -> str:
-    """Write a p value with two significant digits."""
-    return "< 0.0001" if value < 1e-4 else significant(value, 2)
 
 
 def signed(difference: Difference, scale: float = 1.0) -> str:

@@ -1,6 +1,7 @@
 """What the tables of a comparison contain, and how it was computed."""
 
 from hbench.records import CampaignDifferences
+from hbench.records.numbers import SIGNIFICANCE
 from hbench.report.comparison.tables import has_drift_column, hidden_curves, unseparated
 from hbench.report.comparison.verdict import drift_words
 
@@ -36,7 +37,7 @@ _METHOD = (
      "that of Welch's t; U is the expanded uncertainty for a coverage probability of 95 %."),
     ("p (Holm)", "Probability of a difference this large between equal cylinders, by the trials "
      "alone, corrected after Holm for the number of differences of its kind. A difference is "
-     "significant where p is below 0.05 and the difference exceeds its U."),
+     f"significant where p is below {SIGNIFICANCE:g} and the difference exceeds its U."),
     ("Speeds", "Speeds within 2 % count as the same, and within 20 % where no speed was set, as in "
      "strokes cut from a cycle. If a campaign has several labels, curves of equal labels are "
      "compared."),

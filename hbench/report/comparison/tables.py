@@ -19,9 +19,15 @@ from hbench.report.comparison.cells import (
     cells,
     difference_table,
     label_of,
-    p_words,
 )
-from hbench.report.render.numbers import NONE, half_width, number, significant, with_interval
+from hbench.report.render.numbers import (
+    NONE,
+    half_width,
+    number,
+    p_words,
+    significant,
+    with_interval,
+)
 from hbench.units import from_si
 
 

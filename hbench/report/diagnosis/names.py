@@ -312,17 +312,6 @@ def all_in_sentence(names: Sequence[str]) -> str:
     return listed(words)
 
 
-def p_words(value: float) -> str:
-    """Write a p-value."""
-    return "< 0.001" if value < 1e-3 else number(value, 3)
-
-
-def p_equation(value: float) -> str:
-    """Write a p-value with its sign of equality, such as ``p = 0.016``."""
-    words = p_words(value)
-    return f"p {words}" if words.startswith("<") else f"p = {words}"
-
-
 def mathtext(symbol: str) -> str:
     """Write ``P_Tp`` for a figure, its index below the line."""
     head, index = symbol.partition("_")[::2]

@@ -20,7 +20,7 @@ from hbench.report.fleet.names import (
     signed,
     working_speed,
 )
-from hbench.report.render.numbers import NONE, finer, significant, with_ends, with_interval
+from hbench.report.render.numbers import NONE, finer, p_words, significant, with_ends, with_interval
 from hbench.report.render.symbols import capital
 from hbench.units import from_si
 
@@ -217,7 +217,7 @@ def wear_table(fleet: Fleet) -> WordTable:
             _AMOUNTS[trend.over][0],
             str(len(trend.x)),
             f"{_slope(trend)} {slope_unit(trend)}",
-            "< 0.0001" if trend.p_holm < 1e-4 else significant(trend.p_holm, 2),
+            p_words(trend.p_holm),
             "significant" if trend.real else "not significant",
         )
         for trend in fleet.wear

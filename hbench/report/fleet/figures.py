@@ -11,7 +11,7 @@ from hbench.records import DIRECTIONS, FEWEST_CAMPAIGNS, Fleet, Quantity, Side, 
 from hbench.records.numbers import NORMAL_95
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.fleet.dates import set_dates
-from hbench.report.fleet.names import folder_name, without_condition
+from hbench.report.fleet.names import folder_name, short_title
 from hbench.report.fleet.precision_figures import precision_sketches
 from hbench.report.fleet.verdict import stepped_numbers
 from hbench.report.render import style
@@ -84,7 +84,7 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
     stepped = stepped_numbers(fleet)
     for spread in spreads:
         _course(axes, spread, (spread.quantity, spread.direction) not in stepped)
-    axes.set_ylabel(f"{_short(quantity)} ({quantity.unit})")
+    axes.set_ylabel(f"{short_title(quantity)} ({quantity.unit})")
     set_dates(axes, fleet)
     if not fleet.by_date and 0 < len(names := _names(fleet)) <= _NAMED:
         axes.set_xticks(range(1, len(names) + 1), names, rotation=40, ha="right", fontsize=8)
@@ -126,15 +126,11 @@ def _title(spread: Spread) -> str:
 
 
 def _head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:
-    axes.set_title(_short(quantity))
+    axes.set_title(short_title(quantity))
     sources = [source for source, _ in fleet.sources]
     if "simulated" in sources:
         mark = "simulated" if len(sources) == 1 else "some are simulated"
         axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
-
-
-def _short(quantity: Quantity) -> str:
-    return without_condition(quantity).partition(",")[0]
 
 
 def _names(fleet: Fleet) -> list[str]:

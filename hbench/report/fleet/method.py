@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from hbench.records import Fleet
+from hbench.records.numbers import SIGNIFICANCE
 
 _METHOD = (
     (
@@ -40,14 +41,15 @@ _METHOD = (
         "median of the campaigns before or after it, and where a number drifts, its trend line. "
         "p is that of Student's distribution with 0.37 (n − 1) degrees of freedom, "
         "times the number of campaigns and numbers (Bonferroni): among good cylinders alone, one "
-        "fleet in twenty has an outlier. An outlier has p below 0.05; at least 10 campaigns are "
-        "needed.",
+        f"fleet in twenty has an outlier. An outlier has p below {SIGNIFICANCE:g}; at least 10 "
+        "campaigns are needed.",
     ),
     (
         "Trends",
         "Theil and Sen's line, its interval and p by Kendall's rank correlation, corrected after "
-        "Holm for the number of trends. A trend is called a drift where p is below 0.05. "
-        "It does not distinguish a change of the cylinders from a change of the bench.",
+        "Holm for the number of trends. A trend is called a drift where p is below "
+        f"{SIGNIFICANCE:g}. It does not distinguish a change of the cylinders from a change "
+        "of the bench.",
     ),
     (
         "Repeatability and reproducibility",

@@ -63,6 +63,11 @@ def in_sentence(quantity: Quantity) -> str:
     return f"{title[:1].lower()}{title[1:]}"
 
 
+def short_title(quantity: Quantity) -> str:
+    """Return the quantity's words as ``without_condition``, up to the first comma."""
+    return without_condition(quantity).partition(",")[0]
+
+
 def range_words(campaigns: int) -> str:
     """Return what the low and the high end of a spread of so many campaigns are."""
     if campaigns < FEWEST_CAMPAIGNS:

@@ -6,6 +6,7 @@ It lists up to 500 campaigns; beyond, its size does not grow with the fleet.
 from collections.abc import Iterable, Iterator
 
 from hbench.records import FEWEST_CAMPAIGNS, Fleet, Quantity, WordTable
+from hbench.records.numbers import SIGNIFICANCE
 from hbench.report.fleet.charts import (
     capability_notes,
     capability_table,
@@ -52,12 +53,12 @@ _CORRECTED = (
     "where the mean has a step, that of the campaigns before or after it; where a number drifts, "
     "its line. σ contains the scatter between campaigns and that of their trials. A campaign is an "
     "outlier beyond the limit of the table, at which p, corrected for the number of values, is "
-    "0.05. This limit is far in a small fleet, since few campaigns determine σ poorly."
+    f"{SIGNIFICANCE:g}. This limit is far in a small fleet, since few campaigns determine σ poorly."
 )
 _ALONE = (
     "The intervals are those of each number alone. p is corrected (Holm) for all {count} trends "
-    "that were tested, and can be above 0.05 where the interval does not contain 0. A number whose "
-    "mean has a step is tested too, but the table of change points replaces its trend."
+    "that were tested, and can be above {level:g} where the interval does not contain 0. A number "
+    "whose mean has a step is tested too, but the table of change points replaces its trend."
 )
 _CENTRED = (
     "σ between campaigns is about the mean before and after a step, or about the line of a drift: "
@@ -100,7 +101,8 @@ def fleet_document(fleet: Fleet, drawings: Iterable[Drawing]) -> Document:
 
 def _of_trends(fleet: Fleet, *, changed: bool) -> str:
     """Return what intervals and p of the drifts are; ``changed``: some numbers have a step."""
-    words = _ALONE.format(count=sum(spread.trend is not None for spread in fleet.spreads))
+    count = sum(spread.trend is not None for spread in fleet.spreads)
+    words = _ALONE.format(count=count, level=SIGNIFICANCE)
     return words if changed else words.rpartition(" A number")[0]
 
 

@@ -11,7 +11,7 @@ from hbench.records import DIRECTIONS, ControlChart, Fleet, Precision, Quantity,
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.fleet.charts import chart_words, named
 from hbench.report.fleet.dates import set_dates
-from hbench.report.fleet.names import without_condition
+from hbench.report.fleet.names import of_side, short_title
 from hbench.report.fleet.precision import source_words
 from hbench.report.render import style
 from hbench.report.render.figures import Sketch
@@ -47,12 +47,12 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
             )
         if chart.n > len(chart.values):
             caption += f" The last {len(chart.values)} of {chart.n} campaigns are shown."
-        words = f"{chart.quantity.words}{_side(chart.direction)}"
+        words = f"{chart.quantity.words}{of_side(chart.direction)}"
         yield Sketch(f"control-{name}", CHARTS, words, caption, draw_chart(chart, fleet, mark))
     over_distance = [trend for trend in fleet.wear if trend.over == "distance_m"]
     for quantity, direction in dict.fromkeys((t.quantity, t.direction) for t in over_distance):
         trends = [t for t in over_distance if (t.quantity, t.direction) == (quantity, direction)]
-        words = f"{quantity.words}{_side(direction)}"
+        words = f"{quantity.words}{of_side(direction)}"
         caption = "Solid lines: significant; dashed: not significant."
         if len(trends) > _MOST_CYLINDERS:
             caption += f" The {_MOST_CYLINDERS} cylinders with the smallest p."
@@ -137,7 +137,7 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
         ):
             axes.plot(ends, [scale * mean] * 2, color="#000000", linewidth=2.0, label="_step")
     _draw_ewma(below, chart, at, look)
-    axes.set(ylabel=f"{_short(chart.quantity)} ({chart.quantity.unit})")
+    axes.set(ylabel=f"{short_title(chart.quantity)} ({chart.quantity.unit})")
     below.set_ylabel(f"EWMA ({chart.quantity.unit})")
     set_dates(below, fleet)
     figure.align_ylabels()
@@ -180,7 +180,7 @@ def draw_wear(trends: list[WearTrend], mark: str) -> Figure:
         axes.plot(x[[0, -1]], line, color=look["color"], linestyle=dashes)
     axes.set(
         xlabel="Distance, cumulated (m)",
-        ylabel=f"{_short(quantity)} ({quantity.unit})",
+        ylabel=f"{short_title(quantity)} ({quantity.unit})",
     )
     _head(axes, quantity, mark)
     style.legend_above(figure, axes)
@@ -195,10 +195,6 @@ def _name(quantity: Quantity, direction: Side) -> str:
     return "-".join(filter(None, (quantity.name.replace("_", "-"), direction)))
 
 
-def _side(direction: Side) -> str:
-    return "" if direction is None else f", {TITLES[direction].lower()}"
-
-
 def _look(direction: Side) -> dict:
     return style.series_style(0 if direction is None else DIRECTIONS.index(direction))
 
@@ -207,12 +203,8 @@ def _title(direction: Side) -> str:
     return "Both directions" if direction is None else TITLES[direction]
 
 
-def _short(quantity: Quantity) -> str:
-    return without_condition(quantity).partition(",")[0]
-
-
 def _head(axes: Axes, quantity: Quantity, mark: str) -> None:
-    axes.set_title(_short(quantity))
+    axes.set_title(short_title(quantity))
     if mark:
         axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
 

@@ -22,6 +22,7 @@ from hbench.report.identification.text import (
     identification_tables,
     reasons,
     scatter_words,
+    with_law_names,
 )
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
@@ -89,7 +90,7 @@ _RAMPS = (
 def identification_page(identification: Identification, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     provenance = identification.provenance
-    tables = {table.title: _named(table) for table in identification_tables(identification)}
+    tables = {table.title: with_law_names(table) for table in identification_tables(identification)}
     summary = (replace(tables[SUMMARY], title=_RANKED),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
     facts: tuple[tuple[str, str], ...] = (_HELD_OUT, *_DETERMINED)
@@ -291,10 +292,4 @@ def _once(table: WordTable) -> WordTable:
     rows = tuple(
         ("", *row[1:]) if same else row for same, row in zip(repeated, table.rows, strict=True)
     )
-    return replace(table, rows=rows)
-
-
-def _named(table: WordTable) -> WordTable:
-    """Return a table with the laws' names in place of their keys."""
-    rows = tuple((law_words(first), *rest) for first, *rest in table.rows)
     return replace(table, rows=rows)

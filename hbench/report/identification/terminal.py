@@ -1,12 +1,10 @@
 """An identification for a terminal: the verdict first, then every table and the remarks."""
 
-from dataclasses import replace
-
-from hbench.records import Identification, WordTable
+from hbench.records import Identification
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.remarks import interval_words, left_out_words
-from hbench.report.identification.text import identification_tables, reasons
+from hbench.report.identification.text import identification_tables, reasons, with_law_names
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
@@ -16,7 +14,7 @@ def identification_text(identification: Identification) -> str:
     """Return the law to use, every table in aligned columns, then the remarks."""
     verdict = wrapped(verdict_words(identification))
     blocks = ["\n".join(verdict)] if verdict else []
-    tables = map(_named, identification_tables(identification))
+    tables = map(with_law_names, identification_tables(identification))
     blocks += ["\n".join(table_lines(table)) for table in tables]
     remarks = [
         *map(_remark, reasons(identification)),
@@ -26,12 +24,6 @@ def identification_text(identification: Identification) -> str:
     ]
     blocks.append("\n".join(line for remark in remarks for line in wrapped(remark)))
     return plain("\n\n".join(blocks))
-
-
-def _named(table: WordTable) -> WordTable:
-    """Return a table with the laws' names in place of their keys."""
-    rows = tuple((law_words(first), *rest) for first, *rest in table.rows)
-    return replace(table, rows=rows)
 
 
 def _remark(remark: str) -> str:

@@ -3,10 +3,11 @@
 import json
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from hbench.records import (
+    DIRECTION_WORDS,
     DIRECTIONS,
     Fit,
     FitParameter,
@@ -103,6 +104,12 @@ def identification_tables(identification: Identification) -> tuple[WordTable, ..
         ),
     )
     return tuple(table for table in every if table.rows)
+
+
+def with_law_names(table: WordTable) -> WordTable:
+    """Return a table with the laws' names in place of their keys."""
+    rows = tuple((law_words(first), *rest) for first, *rest in table.rows)
+    return replace(table, rows=rows)
 
 
 def reasons(identification: Identification) -> tuple[str, ...]:
@@ -307,7 +314,7 @@ def _ramps(identification: Identification) -> list[tuple[str, ...]]:
     decimals = len(significant(slowest, 3).partition(".")[2])
     return [
         (
-            f"{ramp.direction}ing",
+            DIRECTION_WORDS[ramp.direction],
             force(ramp.f_load_n),
             number(ramp.a_ref_m_s2, decimals),
             number(ramp.steady_on_steady_n),

@@ -18,6 +18,7 @@ _TEN = re.compile(r"·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 _SYMMETRIC = 0.05  # of the half-width
+_LEAST_P = 1e-4  # a smaller p-value is written as being below it
 NONE = "–"  # in place of a number that does not exist
 
 
@@ -58,6 +59,16 @@ def significant(value: float | None, digits: int) -> str:
     if not -4 <= magnitude < 7:
         return _minus(f"{value:.{digits - 1}e}")
     return number(value, max(0, digits - 1 - magnitude))
+
+
+def p_words(p: float) -> str:
+    """Write a p-value with two significant digits."""
+    return f"< {_LEAST_P:g}" if p < _LEAST_P else significant(p, 2)
+
+
+def p_equation(p: float) -> str:
+    """Write a p-value with its sign of equality, such as ``p = 0.016``."""
+    return f"p {p_words(p)}" if p < _LEAST_P else f"p = {p_words(p)}"
 
 
 def with_interval(value: float | None, half_width: float | None) -> str:

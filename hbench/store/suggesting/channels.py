@@ -112,7 +112,7 @@ def _by_name(columns: Sequence[SampleColumn], time: TimeChoice) -> dict[str, Cho
         column = max(equals, key=_travel) if channel == "x_m" else equals[0]
         if channel == "x_m":
             group = column.meaning.group
-        chosen[channel] = _named_choice(column, channel, best, len(equals))
+        chosen[channel] = _named_choice(column, channel, len(equals))
     return chosen
 
 
@@ -155,7 +155,7 @@ def _travel(column: SampleColumn) -> float:
     return max(float(np.nanmax(v) - np.nanmin(v)) for v in column.values)
 
 
-def _named_choice(column: SampleColumn, channel: str, points: float, equals: int) -> Choice:
+def _named_choice(column: SampleColumn, channel: str, equals: int) -> Choice:
     certainty = SURE if column.meaning.is_sure and column.unit is not None else LIKELY
     reason = "by its unit" if column.meaning.by_unit else "by its name"
     if column.meaning.channel != channel and column.name != channel:

@@ -32,11 +32,11 @@ from hbench.workflow.results import derive
 _FORMS = (".html", ".pdf", ".xml", ".zip")
 
 
-def certify(folder: Path, file: Path, output: Path, today: date | None = None) -> Certificate:
+def certify(folder: Path, file: Path, output: Path) -> Certificate:
     """Write the certificate of a campaign; the form follows from the name of ``output``.
 
     ``.html``, ``.pdf``, ``.xml`` (digital calibration certificate), ``.zip`` or no extension
-    (RO-Crate with the raw logs). ``today`` is the date of issue where the file states none.
+    (RO-Crate with the raw logs). It is issued today where the file states no date.
     Raises ``DataError`` for a campaign that gets no certificate.
     """
     form = output.suffix.lower()
@@ -45,7 +45,7 @@ def certify(folder: Path, file: Path, output: Path, today: date | None = None) -
             f"{output}: '{form}' is no form of a certificate",
             f"Use {', '.join(_FORMS)}, or a folder's name without an extension.",
         )
-    certificate = _certificate(folder, file, today or date.today())
+    certificate = _certificate(folder, file)
     template = certificate.file.template
     own = None if template is None else read_template(file.parent / template)
 
@@ -97,7 +97,7 @@ def _refuse_other_specimens(campaign: StoredCampaign) -> None:
     )
 
 
-def _certificate(folder: Path, path: Path, today: date) -> Certificate:
+def _certificate(folder: Path, path: Path) -> Certificate:
     file = parse_certificate(read_yaml(path), str(path))
     campaign = load_campaign(folder)
     results = derive(campaign)
@@ -129,7 +129,7 @@ def _certificate(folder: Path, path: Path, today: date) -> Certificate:
         raise DataError(f"{folder}: gets no certificate: none of its quantities was measured")
     return Certificate(
         file=file,
-        issued=file.issued or today,
+        issued=file.issued or date.today(),
         specimen=specimen,
         test=test,
         results=results,

@@ -51,15 +51,17 @@ static void check_running(const hb_core *core)
     const hb_step *step = &core->steps.step[schedule->step];
 
     PLAY_CHECK(hb_settings_complete(&core->settings));
-    PLAY_CHECK(hb_settings_in_range(&core->settings, core->hal.dac.range_v));
+    PLAY_CHECK(hb_settings_valid(&core->settings, core->hal.dac.range_v));
     PLAY_CHECK(core->safety.silence_ticks <= core->safety_config.heartbeat_ticks);
     PLAY_CHECK(core->safety.error_ticks <= core->safety_config.speed_error_ticks);
     PLAY_CHECK(schedule->step < core->steps.count && schedule->trial < step->trials);
     PLAY_CHECK(schedule->segment < step->segments && schedule->cycle < step->cycles);
     PLAY_CHECK(step->p_lr_ref_pa <= p_max && step->p_lp_ref_pa <= p_max);
-    PLAY_CHECK(schedule->wait_ticks <= (schedule->phase == HB_PHASE_HOLD ? config->load_ticks
-                                                                         : config->return_ticks)
-                                           + 1u);
+    PLAY_CHECK(schedule->ready_ticks <= schedule->ticks);
+    PLAY_CHECK(schedule->phase != HB_PHASE_RETURN
+               || schedule->ticks <= config->return_ticks + 1u);
+    PLAY_CHECK(schedule->phase != HB_PHASE_HOLD
+               || schedule->ticks - schedule->ready_ticks <= config->load_ticks + 1u);
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
         PLAY_CHECK(core->control.u[i] >= -limit && core->control.u[i] <= limit);
     }

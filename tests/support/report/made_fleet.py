@@ -86,6 +86,9 @@ def made_table(
     return folder
 
 
-def summary_of(folder: Path) -> Fleet:
-    """The summary of the table in a folder."""
-    return summarize(FleetTable(folder / TABLE), partial(report_link, folder))
+def summary_of(
+    folder: Path, tolerance=None, requirements=(), decision=lambda _: "", checks=lambda _: ()
+) -> Fleet:
+    """The summary of the table in a folder, by default without tolerance, limits and decisions."""
+    table, link = FleetTable(folder / TABLE), partial(report_link, folder)
+    return summarize(table, link, tolerance, requirements, decision, checks)

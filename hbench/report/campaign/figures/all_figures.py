@@ -8,6 +8,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from hbench.records import KINDS, OilTemperature, Results
+from hbench.records.numbers import SIGNIFICANCE
 from hbench.report.campaign.figures.efficiency import efficiency, has_efficiency
 from hbench.report.campaign.figures.efficiency_map import efficiency_map, has_efficiency_map
 from hbench.report.campaign.figures.friction import (
@@ -162,7 +163,8 @@ FIGURES = (
         name="differences",
         section="ramps",
         caption="Differences of friction over a range of speeds, with 95 % intervals over "
-        "the trials. Filled: significant (p < 0.05 after Holm). Hollow: not significant.",
+        f"the trials. Filled: significant (p < {SIGNIFICANCE:g} after Holm). Hollow: not "
+        "significant.",
         applies=has_comparisons,
         draw=comparisons,
     ),

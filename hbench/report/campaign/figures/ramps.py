@@ -8,14 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import KINDS, Comparison, Curve, Fit, Results
-from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.records.numbers import SIGNIFICANCE
+from hbench.records.rod_pressure import series_key, without_common_rod_pressure
 from hbench.report.campaign.figures.friction import (
     is_drawn,
     line_look,
     of_trials,
     undetermined_words,
 )
-from hbench.report.campaign.motion_rows import SIGNIFICANT, comparison_words, differs
+from hbench.report.campaign.motion_rows import comparison_words, differs
 from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import short
@@ -40,8 +41,7 @@ def ramps(results: Results) -> dict[str, Figure]:
     for curve in without_common_rod_pressure(
         curve for curve in results.curves if _analysis(curve) in _ORDER
     ):
-        key = curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
-        groups[key].append(curve)
+        groups[series_key(curve)].append(curve)
     accelerations = sorted({c.a_ref_m_s2 or 0.0 for c in results.curves if KINDS[c.kind].is_ramp})
     figures = {}
     for (label, direction, load, p_lr), curves in groups.items():
@@ -155,7 +155,7 @@ def _differences(results: Results, comparisons: list[Comparison], title: str, le
     axes.set_yticks(range(len(comparisons)), names, fontsize=8)
     axes.set_ylim(len(comparisons) - 0.5, -0.5)
     axes.set_xlabel(f"|F|, {less} (N)")
-    for face, meaning in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not significant")):
+    for face, meaning in (("C", f"p < {SIGNIFICANCE:g} after Holm"), ("w", "not significant")):
         colour = style.COLOURS[1] if face == "C" else style.COLOURS[0]
         axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=meaning)
     style.head(axes, title, results)

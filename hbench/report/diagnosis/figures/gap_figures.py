@@ -47,6 +47,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
 }
 _LEAST = 0.3  # gap that is drawn; below, runs are closer than trials by chance
 _LEAST_SCALE = 10.0  # largest gap of the colour scale at least: small gaps stay light
+_MOST_CANDIDATES = 12  # that are drawn
 
 
 def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
@@ -201,9 +202,9 @@ def _bounds(region: Region) -> str:
     return "\nto\n".join(ends)
 
 
-def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
+def ranking_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the scores of the best candidates, with their thresholds."""
-    chosen = diagnosis.ranking[:most]
+    chosen = diagnosis.ranking[:_MOST_CANDIDATES]
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(chosen))
     axes = figure.subplots()
     top = max(max(candidate.threshold, candidate.score) for candidate in chosen)

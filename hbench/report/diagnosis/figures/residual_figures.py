@@ -9,7 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from hbench.records import Diagnosis, ResidualMap
+from hbench.records import DIRECTION_WORDS, Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P
 from hbench.report.diagnosis.figures.colour_scales import PLACES, RESIDUALS, VELOCITIES
 from hbench.report.diagnosis.names import (
@@ -194,13 +194,13 @@ def _points(
     )  # fmt: skip
     if strokes:  # a pair of them has no direction
         return
-    for way, marker in ((1, ">"), (-1, "<")):
+    for way, marker, direction in ((1, ">", "extend"), (-1, "<", "retract")):
         going = known & (way * side.v_m_s > REST_M_S)
         middles, medians = _medians(x[going], value[going])
         axes.plot(
             middles, np.clip(medians, *limits), marker, color="black",
             markeredgecolor="white", markeredgewidth=0.7, markersize=6.5, linestyle="none",
-            label=f"_medians, {'extending' if way > 0 else 'retracting'}",
+            label=f"_medians, {DIRECTION_WORDS[direction]}",
         )  # fmt: skip
 
 

@@ -12,12 +12,11 @@ from hbench.report.diagnosis.names import (
     deviation_and_limit,
     in_unit,
     of_strokes,
-    p_words,
     signal,
     steps_of,
 )
 from hbench.report.diagnosis.words.place import edge_gaps
-from hbench.report.render.numbers import NONE, number, significant
+from hbench.report.render.numbers import NONE, number, p_words, significant
 
 _ERRORS = {"force": "force along the motion", "position": "open-loop position"}
 

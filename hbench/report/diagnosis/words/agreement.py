@@ -10,11 +10,10 @@ from hbench.report.diagnosis.names import (
     deviation_and_limit,
     gap_number,
     in_sentence,
-    p_equation,
 )
 from hbench.report.diagnosis.words.deviation import agrees, exceeding, largest_deviation
 from hbench.report.diagnosis.words.place import worst_places
-from hbench.report.render.numbers import number
+from hbench.report.render.numbers import number, p_equation
 
 
 def agreement_words(diagnosis: Diagnosis) -> str:

@@ -2,7 +2,7 @@
 
 import re
 
-from hbench.records import AddedEffect, FitParameter
+from hbench.records import DIRECTION_WORDS, AddedEffect, FitParameter
 from hbench.report.diagnosis.names import CHAMBERS, PRESSURE_SYMBOLS, in_words
 from hbench.report.render.numbers import significant, with_ends
 from hbench.report.render.symbols import listed
@@ -118,7 +118,7 @@ def description_words(effect: AddedEffect) -> str:
     ways = {p.value > 0 for p in known}
     if effect.name != _ASYMMETRY or len(ways) != 1:
         return effect.description
-    way = "extending" if ways.pop() else "retracting"
+    way = DIRECTION_WORDS["extend" if ways.pop() else "retract"]
     mean = "than the mean of both directions"
     return effect.description.replace("in one direction", f"while {way} {mean}")
 

@@ -13,12 +13,11 @@ from hbench.report.diagnosis.names import (
     gap_number,
     in_sentence,
     in_unit,
-    p_equation,
     shown,
     signal,
     steps_of,
 )
-from hbench.report.render.numbers import NONE, number, significant
+from hbench.report.render.numbers import NONE, number, p_equation, significant
 from hbench.report.render.symbols import listed
 
 CLEARLY_WORSE = 1.1  # gap against another one

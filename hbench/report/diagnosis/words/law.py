@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from hbench.records import UnnamedLaw
-from hbench.report.diagnosis.names import balance, p_equation
-from hbench.report.render.numbers import number, significant
+from hbench.report.diagnosis.names import balance
+from hbench.report.render.numbers import number, p_equation, significant
 from hbench.report.render.symbols import capital, listed
 
 _TERMS = {

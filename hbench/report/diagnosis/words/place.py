@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import NamedTuple
 
-from hbench.records import Change, Diagnosis, EffectInPractice, WorkingPoint
+from hbench.records import DIRECTION_WORDS, Change, Diagnosis, EffectInPractice, WorkingPoint
 from hbench.report.diagnosis.names import (
     AXES,
     EDGES,
@@ -33,7 +33,7 @@ _FEW = 2  # balances, places or changes in a sentence
 _OF_PLACE = ("position_friction", "end_cushion")
 AT_POINT = "At the working point,"  # which is described elsewhere
 _OF_CHANGES = "only while speed or pressure changes."
-_WAYS = {"extend": "extending", "retract": "retracting", "rest": "at rest"}
+_WAYS = {**DIRECTION_WORDS, "rest": "at rest"}
 
 
 def where_words(point: WorkingPoint | None) -> str:
@@ -56,10 +56,8 @@ def _motion(point: WorkingPoint) -> str:
     return f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
 
 
-def at_point_words(
-    point: WorkingPoint | None, effect: EffectInPractice, *, brief: bool = False
-) -> str:
-    """Return what an effect changes at the working point, its main changes if ``brief``."""
+def at_point_words(point: WorkingPoint | None, effect: EffectInPractice) -> str:
+    """Return what an effect changes at the working point."""
     if not effect.changes or point is None:
         return ""
     changes = main_changes(effect)
@@ -67,8 +65,6 @@ def at_point_words(
         return f"{where_words(point)} it changes nothing: it acts " + (
             "at other places of the stroke." if effect.name in _OF_PLACE else _OF_CHANGES
         )
-    if brief:
-        changes = [change for change in changes if change.quantity not in ("pressure",)][:2]
     clauses = change_clauses(effect, changes, point)
     return f"{where_words(point)} {listed(clauses)}."
 
