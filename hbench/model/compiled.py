@@ -36,7 +36,13 @@ _OTHERS = (
     _FOLDER.parent / "analysis" / "identification" / "driven_law.py",  # inlined along logs
 )
 _CACHE = f"compiled-{cache_key(_FOLDER, _OTHERS, OWN_EFFECTS)}"
-_OPTIONS = {"forceinline": True, "error_model": "numpy", "nogil": True, "_nrt": False}
+_OPTIONS = {
+    "forceinline": True,
+    "error_model": "numpy",
+    "nogil": True,
+    "_nrt": False,
+    "fastmath": {"contract"},
+}
 
 
 def compiled(function: Callable) -> Any:
@@ -44,7 +50,8 @@ def compiled(function: Callable) -> Any:
 
     Division by zero gives infinity, as in numpy. Arrays come from the caller, who keeps them, and
     none is allocated or returned: so references need no counting, which would cost a third of the
-    plant's speed.
+    plant's speed. A product and a sum are one operation with one rounding where the processor has
+    it; that saves 4 % of a tick. No sum is reordered, and x + 0 y remains x.
     """
     import numba  # takes 0.4 s, and most commands compile nothing
 

@@ -70,18 +70,13 @@ class HostFirmware:
         self._board = self._library.hb_host_create(boots, baud)
         if not self._board:
             raise MemoryError("no memory for the firmware's context")
-
-    @property
-    def addresses(self) -> tuple[int, int, int]:
-        """Addresses of ``tick``, of ``poll`` and of the board, for compiled callers.
-
-        ``void tick(board, const uint16_t adc[8], int16_t dac[3])``,
-        ``uint32_t poll(board)``, which returns the number of octets for the host, or 0 while they
-        contain no complete frame. The addresses are valid until ``close``.
-        """
+        # Addresses of ``tick``, of ``poll`` and of the board, for compiled callers; valid until
+        # ``close``. ``void tick(board, const uint16_t adc[8], int16_t dac[3])``,
+        # ``uint32_t poll(board)``, which returns the number of octets for the host, or 0 while they
+        # contain no complete frame.
         functions = (self._library.hb_host_tick, self._library.hb_host_poll)
         tick, poll = (ctypes.cast(function, ctypes.c_void_p).value or 0 for function in functions)
-        return tick, poll, self._board
+        self.addresses: tuple[int, int, int] = (tick, poll, self._board)
 
     def receive(self, data: bytes) -> int:
         """Send octets to the board; return the number that its queue (4096) accepted."""

@@ -26,7 +26,8 @@ def lugre(
     """Return friction [N] and dz/dt [m/s]. At constant velocity it is the Tustin law."""
     dry = dry_friction(v, p_p, p_r, level, par)
     z_rate = v - abs(v) * z * par.bristle_stiffness / dry
-    force = par.bristle_stiffness * z + par.bristle_damping * z_rate + par.viscous * v
+    # The rate last: it takes longest.
+    force = par.bristle_stiffness * z + par.viscous * v + par.bristle_damping * z_rate
     return force, z_rate
 
 
