@@ -102,7 +102,7 @@ LEAST_SIZE = 0.25  # of its typical size that it must have
 
 @dataclass(frozen=True)
 class Candidate:
-    """Effect that was tried in the first search."""
+    """Effect that was tried in a step of the search."""
 
     name: str
     score: FloatOrNan  # gain of log-likelihood by cross-validation, nats

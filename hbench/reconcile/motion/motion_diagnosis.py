@@ -1,8 +1,9 @@
 """Diagnosis of a driven mass: force error and open-loop position error of held-out runs.
 
-Every fifth run is held out from refit and search. The force error is that of the balance along the
-measured motion. The position error is that of the motion that a model makes of the measured drive
-force. A model can improve one alone, so both are always reported.
+No value is fitted to every fifth run. These held-out runs decide whether a refit or an effect is
+kept. The force error is that of the balance along the measured motion. The position error is that
+of the motion that a model makes of the measured drive force. A model can improve one alone, so both
+are always reported.
 """
 
 from collections.abc import Callable, Mapping

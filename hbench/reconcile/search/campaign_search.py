@@ -1,7 +1,7 @@
 """Search for effects of the catalogue that a model does not contain, one after another.
 
-Each candidate is first evaluated about the refitted model by its columns (``Comparison.score``). The
-best are then evaluated in full, at their fitted coefficients. An effect is added if, by
+Each candidate is first evaluated about the refitted model by its columns (``Comparison.score``).
+The best are then evaluated in full, at their fitted coefficients. An effect is added if, by
 cross-validation over operating points,
 
     its score exceeds 5 nats and what candidates for the same balances score on null data sets: the
