@@ -12,13 +12,10 @@ from hbench.reconcile.acceptance import TIE
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
-from hbench.reconcile.measured.balances import BALANCES
 from hbench.records import (
     AddedEffect,
-    BeforeAfter,
     Candidate,
     Diagnosis,
-    GapTable,
     Provenance,
     ResidualMap,
     Rival,
@@ -134,33 +131,12 @@ def insufficient_data_diagnosis(
 
     ``missing`` starts with the most important item. ``advice`` ends the next experiment.
     """
-    no_gaps = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
-    none = np.zeros(0)
-    no_map = ResidualMap(
-        BALANCES, np.zeros((0, len(BALANCES))), none, none, none, none, none.astype(bool)
-    )
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
         verdict="unknown",
         why=f"The data do not suffice to name an effect. Missing: {missing[0]}.",
-        where=(),
-        regions=(),
-        effects=(),
-        alternatives=(),
-        rest=(),
         next_experiment=f"Measure {missing[0]}. {advice}".rstrip(),
-        next_schedule=None,
-        gap_heldout=no_gaps,
-        gap_train=no_gaps,
-        gap_runs=(),
-        ranking=(),
-        threshold=float("nan"),
-        refitted={},
-        residuals_before=no_map,
-        residuals_after=no_map,
-        overlays=(),
-        heldout_runs=(),
         not_tried=dict.fromkeys(EFFECTS, "too few runs"),
         missing=missing,
         left_out=left_out,

@@ -20,8 +20,8 @@ from hbench.reconcile.measured.balances import BALANCE_UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import (
     BeforeAfter,
+    Diagnosis,
     FitParameter,
-    GapTable,
     HeldOutLoad,
     Provenance,
     Region,
@@ -164,11 +164,13 @@ def test_a_number_that_does_not_exist_is_null(named):
 
 
 def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
-    none = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
-    names = ("where", "regions", "rest", "gap_runs", "ranking", "overlays")
-    empty = {name: () for name in names}
-    gaps = {"gap_heldout": none, "gap_train": none, "refitted": {}, "threshold": float("nan")}
-    few = replace(unknown, **empty, **gaps, missing=("load 2",), heldout_runs=())
+    few = Diagnosis(
+        provenance=unknown.provenance,
+        model=unknown.model,
+        verdict="unknown",
+        why=unknown.why,
+        missing=("load 2",),
+    )
     text = diagnosis_text(few)
     assert text.startswith("Too few data for a verdict: ")
     assert "load 2" in text and gap_line(unknown) and gap_line(few) == ""

@@ -65,7 +65,7 @@ def gap_table(stages: Sequence[StageGaps], floor: np.ndarray | None = None) -> G
         name: BeforeAfter(*(float(gaps[i]) for gaps in values.values()))
         for i, name in enumerate(names)
     }
-    return GapTable(total, balances, {}, {})
+    return GapTable(total, balances)
 
 
 def with_floor(held_out: GapTable, other: GapTable) -> GapTable:
