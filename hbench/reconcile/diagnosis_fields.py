@@ -117,13 +117,6 @@ def fitted_shape(name: str, hypothesis: Hypothesis) -> str:
     return ", ".join(key for _, key in shape_coefficients(name) if key in coefficients)
 
 
-def gap_of_balances(differences: GapMap, balances: Sequence[str], points: np.ndarray) -> float:
-    """Return the gap over some balances and operating points."""
-    windows = differences.excess[np.isin(differences.point, points)]
-    excess = windows[:, np.isin(differences.names, balances)]
-    return float(np.sqrt(max(1 + np.nanmean(excess), 0.0)))
-
-
 def insufficient_data_diagnosis(
     task: ModelledData, missing: tuple[str, ...], left_out: tuple[str, ...], advice: str = ""
 ) -> Diagnosis:

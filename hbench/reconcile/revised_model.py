@@ -10,7 +10,6 @@ import numpy as np
 
 from hbench.config.friction import LuGre
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
@@ -61,8 +60,7 @@ def held_out_gaps(
     """
     balances = EFFECTS[name].balances
     before = next(step.before for step in result.steps if step.added == name)
-    gaps = [gap_of_balances(each.gap_map, balances, held_out) for each in (before, model)]
-    return gaps[0], gaps[1]
+    return before.gap_map.gap(balances, held_out), model.gap_map.gap(balances, held_out)
 
 
 def revision(

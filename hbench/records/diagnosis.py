@@ -4,6 +4,7 @@ Gaps are in units of the trials' scatter: 1 is the repeatability of the bench. Q
 """
 
 from dataclasses import dataclass, field
+from math import sqrt
 from typing import Any, Literal
 
 import numpy as np
@@ -28,7 +29,6 @@ class Gap:
 
     name: str
     gap: FloatOrNan  # 1: the repeatability of the bench
-    structured: FloatOrNan  # sqrt(gap^2 - 1), 0 below
     p_value: FloatOrNan  # after Holm
     scatter: FloatOrNan  # root mean square of s, in the balance's unit
     windows: int
@@ -36,6 +36,11 @@ class Gap:
     deviation: FloatOrNan = float("nan")  # structured part, without the noise of single windows
     material: FloatOrNan = float("nan")  # a smaller deviation does not matter
     allowed: FloatOrNan = float("nan")  # that the instruments' tolerances may cause
+
+    @property
+    def structured(self) -> FloatOrNan:
+        """sqrt(gap^2 - 1), 0 below."""
+        return sqrt(max(self.gap**2 - 1, 0.0))
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.revised_model import revision, without_unconfirmed
 from hbench.reconcile.search_result import SearchResult, SearchStep
@@ -49,10 +50,11 @@ def test_a_refit_or_what_is_fitted_with_an_addition_is_in_the_model(result):
 
 def model_with(force, supply):
     """A model with a gap in the force balance and in that of the supply, at each of two points."""
-    excess = np.array([[force**2 - 1, supply**2 - 1]] * 2)
+    ones, places, points = np.ones((2, 2)), np.zeros((4, 2)), np.array([0, 1])
+    gaps = np.array([[force, supply]] * 2)  # of windows whose scatter is 1
     names = ("force_test", "supply")
     return SimpleNamespace(
-        gap_map=SimpleNamespace(excess=excess, point=np.array([0, 1]), names=names)
+        gap_map=GapMap(names, gaps, ones, ones, *places, points, ("first", "second"), points)
     )
 
 

@@ -38,7 +38,7 @@ from tests.support.reconcile.rounds import plant_of
 
 LEAK = Candidate("internal_leakage", 80.0, 0.9, 1.0, {"test": 1e-12}, "full", 7.0)
 OTHER = Candidate("external_leakage", 78.0, 0.9, 1.0, {"tp": 1e-12}, "full", 7.0)
-LACKS = Gap("flow_tp", 9.0, 8.9, 0.01, 1e-7, 100)
+LACKS = Gap("flow_tp", 9.0, 0.01, 1e-7, 100)
 
 
 def found(*steps):

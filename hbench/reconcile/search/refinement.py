@@ -17,7 +17,6 @@ import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
-from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.evidence import log_likelihood
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
@@ -90,9 +89,7 @@ class EffectRefinement(CandidateEvaluator):
         out = np.setdiff1d(np.arange(len(model.gap_map.points)), self.train)
         if not len(out):
             return True
-        before, after = (
-            gap_of_balances(one.gap_map, EFFECTS[name].balances, out) for one in (without, model)
-        )
+        before, after = (one.gap_map.gap(EFFECTS[name].balances, out) for one in (without, model))
         return before > max(after, 1.0)
 
     def without_superfluous(
@@ -171,7 +168,7 @@ class EffectRefinement(CandidateEvaluator):
         fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
         settled = self.refit(fine, self._tolerated(names), renewed=())
         models = (fine, settled, model)
-        gaps = [gap_of_balances(one.gap_map, one.gap_map.names, self.train) for one in models]
+        gaps = [one.gap_map.gap(one.gap_map.names, self.train) for one in models]
         return next(
             one for one, gap in zip(models, gaps, strict=True) if gap <= _AS_SMALL * min(gaps)
         )

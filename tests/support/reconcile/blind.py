@@ -30,7 +30,6 @@ from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.diagnose import ReconcileTask, expected_variance, run_search
-from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
 from hbench.reconcile.measured.balances import BALANCES
@@ -93,8 +92,8 @@ def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
         rest=tuple(one.name for one in left),
         first=(best.name, best.score, best.explained, best.size),
         threshold=best.threshold,
-        before=gap_of_balances(found.refitted.gap_map, touched, out),
-        after=gap_of_balances(final, touched, out),
+        before=found.refitted.gap_map.gap(touched, out),
+        after=final.gap(touched, out),
         floor=_floor(found, fit, out, touched),
         seconds=time.process_time() - started,
         coefficients=dict(found.final.hypothesis.effects.get(best.name, {})),

@@ -67,8 +67,8 @@ def compared():
     gap = BeforeAfter(12.0, 9.5, 9.5, 1.2)
     table = GapTable(gap, {"flow_tp": gap}, {}, {})
     where = (
-        Gap("force_test", 5.5, 5.4, 0.01, 7.3, 580, 40.0, 12.0, 113.0),
-        Gap("flow_tp", 1.1, 0.5, 0.5, 1e-7, 580, 1e-7, 4e-7, 1e-6),
+        Gap("force_test", 5.5, 0.01, 7.3, 580, 40.0, 12.0, 113.0),
+        Gap("flow_tp", 1.1, 0.5, 1e-7, 580, 1e-7, 4e-7, 1e-6),
     )
     ranking = (
         Candidate("load_friction", 27.3, 0.8, 0.22, {}, "full", 5.0),
