@@ -146,7 +146,7 @@ def stacked(trials: Sequence[WindowedRun], windows: int) -> np.ndarray:
 
 
 def gaps(
-    measured: Sequence[WindowedRun], simulated: Sequence[WindowedRun], seed: int = 0
+    measured: Sequence[WindowedRun], simulated: Sequence[WindowedRun]
 ) -> tuple[tuple[Gap, ...], GapMap]:
     """Return the gaps of all names, largest first, and the map behind them.
 
@@ -155,7 +155,7 @@ def gaps(
     """
     pairs = _paired_trials(measured, simulated)
     differences = _gap_map(pairs)
-    p_values = holm(_permutation_p_values(pairs, np.random.default_rng(seed)))
+    p_values = holm(_permutation_p_values(pairs, np.random.default_rng(0)))
     excess = differences.excess
     unordered = []
     for i, name in enumerate(differences.names):

@@ -112,14 +112,14 @@ def _run_means(values: np.ndarray, run: np.ndarray, runs: int) -> np.ndarray:
         return sums / np.where(counts > 0, counts, np.nan)
 
 
-def ranked_gaps(residuals: GapMap, allowed: np.ndarray, seed: int = 0) -> tuple[Gap, ...]:
+def ranked_gaps(residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
     """Return the gaps of all balances, largest first; ``allowed`` (c,) is what tolerances explain.
 
     The p-value is that of a permutation test: the means of the runs of a correct model have random
     signs. Whole runs are turned at random 999 times.
     """
     assert residuals.white is not None and residuals.material is not None
-    p_values = holm(_sign_p_values(residuals, np.random.default_rng(seed)))
+    p_values = holm(_sign_p_values(residuals, np.random.default_rng(0)))
     scatter = residuals.scatter[0]
     d = residuals.difference / scatter
     mean_square = column_means(d**2)

@@ -227,8 +227,8 @@ def _excess(residuals: GapMap, balances: Sequence[str], points: np.ndarray) -> f
     return max(residuals.mean_excess(balances, np.isin(residuals.point, points)), 0.0)
 
 
-def sign_test(changes: np.ndarray, seed: int = 0) -> float:
+def sign_test(changes: np.ndarray) -> float:
     """Return the one-sided p-value of a mean above 0: the share of random signs as large."""
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], (_PERMUTATIONS, len(changes)))
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], (_PERMUTATIONS, len(changes)))
     largest = changes.sum() * (1 - 1e-9)
     return float((1 + (signs @ changes >= largest).sum()) / (1 + _PERMUTATIONS))

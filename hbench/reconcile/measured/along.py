@@ -69,13 +69,11 @@ class Starts(NamedTuple):
         ]
 
 
-def single_start(
-    records: int, par: PlantParameters, friction_n: tuple[float, float] = (0.0, 0.0)
-) -> Starts:
-    """Return the start of a single log, with the effects' states at 0."""
+def single_start(records: int, par: PlantParameters) -> Starts:
+    """Return the start of a single log without friction, with the effects' states at 0."""
     states = n_states(par) - bristles_end(par)
     none = np.zeros(states)
-    return Starts(np.array([0, records]), np.array([friction_n]), none[None], none.astype(bool))
+    return Starts(np.array([0, records]), np.zeros((1, 2)), none[None], none.astype(bool))
 
 
 def along(
