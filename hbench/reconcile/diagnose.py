@@ -36,7 +36,6 @@ from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_toleranc
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
-from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Proposal, Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects
@@ -86,7 +85,7 @@ class ReconcileTask:
     material: float = MATERIAL
     simulate: Simulate | None = None  # None: the runs can't be simulated
     experiments: ExperimentLibrary | None = None  # None: no experiment is proposed
-    stage: Callable[[str], None] = silent  # receives a description of each stage
+    stage: Callable[[str], None] = lambda stage: None  # receives a description of each stage
 
 
 def run_search(

@@ -20,7 +20,6 @@ from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search.candidates import EvaluatedCandidate, explained_share
-from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import Candidate
 from tests.support import ROOT
@@ -31,7 +30,9 @@ CANDIDATES = ("internal_leakage", "tank_back_pressure", "supply_droop")
 UNTUNED = {"oil": {"bulk_modulus": "680 bar"}, "valve": {"gain": "7.5e-7 m^2/V"}}
 
 
-def searched(effects, seed=5, candidates=CANDIDATES, stage=silent, search=CampaignSearch):
+def searched(
+    effects, seed=5, candidates=CANDIDATES, stage=lambda stage: None, search=CampaignSearch
+):
     """Search a campaign with these effects; return result, estimates and held-out points."""
     data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
     bench = parse_bench(data, "bench")

@@ -30,7 +30,6 @@ from hbench.reconcile.motion.motion_words import of_driven_mass
 from hbench.reconcile.motion.open_loop import open_loop_positions
 from hbench.reconcile.revised_model import without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
-from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.observable import divided_points
 from hbench.reconcile.verdict import FEWEST_POINTS
@@ -53,7 +52,7 @@ class MotionTask:
     plant_data: Mapping[str, Any]  # sections of the model's file
     runs: tuple[Run, ...]
     material: float
-    stage: Callable[[str], None] = silent  # receives a description of each stage
+    stage: Callable[[str], None] = lambda stage: None  # receives a description of each stage
 
 
 def diagnose_motion(task: MotionTask) -> Diagnosis:

@@ -27,16 +27,12 @@ from hbench.reconcile.search.candidates import CandidateEvaluator, EvaluatedCand
 _AS_SMALL = 1.02  # times the smallest gap: no reason to prefer a model
 
 
-def silent(stage: str) -> None:
-    """Take no notice of a stage."""
-
-
 @dataclass(frozen=True)
 class EffectRefinement(CandidateEvaluator):
     """Refinement of the effects that were added to a model of a campaign."""
 
     measured: MeasuredCampaign
-    stage: Callable[[str], None] = silent  # receives a description of each stage
+    stage: Callable[[str], None] = lambda stage: None  # receives a description of each stage
 
     def refined_and_named(
         self, model: LinearisedModel, names: tuple[str, ...]
