@@ -13,6 +13,7 @@ from hbench.reconcile.measured.balances import BALANCES, channels_missing
 from hbench.reconcile.search_result import SearchResult
 from hbench.records import KINDS, Candidate, Gap, Run, Verdict
 from hbench.records.diagnosis import UNEXPLAINED_GAP
+from hbench.sentences import listed, plural
 
 FEWEST_POINTS = 8  # operating points
 _OTHER_LOAD = 0.2  # of the largest mean force: a smaller difference may be that of friction
@@ -88,23 +89,22 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
 def _unnamed(result: SearchResult) -> str:
     """Return the sentence about learned laws; empty without any."""
     tables = [result.final.hypothesis.tables[law.table] for law in result.laws]
-    words = [f"{table.adds_to} over {' and '.join(table.knots)}" for table in tables]
+    words = [f"{table.adds_to} over {listed(list(table.knots))}" for table in tables]
     laws = "unnamed laws" if len(words) > 1 else "an unnamed law"
     return f" The revised model contains {laws}: {'; '.join(words)}." if words else ""
 
 
 def unconfirmed_words(names: Sequence[str]) -> str:
     """Return the sentence about effects that held-out runs do not confirm."""
-    it = "them" if len(names) > 1 else "it"
     return (
-        f"Runs outside the fit do not confirm {' and '.join(names)}, so the revised model does not "
-        f"contain {it}."
+        f"Runs outside the fit do not confirm {listed(names)}, so the revised model does not "
+        f"contain {plural(len(names), 'it', 'them')}."
     )
 
 
 def explains(names: Sequence[str]) -> str:
     """Return subject and verb of a sentence about effects."""
-    return f"{' and '.join(names)} {'explain' if len(names) > 1 else 'explains'}"
+    return f"{listed(names)} {plural(len(names), 'explains', 'explain')}"
 
 
 def scores(candidates: Sequence[Candidate]) -> str:

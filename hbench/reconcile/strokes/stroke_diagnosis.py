@@ -65,6 +65,7 @@ from hbench.records import (
     ScreenedRun,
     Verdict,
 )
+from hbench.sentences import listed
 
 FEWEST_LOADS = 4  # with two strokes in each direction
 _SAME_AREA = 0.002
@@ -320,5 +321,5 @@ def _notes(
     if len(labels) > 1:
         yield (
             f"Other series used as evidence: {', '.join(labels[1:])}. They are assumed to be the "
-            f"same cylinder with other seals; only {' and '.join(OF_THE_SEAL)} may differ."
+            f"same cylinder with other seals; only {listed(OF_THE_SEAL)} may differ."
         )
