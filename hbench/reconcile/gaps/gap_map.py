@@ -37,11 +37,12 @@ from numpy.typing import ArrayLike
 
 from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
+from hbench.analysis.statistics.permutations import permutation_p
 from hbench.errors import DataError
 from hbench.reconcile.measured.balances import WindowedRun
 from hbench.records import Gap, RunPlan
 
-_PERMUTATIONS = 999
+PERMUTATIONS = 999
 _NEGLIGIBLE_SPREAD = 1e-8  # of ln s^2, beyond chance: nu_0 of 1e8
 
 
@@ -304,7 +305,8 @@ def _permutation_p_values(pairs: Sequence[_Pair], rng: np.random.Generator) -> n
 
     The statistic is the sum of d^2 over the variance of all trials, which is invariant.
     """
-    observed, exchanged, negligible = 0.0, 0.0, _rounding_variance(pairs)
+    count, negligible = pairs[0].r.shape[-1], _rounding_variance(pairs)
+    observed, exchanged = np.zeros(count), np.zeros((PERMUTATIONS, count))
     for _, _, r, q in pairs:
         both = np.concatenate([r, q])
         total = both.var(axis=0)
@@ -314,7 +316,7 @@ def _permutation_p_values(pairs: Sequence[_Pair], rng: np.random.Generator) -> n
         scaled = np.where(total <= negligible, 0.0, scaled)
         products = np.einsum("iwc,jwc->ijc", scaled, scaled)
         labels = np.concatenate([np.full(len(r), 1 / len(r)), np.full(len(q), -1 / len(q))])
-        orders = rng.permuted(np.tile(labels, (_PERMUTATIONS, 1)), axis=1)
+        orders = rng.permuted(np.tile(labels, (PERMUTATIONS, 1)), axis=1)
         observed = observed + np.einsum("i,j,ijc->c", labels, labels, products)
         exchanged = exchanged + np.einsum("ei,ej,ijc->ec", orders, orders, products, optimize=True)
-    return (1 + np.sum(exchanged >= observed * (1 - 1e-9), axis=0)) / (1 + _PERMUTATIONS)
+    return permutation_p(observed, exchanged)

@@ -20,12 +20,12 @@ import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
-from hbench.reconcile.gaps.gap_map import GapMap, column_means
+from hbench.analysis.statistics.permutations import permutation_p, random_signs
+from hbench.reconcile.gaps.gap_map import PERMUTATIONS, GapMap, column_means
 from hbench.records import Gap
 from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 
 _APART = 2  # windows
-_PERMUTATIONS = 999
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def ranked_gaps(residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
     signs. Whole runs are turned at random 999 times.
     """
     assert residuals.white is not None and residuals.material is not None
-    p_values = holm(_sign_p_values(residuals, np.random.default_rng(0)))
+    p_values = holm(_sign_p_values(residuals))
     scatter = residuals.scatter[0]
     d = residuals.difference / scatter
     mean_square = column_means(d**2)
@@ -163,14 +163,13 @@ def unexplained_at(residuals: GapMap, points: np.ndarray) -> tuple[Gap, ...]:
     return unexplained_gaps(ranked_gaps(chosen, np.zeros(len(chosen.names))))
 
 
-def _sign_p_values(residuals: GapMap, rng: np.random.Generator) -> np.ndarray:
+def _sign_p_values(residuals: GapMap) -> np.ndarray:
     """Return p-values (c,): the share of random signs with a sum over trials at least as large."""
     first = np.unique(residuals.run, return_index=True)[1]
     points = residuals.point[first]
     means = np.nan_to_num(_run_means(residuals.difference, residuals.run, len(first)))
     trials = (points[:, None] == np.arange(len(residuals.points))).astype(float)
-    signs = rng.choice([-1.0, 1.0], (_PERMUTATIONS, len(first)))
+    signs = random_signs(PERMUTATIONS, len(first))
     observed = ((trials.T @ means) ** 2).sum(axis=0)
     turned = np.einsum("br,rc,rp->bpc", signs, means, trials, optimize=True)
-    larger = (turned**2).sum(axis=1) >= observed * (1 - 1e-9)
-    return (1 + larger.sum(axis=0)) / (1 + _PERMUTATIONS)
+    return permutation_p(observed, (turned**2).sum(axis=1))

@@ -24,6 +24,7 @@ from itertools import combinations
 
 import numpy as np
 
+from hbench.analysis.statistics.permutations import permutation_p, random_signs
 from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
@@ -229,6 +230,5 @@ def _excess(residuals: GapMap, balances: Sequence[str], points: np.ndarray) -> f
 
 def sign_test(changes: np.ndarray) -> float:
     """Return the one-sided p-value of a mean above 0: the share of random signs as large."""
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], (_PERMUTATIONS, len(changes)))
-    largest = changes.sum() * (1 - 1e-9)
-    return float((1 + (signs @ changes >= largest).sum()) / (1 + _PERMUTATIONS))
+    signs = random_signs(_PERMUTATIONS, len(changes))
+    return float(permutation_p(changes.sum(), signs @ changes))
