@@ -42,16 +42,16 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
     ``unexplained`` are the gaps of the model with all effects and without learned laws.
     """
     first, last = result.steps[0], result.steps[-1]
-    where, unnamed = gap_list(unexplained), _unnamed(result)
+    unnamed = _unnamed(result)
     if result.names:
-        reason = f"{explains(result.names)} the residuals in cross-validation."
-        if result.unconfirmed:
-            reason += f" {unconfirmed_words(tuple(result.unconfirmed))}"
+        reason = named_words(result.names, tuple(result.unconfirmed))
         if last.ambiguous:
             others = " or ".join(candidate.name for candidate in last.ambiguous)
             reason += f" {others} would explain the remaining residuals equally well."
         elif unexplained:
-            reason += f" Gaps that remain (in multiples of the repeatability): {where}."
+            reason += (
+                f" Gaps that remain (in multiples of the repeatability): {_gap_list(unexplained)}."
+            )
         return "named", reason + unnamed
     if last.ambiguous:
         margin = ambiguity_margin(last.ambiguous[0].score)
@@ -61,10 +61,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             f"{ALIKE * margin:.1f} where these runs are not expected to distinguish both."
         )
     if unexplained:
-        reason = (
-            "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
-            f"{where}."
-        )
+        reason = unexplained_words(unexplained)
         if first.evaluated:
             best = first.evaluated[0].candidate
             reason += (
@@ -94,17 +91,24 @@ def _unnamed(result: SearchResult) -> str:
     return f" The revised model contains {laws}: {'; '.join(words)}." if words else ""
 
 
-def unconfirmed_words(names: Sequence[str]) -> str:
-    """Return the sentence about effects that held-out runs do not confirm."""
+def named_words(names: Sequence[str], unconfirmed: Sequence[str]) -> str:
+    """Return the sentences about named effects, and those that held-out runs do not confirm."""
+    explain = plural(len(names), "explains", "explain")
+    words = f"{listed(names)} {explain} the residuals in cross-validation."
+    if not unconfirmed:
+        return words
     return (
-        f"Runs outside the fit do not confirm {listed(names)}, so the revised model does not "
-        f"contain {plural(len(names), 'it', 'them')}."
+        f"{words} Runs outside the fit do not confirm {listed(unconfirmed)}, so the revised model "
+        f"does not contain {plural(len(unconfirmed), 'it', 'them')}."
     )
 
 
-def explains(names: Sequence[str]) -> str:
-    """Return subject and verb of a sentence about effects."""
-    return f"{listed(names)} {plural(len(names), 'explains', 'explain')}"
+def unexplained_words(gaps: Sequence[Gap]) -> str:
+    """Return the sentence about gaps that no effect explains."""
+    return (
+        "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
+        f"{_gap_list(gaps)}."
+    )
 
 
 def scores(candidates: Sequence[Candidate]) -> str:
@@ -112,7 +116,7 @@ def scores(candidates: Sequence[Candidate]) -> str:
     return ", ".join(f"{candidate.name} ({candidate.score:.0f})" for candidate in candidates)
 
 
-def gap_list(gaps: Sequence[Gap]) -> str:
+def _gap_list(gaps: Sequence[Gap]) -> str:
     """Return balances with their gaps."""
     return ", ".join(f"{gap.name} ({gap.gap:.1f})" for gap in gaps)
 

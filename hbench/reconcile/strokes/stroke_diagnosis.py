@@ -49,11 +49,10 @@ from hbench.reconcile.strokes.stroke_search import (
 )
 from hbench.reconcile.verdict import (
     NO_RESIDUALS,
-    explains,
-    gap_list,
     missing_experiments,
+    named_words,
     scores,
-    unconfirmed_words,
+    unexplained_words,
 )
 from hbench.records import (
     AddedEffect,
@@ -187,10 +186,6 @@ def _assembled(
         by_load = leave_each_load_out(search, start, names)
     factors, best = search.factors(estimates), estimates.hypothesis(estimates.beta)
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
-    no_change = "does not change the mean of a steady stroke"
-    if not strokes.load_is_known:
-        no_change = "needs a force sensor, or does not change the friction band of steady strokes"
-    not_tried = {name: no_change for name in EFFECTS if name not in search.candidates}
     alternatives = tuple(candidate for step in result.steps for candidate in step.ambiguous)
     undecided = {step.balance for step in result.steps if step.ambiguous}
     unexplained = tuple(
@@ -228,7 +223,7 @@ def _assembled(
         residuals_before=residual_map(before, points, "N"),
         residuals_after=residual_map(after, points, "N"),
         heldout_runs=tuple(run.run.plan.run for run in task.series[labels[0]] if run.accepted),
-        not_tried=not_tried | ruled_out,
+        not_tried=_not_tried(search) | ruled_out,
         missing=missing,
         left_out=left_out,
         revised=revised(task.plant_data, factors, best),
@@ -245,13 +240,18 @@ def _assembled(
     )
 
 
+def _not_tried(search: SeriesSearch) -> dict[str, str]:
+    """Return the effects that strokes do not show, with the reason."""
+    reason = "does not change the mean of a steady stroke"
+    if not search.measured.load_is_known:
+        reason = "needs a force sensor, or does not change the friction band of steady strokes"
+    return {name: reason for name in EFFECTS if name not in search.candidates}
+
+
 def _decide_verdict(
     result: StrokeSearchResult, unconfirmed: Sequence[str], unexplained: Sequence[Gap]
 ) -> tuple[Verdict, str]:
-    sentences = []
-    if result.names:
-        sentences.append(f"{explains(result.names)} the residuals in cross-validation.")
-        sentences += [unconfirmed_words(unconfirmed)] if unconfirmed else []
+    sentences = [named_words(result.names, unconfirmed)] if result.names else []
     for step in result.steps:
         if step.ambiguous:
             sentences.append(
@@ -259,10 +259,7 @@ def _decide_verdict(
                 f"{scores(step.ambiguous)}."
             )
     if unexplained:
-        sentences.append(
-            "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
-            f"{gap_list(unexplained)}."
-        )
+        sentences.append(unexplained_words(unexplained))
     if result.names:
         return "named", " ".join(sentences)
     if any(step.ambiguous for step in result.steps):

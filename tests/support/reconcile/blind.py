@@ -29,9 +29,10 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import map_on_cores
-from hbench.reconcile.diagnose import ReconcileTask, expected_variance, run_search
+from hbench.reconcile.diagnose import ReconcileTask, run_search
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
+from hbench.reconcile.gaps.model_gaps import expected_variance
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.nuisance import BACKGROUND
 from hbench.reconcile.search_result import SearchResult
