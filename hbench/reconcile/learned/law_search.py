@@ -8,7 +8,7 @@ It may repeat with the sensor's pitch, so it has 8, 16 or 32 knots along the str
 the best score. The first of these that meets all of the following is kept, best score first:
 
     its score exceeds 5 nats and the threshold of itself and of all tables over one quantity with
-    null data sets: its own residuals with random signs (``candidates.AcceptanceCriteria``),
+    null data sets: its own residuals with random signs (``acceptance.AcceptanceCriteria``),
     it explains more than a quarter of the excess gap of its balances at training points, and
     it reduces the residuals at held-out operating points: a permutation test with random signs of
     the points' logarithmic reductions has p < 0.05, which takes five points.
