@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
+    ModelledData,
     added_effect,
     fitted_shape,
     insufficient_data_diagnosis,
@@ -50,7 +50,6 @@ from hbench.records import (
     Diagnosis,
     Gap,
     Overlay,
-    Provenance,
     Run,
     RunPlan,
     Separability,
@@ -72,15 +71,12 @@ Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Ru
 """Simulates one run of each operating point of some plans; text: why the simulation ended early."""
 
 
-@dataclass(frozen=True)
-class ReconcileTask:
+@dataclass(frozen=True, kw_only=True)
+class ReconcileTask(ModelledData):
     """Task of a diagnosis: runs of a campaign and a model of its bench."""
 
-    provenance: Provenance
     bench: Bench | None  # None: its board is unknown
-    model: str  # file name
     plant: Plant  # of the model
-    plant_data: Mapping[str, Any]  # sections of the model's file
     runs: tuple[Run, ...]
     instruments: Instruments | None
     material: float = MATERIAL

@@ -1,8 +1,8 @@
 """Fields of a diagnosis that the diagnoses of campaigns and of imported strokes share."""
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -24,20 +24,13 @@ from hbench.records import (
 _PLACES = 501  # along the measured positions
 
 
-class ModelledData(Protocol):
-    """Task of a diagnosis: data and model."""
+@dataclass(frozen=True, kw_only=True)
+class ModelledData:
+    """Data and a model that a diagnosis compares; each kind of data adds its own fields."""
 
-    @property
-    def provenance(self) -> Provenance:
-        """Provenance of the data."""
-
-    @property
-    def model(self) -> str:
-        """File name of the model."""
-
-    @property
-    def plant_data(self) -> Mapping[str, Any]:
-        """Sections of the model's file."""
+    provenance: Provenance  # of the data
+    model: str  # file name
+    plant_data: Mapping[str, Any]  # sections of the model's file
 
 
 def residual_map(differences: GapMap, held_out: frozenset[Hashable], unit: str = "") -> ResidualMap:

@@ -289,7 +289,14 @@ def test_too_few_operating_points_name_nothing_and_simulate_nothing(bench):
         raise AssertionError("nothing is simulated")
 
     task = ReconcileTask(
-        None, bench, "model.yaml", plant_of(bench), {"oil": {}}, runs, None, simulate=simulate
+        provenance=None,
+        model="model.yaml",
+        plant_data={"oil": {}},
+        bench=bench,
+        plant=plant_of(bench),
+        runs=runs,
+        instruments=None,
+        simulate=simulate,
     )
     found = diagnose(task)
     assert found.verdict == "unknown" and not found.effects

@@ -4,7 +4,6 @@ import csv
 import json
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.model.effects.catalogue import read_effects
-from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
+from hbench.reconcile.diagnosis_fields import ModelledData, insufficient_data_diagnosis
 from hbench.reconcile.measured.balances import BALANCE_UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import (
@@ -548,7 +547,7 @@ def test_the_folder_gets_page_numbers_figures_and_a_model(named, ambiguous, tmp_
 def quick():
     """Return a diagnosis without figures."""
     about = Provenance("made", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
-    task = SimpleNamespace(provenance=about, model="model.yaml", plant_data={})
+    task = ModelledData(provenance=about, model="model.yaml", plant_data={})
     return insufficient_data_diagnosis(task, ("load 2",), ())
 
 

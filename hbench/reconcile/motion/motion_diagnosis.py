@@ -6,15 +6,14 @@ of the motion that a model makes of the measured drive force. A model can improv
 are always reported.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from hbench.config.stroke_model import MotionPlant
 from hbench.reconcile.diagnose import NOT_SIMULATED, ReconcileTask, assembled
-from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
+from hbench.reconcile.diagnosis_fields import ModelledData, insufficient_data_diagnosis
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.measured.balances import BALANCES, incomplete_reason
@@ -33,7 +32,7 @@ from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.observable import divided_points
 from hbench.reconcile.verdict import FEWEST_POINTS
-from hbench.records import Diagnosis, HeldOutError, Overlay, Provenance, Run
+from hbench.records import Diagnosis, HeldOutError, Overlay, Run
 
 _SHORTEST_S = 1.0
 _NOTES = (
@@ -42,14 +41,11 @@ _NOTES = (
 )
 
 
-@dataclass(frozen=True)
-class MotionTask:
+@dataclass(frozen=True, kw_only=True)
+class MotionTask(ModelledData):
     """Task of a diagnosis: runs with position and drive force, and a model of the mass."""
 
-    provenance: Provenance
-    model: str  # file name
     plant: MotionPlant  # of the model
-    plant_data: Mapping[str, Any]  # sections of the model's file
     runs: tuple[Run, ...]
     material: float
     stage: Callable[[str], None] = lambda stage: None  # receives a description of each stage

@@ -6,7 +6,6 @@ effects of the model were chosen with all loads: four loads are too few to choos
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from hbench.config.stroke_model import StrokePlant
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
+    ModelledData,
     added_effect,
     insufficient_data_diagnosis,
     residual_map,
@@ -60,7 +60,6 @@ from hbench.records import (
     Diagnosis,
     Gap,
     GapTable,
-    Provenance,
     ScreenedRun,
     Verdict,
 )
@@ -93,14 +92,11 @@ GAIN_NOTE = (
 )
 
 
-@dataclass(frozen=True)
-class StrokeTask:
+@dataclass(frozen=True, kw_only=True)
+class StrokeTask(ModelledData):
     """Task of a diagnosis: series of steady strokes and a model of the cylinder."""
 
-    provenance: Provenance
-    model: str  # file name
     plant: StrokePlant  # of the model
-    plant_data: Mapping[str, Any]  # sections of the model's file
     series: Mapping[str, Sequence[ScreenedRun]]  # by label, the requested one first
 
 

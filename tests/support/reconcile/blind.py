@@ -128,7 +128,15 @@ def task_of(folder: Path) -> ReconcileTask:
     content = (campaign.header.get("bench") or {}).get("content") or read_yaml(BENCH)
     plant = parse_plant(content, read_yaml(MODEL), MODEL.name)
     runs, instruments = tuple(calibrated_runs(campaign)), campaign.setup().instruments
-    return ReconcileTask(campaign.provenance(), bench, MODEL.name, plant, {}, runs, instruments)
+    return ReconcileTask(
+        provenance=campaign.provenance(),
+        model=MODEL.name,
+        plant_data={},
+        bench=bench,
+        plant=plant,
+        runs=runs,
+        instruments=instruments,
+    )
 
 
 def outcomes(folder: Path) -> list[Outcome]:

@@ -1,9 +1,8 @@
 """Made-up diagnoses of every verdict, for tests of their words."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
-from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
+from hbench.reconcile.diagnosis_fields import ModelledData, insufficient_data_diagnosis
 from hbench.records import (
     AddedEffect,
     BeforeAfter,
@@ -58,7 +57,7 @@ def summary(diagnosis):
 def few():
     """Return a diagnosis of too few runs."""
     about = Provenance("made", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
-    task = SimpleNamespace(provenance=about, model="model.yaml", plant_data={})
+    task = ModelledData(provenance=about, model="model.yaml", plant_data={})
     return insufficient_data_diagnosis(task, ("a second load",), ())
 
 
