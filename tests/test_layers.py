@@ -11,7 +11,8 @@ ROOT = Path(__file__).parents[1] / "hbench"
 
 # Rooms from the bottom up. Rooms of one row do not import each other, except in row 0.
 ROWS = (
-    {"channels", "errors", "units", "untrusted_text", "records", "config", "parallel", "motion"},
+    {"channels", "errors", "sentences", "units", "untrusted_text"}
+    | {"records", "config", "parallel", "motion"},
     {"model", "protocol", "store", "report"},
     {"analysis", "control", "rig"},
     {"experiment"},

@@ -31,10 +31,7 @@ def cache_key(folder: Path, others: Iterable[Path], own_effects: str) -> str:
     return f"{digest:08x}"
 
 
-_OTHERS = (
-    Path(friction_laws.__file__),  # the order of its laws gives their numbers
-    _FOLDER.parent / "analysis" / "identification" / "driven_law.py",  # inlined along logs
-)
+_OTHERS = (Path(friction_laws.__file__),)  # the order of its laws gives their numbers
 _CACHE = f"compiled-{cache_key(_FOLDER, _OTHERS, OWN_EFFECTS)}"
 _OPTIONS = {
     "forceinline": True,

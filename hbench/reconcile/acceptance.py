@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hbench.analysis.statistics.permutations import random_signs
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.evidence import random_signs
 from hbench.records import Candidate
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 

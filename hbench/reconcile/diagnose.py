@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -11,19 +10,19 @@ from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
+    ModelledData,
     added_effect,
     fitted_shape,
     insufficient_data_diagnosis,
-    residual_map,
     with_place,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.gaps.gap_map import GapMap, column_means, point_of
-from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
+from hbench.reconcile.gaps.gap_map import GapMap, point_of
+from hbench.reconcile.gaps.log_map import ranked_gaps
+from hbench.reconcile.gaps.model_gaps import gap_fields, ranked_by
 from hbench.reconcile.gaps.overlays import overlays
-from hbench.reconcile.gaps.regions import regions
-from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
-from hbench.reconcile.hypothesis import Hypothesis, typical_size
+from hbench.reconcile.gaps.tables import SimulatedStages
+from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.learned.law_search import LawSearch
 from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
@@ -32,11 +31,10 @@ from hbench.reconcile.measured.comparable_runs import comparable_runs, log_remar
 from hbench.reconcile.measured.contradictions import refuse_contradictions
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.nuisance import FACTORS, standard_deviation, zero_tolerances
+from hbench.reconcile.nuisance import FACTORS, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
-from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Proposal, Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects
@@ -52,10 +50,11 @@ from hbench.records import (
     Diagnosis,
     Gap,
     Overlay,
-    Provenance,
     Run,
     RunPlan,
+    Separability,
     UnnamedLaw,
+    Verdict,
 )
 from hbench.records.diagnosis import MATERIAL
 
@@ -72,21 +71,18 @@ Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Ru
 """Simulates one run of each operating point of some plans; text: why the simulation ended early."""
 
 
-@dataclass(frozen=True)
-class ReconcileTask:
+@dataclass(frozen=True, kw_only=True)
+class ReconcileTask(ModelledData):
     """Task of a diagnosis: runs of a campaign and a model of its bench."""
 
-    provenance: Provenance
     bench: Bench | None  # None: its board is unknown
-    model: str  # file name
     plant: Plant  # of the model
-    plant_data: Mapping[str, Any]  # sections of the model's file
     runs: tuple[Run, ...]
     instruments: Instruments | None
     material: float = MATERIAL
     simulate: Simulate | None = None  # None: the runs can't be simulated
     experiments: ExperimentLibrary | None = None  # None: no experiment is proposed
-    stage: Callable[[str], None] = silent  # receives a description of each stage
+    stage: Callable[[str], None] = lambda stage: None  # receives a description of each stage
 
 
 def run_search(
@@ -154,81 +150,36 @@ def assembled(
     rank: Callable[[GapMap, np.ndarray], tuple[Gap, ...]] = ranked_gaps,
 ) -> Diagnosis:
     """Return the diagnosis that the result of a search gives; ``rank`` returns the gaps."""
-    refitted, final = result.refitted, result.final
-    points = final.gap_map.points
-    held_out_points = frozenset(points[i] for i in held_out)
-    train = np.setdiff1d(np.arange(len(points)), held_out)
+    final = result.final
+    held_out_points = frozenset(final.gap_map.points[i] for i in held_out)
+    train = np.setdiff1d(np.arange(len(final.gap_map.points)), held_out)
     estimates = fit_coefficients(task.plant, final, result.confirmed, train)
-    balances = BalanceStages(
-        (
-            result.given.gap_map.in_units_of(refitted.gap_map),
-            refitted.gap_map,
-            final.gap_map.in_units_of(refitted.gap_map),
-        ),
-        expected_variance(final, estimates),
-    )
     runs = tuple(run for log in measured.logs for run in log.runs)
-    ends = [float(end) for run in runs for end in (run.x_m.min(), run.x_m.max())]
-    cylinder = measured.balance_model(final.hypothesis).par.test
     simulated, overlaid, notes = _verification(task, result, held_out_points)
-    where = rank(refitted.gap_map, _allowed(measured, refitted))
-    by_effects = result.without_laws.gap_map.in_units_of(refitted.gap_map)
-    unexplained = unexplained_gaps(rank(by_effects, _allowed(measured, refitted)))
-    last = result.steps[-1]
-    rivals = {
-        each.candidate.name: each.model
-        for each in last.evaluated
-        if each.candidate in last.ambiguous and each.model
-    }
-    proposal = Proposal(None, None, ())
-    if rivals and task.experiments:
-        task.stage("searching for the experiment that separates the effects best")
-        proposal = task.experiments.propose(_undecided(result, rivals, train))
+    where, unexplained = ranked_by(rank, measured, result)
     verdict, why = decide_verdict(result, unexplained)
-    best = next(iter(rivals.values()), final)
-    expected = Separation(with_remaining_noise(refitted, best, train), train)
+    rivals = _rivals(result)
     tried = tuple(name for name in EFFECTS if name not in not_tried)
-    if verdict == "none" and task.experiments:
-        task.stage("searching for the experiments that show more effects")
-        proposal = task.experiments.reveal(expected, tried)
-    fits = {
-        name: fit_coefficients(task.plant, each.model, each.effects, train)
-        for name, each in result.unconfirmed.items()
-    }
-    fits |= dict.fromkeys(result.confirmed, estimates) | {
-        each.candidate.name: fit_coefficients(
-            task.plant, each.model, (*result.names, each.candidate.name), train
-        )
-        for each in last.evaluated
-        if each.candidate in last.ambiguous and each.model
-    }
+    proposal, separability = _advice(task, result, rivals, verdict, tried, train)
+    fits = _fits(task.plant, result, estimates, rivals, train)
     point, practice = in_practice(measured, final.gap_map, fits)
     factors, sections = revision(task.plant_data, result, estimates)
+    first, last = result.steps[0], result.steps[-1]
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
         verdict=verdict,
         why=why,
         where=where,
-        regions=regions(refitted.gap_map),
-        regions_after=regions(balances.maps[-1]),
-        effects=tuple(
-            with_place(effect, cylinder, (min(ends), max(ends)))
-            for effect in _added_effects(result, fits, held_out)
-        ),
+        effects=_added_effects(measured, result, fits, held_out),
         alternatives=last.ambiguous,
         rest=unexplained,
         next_experiment=proposal.words,
         next_schedule=proposal.schedule,
-        gap_heldout=gap_table(balances, simulated, held_out_points),
-        gap_train=gap_table(balances, simulated, frozenset(points) - held_out_points),
-        gap_runs=gaps_of_runs([run.plan for run in runs], balances, simulated, held_out_points),
-        ranking=tuple(each.candidate for each in result.steps[0].evaluated),
-        threshold=result.steps[0].evaluated[0].candidate.threshold,
+        ranking=tuple(each.candidate for each in first.evaluated),
+        threshold=first.evaluated[0].candidate.threshold,
         refitted=factors,
         refit_priors={path: FACTORS[path] for path in factors},
-        residuals_before=residual_map(refitted.gap_map, held_out_points),
-        residuals_after=residual_map(balances.maps[-1], held_out_points),
         overlays=overlaid,
         heldout_runs=tuple(run.plan.run for run in runs if point_of(run.plan) in held_out_points),
         not_tried=dict(not_tried),
@@ -242,7 +193,7 @@ def assembled(
             *([] if task.instruments else [_ASSUMED]),
         ),
         unnamed=_unnamed_laws(result, estimates, held_out),
-        separability=expected.separability(tried),
+        separability=separability,
         working_point=point,
         practice=practice,
         refit_refused=result.refused,
@@ -251,7 +202,58 @@ def assembled(
         ),
         zero_tolerances=zero_tolerances(measured.tolerances),
         material=measured.material,
+        **gap_fields(result, estimates, simulated, [run.plan for run in runs], held_out_points),
     )
+
+
+def _rivals(result: SearchResult) -> dict[str, LinearisedModel]:
+    """Return the models with each effect of the ambiguous set, best first."""
+    last = result.steps[-1]
+    return {
+        each.candidate.name: each.model
+        for each in last.evaluated
+        if each.candidate in last.ambiguous and each.model
+    }
+
+
+def _advice(
+    task: ReconcileTask,
+    result: SearchResult,
+    rivals: Mapping[str, LinearisedModel],
+    verdict: Verdict,
+    tried: Sequence[str],
+    train: np.ndarray,
+) -> tuple[Proposal, Separability]:
+    """Return the next experiment, and how well the runs separate the effects ``tried``."""
+    best = next(iter(rivals.values()), result.final)
+    expected = Separation(with_remaining_noise(result.refitted, best, train), train)
+    proposal = Proposal(None, None, ())
+    if rivals and task.experiments:
+        task.stage("searching for the experiment that separates the effects best")
+        proposal = task.experiments.propose(_undecided(result, rivals, train))
+    elif verdict == "none" and task.experiments:
+        task.stage("searching for the experiments that show more effects")
+        proposal = task.experiments.reveal(expected, tried)
+    return proposal, expected.separability(tried)
+
+
+def _fits(
+    plant: Plant,
+    result: SearchResult,
+    estimates: ParameterEstimates,
+    rivals: Mapping[str, LinearisedModel],
+    train: np.ndarray,
+) -> dict[str, ParameterEstimates]:
+    """Return the fit with each effect that is named, not confirmed, or in the ambiguous set."""
+    unconfirmed = {
+        name: fit_coefficients(plant, each.model, each.effects, train)
+        for name, each in result.unconfirmed.items()
+    }
+    ambiguous = {
+        name: fit_coefficients(plant, model, (*result.names, name), train)
+        for name, model in rivals.items()
+    }
+    return unconfirmed | dict.fromkeys(result.confirmed, estimates) | ambiguous
 
 
 def _unnamed_laws(
@@ -273,27 +275,6 @@ def _undecided(
     model = with_remaining_noise(result.steps[-1].before, best, train)
     fitted = {name: model.hypothesis for name, model in rivals.items()}
     return Undecided(model, train, result.names, fitted)
-
-
-def expected_variance(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
-    """Return the variance (w, c) of the residuals by the parameters' uncertainty, in scatters.
-
-    That by the residuals alone: where they are far below what is material, so is this.
-    """
-    names = [final.data.names[i] for i in estimates.chosen]
-    columns = np.stack([np.nan_to_num(final.columns[name]) for name in names], axis=-1)
-    variance = np.einsum("wcj,jk,wck->wc", columns, estimates.sandwich, columns, optimize=True)
-    return variance / final.gap_map.scatter**2
-
-
-def _allowed(measured: MeasuredCampaign, model: LinearisedModel) -> np.ndarray:
-    """Return the root mean square (c,) of what sensors within their tolerances may cause."""
-    squares = np.zeros(len(model.gap_map.names))
-    for which, limit in measured.tolerances.items():
-        if EFFECTS[which[0]].of_sensor:
-            change = model.columns[".".join(which)] / typical_size(which)
-            squares += standard_deviation(limit) ** 2 * np.nan_to_num(column_means(change**2))
-    return np.sqrt(squares)
 
 
 def _verification(
@@ -329,9 +310,15 @@ def _verification(
 
 
 def _added_effects(
-    result: SearchResult, fits: Mapping[str, ParameterEstimates], held_out: np.ndarray
+    measured: MeasuredCampaign,
+    result: SearchResult,
+    fits: Mapping[str, ParameterEstimates],
+    held_out: np.ndarray,
 ) -> tuple[AddedEffect, ...]:
     """Return the effects; their gaps are those without learned laws."""
+    positions = np.concatenate([run.x_m for log in measured.logs for run in log.runs])
+    ends = float(positions.min()), float(positions.max())
+    cylinder = measured.balance_model(result.final.hypothesis).par.test
     effects = []
     for name, step in zip(result.names, result.additions, strict=True):
         unconfirmed = result.unconfirmed.get(name)
@@ -342,5 +329,6 @@ def _added_effects(
             fits[name],
             *held_out_gaps(result, model, name, held_out),
         )
-        effects.append(replace(effect, shape=fitted_shape(name, model.hypothesis)))
+        shape = fitted_shape(name, model.hypothesis)
+        effects.append(with_place(replace(effect, shape=shape), cylinder, ends))
     return tuple(effects)

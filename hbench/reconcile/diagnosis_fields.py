@@ -1,8 +1,8 @@
 """Fields of a diagnosis that the diagnoses of campaigns and of imported strokes share."""
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +12,10 @@ from hbench.reconcile.acceptance import TIE
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
-from hbench.reconcile.measured.balances import BALANCES
 from hbench.records import (
     AddedEffect,
-    BeforeAfter,
     Candidate,
     Diagnosis,
-    GapTable,
     Provenance,
     ResidualMap,
     Rival,
@@ -27,20 +24,13 @@ from hbench.records import (
 _PLACES = 501  # along the measured positions
 
 
-class ModelledData(Protocol):
-    """Task of a diagnosis: data and model."""
+@dataclass(frozen=True, kw_only=True)
+class ModelledData:
+    """Data and a model that a diagnosis compares; each kind of data adds its own fields."""
 
-    @property
-    def provenance(self) -> Provenance:
-        """Provenance of the data."""
-
-    @property
-    def model(self) -> str:
-        """File name of the model."""
-
-    @property
-    def plant_data(self) -> Mapping[str, Any]:
-        """Sections of the model's file."""
+    provenance: Provenance  # of the data
+    model: str  # file name
+    plant_data: Mapping[str, Any]  # sections of the model's file
 
 
 def residual_map(differences: GapMap, held_out: frozenset[Hashable], unit: str = "") -> ResidualMap:
@@ -120,13 +110,6 @@ def fitted_shape(name: str, hypothesis: Hypothesis) -> str:
     return ", ".join(key for _, key in shape_coefficients(name) if key in coefficients)
 
 
-def gap_of_balances(differences: GapMap, balances: Sequence[str], points: np.ndarray) -> float:
-    """Return the gap over some balances and operating points."""
-    windows = differences.excess[np.isin(differences.point, points)]
-    excess = windows[:, np.isin(differences.names, balances)]
-    return float(np.sqrt(max(1 + np.nanmean(excess), 0.0)))
-
-
 def insufficient_data_diagnosis(
     task: ModelledData, missing: tuple[str, ...], left_out: tuple[str, ...], advice: str = ""
 ) -> Diagnosis:
@@ -134,33 +117,12 @@ def insufficient_data_diagnosis(
 
     ``missing`` starts with the most important item. ``advice`` ends the next experiment.
     """
-    no_gaps = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
-    none = np.zeros(0)
-    no_map = ResidualMap(
-        BALANCES, np.zeros((0, len(BALANCES))), none, none, none, none, none.astype(bool)
-    )
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
         verdict="unknown",
         why=f"The data do not suffice to name an effect. Missing: {missing[0]}.",
-        where=(),
-        regions=(),
-        effects=(),
-        alternatives=(),
-        rest=(),
         next_experiment=f"Measure {missing[0]}. {advice}".rstrip(),
-        next_schedule=None,
-        gap_heldout=no_gaps,
-        gap_train=no_gaps,
-        gap_runs=(),
-        ranking=(),
-        threshold=float("nan"),
-        refitted={},
-        residuals_before=no_map,
-        residuals_after=no_map,
-        overlays=(),
-        heldout_runs=(),
         not_tried=dict.fromkeys(EFFECTS, "too few runs"),
         missing=missing,
         left_out=left_out,

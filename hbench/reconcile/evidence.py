@@ -140,8 +140,3 @@ def rotated(data: Products, count: int, seed: int) -> np.ndarray:
     turned = np.random.default_rng(seed).standard_normal((count, *data.squares.shape))
     turned *= np.sqrt(data.squares.sum(axis=0) / np.sum(turned**2, axis=1))[:, None]
     return turned / np.sqrt(np.maximum(data.squares, 1e-30))
-
-
-def random_signs(count: int, points: int, seed: int) -> np.ndarray:
-    """Return signs (count, points) for nulls."""
-    return np.random.default_rng(seed).choice([-1.0, 1.0], (count, points))

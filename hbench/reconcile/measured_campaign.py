@@ -161,9 +161,7 @@ class MeasuredCampaign:
         """Yield a level of friction for each run and cylinder."""
         edges = np.flatnonzero(np.diff(residuals.run)) + 1
         starts = [0, *edges.tolist(), len(residuals.run)]
-        raised = replace(model, levels=(1.0 + _STEP, 1.0 + _STEP))
-        values = [_values(self.smoothed_sessions, each) for each in (raised, model)]
-        dry = (values[0] - values[1]) / _STEP
+        dry = dry_friction(self.smoothed_sessions, model)
         with np.errstate(invalid="ignore"):
             change = np.nan_to_num(_LEVEL_SCATTER * dry / residuals.scatter)
         for balance in (BALANCES.index(name) for name in ("force_test", "force_load")):
@@ -199,7 +197,7 @@ class MeasuredCampaign:
 
     def _ripple_columns(self, model: BalanceModel) -> Columns:
         """Return the columns (w, c) of the modes of the ripples of both cylinders."""
-        raised = replace(model, levels=(1.0 + _STEP, 1.0 + _STEP))
+        raised = _raised(model)
         (knots,) = self.ripple.knots.values()
         parts = []
         for log in self.smoothed_sessions:
@@ -229,6 +227,17 @@ class MeasuredCampaign:
             return change
         touched = np.isin(BALANCES, EFFECTS[name.partition(".")[0]].balances)
         return np.where(touched, change, 0.0)
+
+
+def dry_friction(logs: Sequence[Session], model: BalanceModel) -> np.ndarray:
+    """Return the derivatives (w, c) of the balances by the level of dry friction of all logs."""
+    raised, given = (_values(logs, each) for each in (_raised(model), model))
+    return (raised - given) / _STEP
+
+
+def _raised(model: BalanceModel) -> BalanceModel:
+    """Return a model with slightly more dry friction."""
+    return replace(model, levels=(1.0 + _STEP, 1.0 + _STEP))
 
 
 def _values(logs: Sequence[Session], model: BalanceModel) -> np.ndarray:

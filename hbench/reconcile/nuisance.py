@@ -4,7 +4,7 @@ Three kinds. A factor on a value of the plant file has a prior (standard deviati
 and bounds at three of them. A coefficient of an effect has a tolerance: instruments within their
 class and valves of one type differ by so much, so it is no effect below that limit. Inside it is
 taken as equally likely (JCGM 100, 4.3.7: standard deviation a / sqrt 3), and bounded by it. The
-drift of a sensor over the campaign (``drift.py``) has half of its offset's limit.
+drift of a sensor over the campaign (``measured/disturbances.py``) has half of its offset's limit.
 """
 
 from collections.abc import Mapping
@@ -49,16 +49,14 @@ FACTORS: Mapping[str, float] = {
 BOUND = 3.0  # priors
 # Effects that state the same as a factor: beside one the value is the model file's.
 REPLACED: Mapping[str, str] = {"valve_lag": "valve.bandwidth"}
-# Of valves of one type: 10 %, 2 % of 10 V, 3 % at 3 V, a slope that is 5 % lower or higher below
-# 2 V, an orifice's 1/2 to 0.6, and of each line between valve and transducer 0.5 bar at 10 l/min.
-_VALVE = {
-    "curvature": 0.01,
-    "small": 0.05,
-    "exponent": 0.1,
-    "hose": to_si("0.05 bar min/l", "bar min/l"),
+_VALVE = {  # of all valves, which are of one type
+    "curvature": 0.01,  # 1/V: the gain changes by 3 % at 3 V
+    "small": 0.05,  # of the slope below 2 V
+    "exponent": 0.1,  # of the flow over the pressure drop: 0.4 to 0.6, an orifice has 0.5
+    "hose": to_si("0.05 bar min/l", "bar min/l"),  # of the line between valve and transducer
 }
-_EACH_VALVE = {"gain": 0.1, "null": 0.2}
-# Of the edges of a valve: data sheets allow 10 % between the flows of both directions, twice this.
+_EACH_VALVE = {"gain": 0.1, "null": 0.2}  # of the gain; V, 2 % of 10 V
+# k of u (1 + k sign u): 6 % between the flows of both directions; data sheets allow 10 %.
 _UNEVEN = 0.03
 _TRANSDUCERS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 ASSUMED_TOLERANCE = 0.01  # of sensors whose tolerance is not stated: a usual industrial class

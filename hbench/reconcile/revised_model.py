@@ -10,7 +10,6 @@ import numpy as np
 
 from hbench.config.friction import LuGre
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.hypothesis import Hypothesis
@@ -66,9 +65,7 @@ def _is_minor(result: SearchResult, name: str, held_out: np.ndarray) -> bool:
     if not unexplained_at(final, np.arange(len(final.points))):
         return False
     before = next(step.before for step in result.steps if step.added == name).gap_map
-    excess, left = (
-        max(gap_of_balances(each, each.names, held_out) ** 2 - 1, 0.0) for each in (before, final)
-    )
+    excess, left = (each.gap(each.names, held_out) ** 2 - 1 for each in (before, final))
     return left > (1 - LEAST_EXPLAINED) * excess
 
 
@@ -81,8 +78,7 @@ def held_out_gaps(
     """
     balances = EFFECTS[name].balances
     before = next(step.before for step in result.steps if step.added == name)
-    gaps = [gap_of_balances(each.gap_map, balances, held_out) for each in (before, model)]
-    return gaps[0], gaps[1]
+    return before.gap_map.gap(balances, held_out), model.gap_map.gap(balances, held_out)
 
 
 def revision(

@@ -40,7 +40,9 @@ class SearchResult:
     laws: tuple[LawFound, ...] = ()  # learned, in the final model
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
     unconfirmed: Mapping[str, Unconfirmed] = field(default_factory=dict)  # not in the final model
-    vanished: tuple[str, ...] = ()  # of little effect after refinement, laws or outside the fit
+    # Added and left out again: too small, within its tolerance beside the laws, not needed by the
+    # refined model, or refuted by held-out runs.
+    vanished: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from hbench.reconcile.measured.balances import BALANCES, channels_missing
 from hbench.reconcile.search_result import SearchResult
 from hbench.records import KINDS, Candidate, Gap, Run, Verdict
 from hbench.records.diagnosis import UNEXPLAINED_GAP
+from hbench.sentences import listed, plural
 
 FEWEST_POINTS = 8  # operating points
 _OTHER_LOAD = 0.2  # of the largest mean force: a smaller difference may be that of friction
@@ -41,16 +42,16 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
     ``unexplained`` are the gaps of the model with all effects and without learned laws.
     """
     first, last = result.steps[0], result.steps[-1]
-    where, unnamed = gap_list(unexplained), _unnamed(result)
+    unnamed = _unnamed(result)
     if result.names:
-        reason = f"{explains(result.names)} the residuals in cross-validation."
-        if result.unconfirmed:
-            reason += f" {unconfirmed_words(tuple(result.unconfirmed))}"
+        reason = named_words(result.names, tuple(result.unconfirmed))
         if last.ambiguous:
             others = " or ".join(candidate.name for candidate in last.ambiguous)
             reason += f" {others} would explain the remaining residuals equally well."
         elif unexplained:
-            reason += f" Gaps that remain (in multiples of the repeatability): {where}."
+            reason += (
+                f" Gaps that remain (in multiples of the repeatability): {_gap_list(unexplained)}."
+            )
         return "named", reason + unnamed
     if last.ambiguous:
         margin = ambiguity_margin(last.ambiguous[0].score)
@@ -60,10 +61,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             f"{ALIKE * margin:.1f} where these runs are not expected to distinguish both."
         )
     if unexplained:
-        reason = (
-            "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
-            f"{where}."
-        )
+        reason = unexplained_words(unexplained)
         if first.evaluated:
             best = first.evaluated[0].candidate
             reason += (
@@ -88,23 +86,29 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
 def _unnamed(result: SearchResult) -> str:
     """Return the sentence about learned laws; empty without any."""
     tables = [result.final.hypothesis.tables[law.table] for law in result.laws]
-    words = [f"{table.adds_to} over {' and '.join(table.knots)}" for table in tables]
+    words = [f"{table.adds_to} over {listed(list(table.knots))}" for table in tables]
     laws = "unnamed laws" if len(words) > 1 else "an unnamed law"
     return f" The revised model contains {laws}: {'; '.join(words)}." if words else ""
 
 
-def unconfirmed_words(names: Sequence[str]) -> str:
-    """Return the sentence about effects that held-out runs do not confirm."""
-    it = "them" if len(names) > 1 else "it"
+def named_words(names: Sequence[str], unconfirmed: Sequence[str]) -> str:
+    """Return the sentences about named effects, and those that held-out runs do not confirm."""
+    explain = plural(len(names), "explains", "explain")
+    words = f"{listed(names)} {explain} the residuals in cross-validation."
+    if not unconfirmed:
+        return words
     return (
-        f"Runs outside the fit do not confirm {' and '.join(names)}, so the revised model does not "
-        f"contain {it}."
+        f"{words} Runs outside the fit do not confirm {listed(unconfirmed)}, so the revised model "
+        f"does not contain {plural(len(unconfirmed), 'it', 'them')}."
     )
 
 
-def explains(names: Sequence[str]) -> str:
-    """Return subject and verb of a sentence about effects."""
-    return f"{' and '.join(names)} {'explain' if len(names) > 1 else 'explains'}"
+def unexplained_words(gaps: Sequence[Gap]) -> str:
+    """Return the sentence about gaps that no effect explains."""
+    return (
+        "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
+        f"{_gap_list(gaps)}."
+    )
 
 
 def scores(candidates: Sequence[Candidate]) -> str:
@@ -112,7 +116,7 @@ def scores(candidates: Sequence[Candidate]) -> str:
     return ", ".join(f"{candidate.name} ({candidate.score:.0f})" for candidate in candidates)
 
 
-def gap_list(gaps: Sequence[Gap]) -> str:
+def _gap_list(gaps: Sequence[Gap]) -> str:
     """Return balances with their gaps."""
     return ", ".join(f"{gap.name} ({gap.gap:.1f})" for gap in gaps)
 

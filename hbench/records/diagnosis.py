@@ -4,6 +4,7 @@ Gaps are in units of the trials' scatter: 1 is the repeatability of the bench. Q
 """
 
 from dataclasses import dataclass, field
+from math import sqrt
 from typing import Any, Literal
 
 import numpy as np
@@ -28,7 +29,6 @@ class Gap:
 
     name: str
     gap: FloatOrNan  # 1: the repeatability of the bench
-    structured: FloatOrNan  # sqrt(gap^2 - 1), 0 below
     p_value: FloatOrNan  # after Holm
     scatter: FloatOrNan  # root mean square of s, in the balance's unit
     windows: int
@@ -36,6 +36,11 @@ class Gap:
     deviation: FloatOrNan = float("nan")  # structured part, without the noise of single windows
     material: FloatOrNan = float("nan")  # a smaller deviation does not matter
     allowed: FloatOrNan = float("nan")  # that the instruments' tolerances may cause
+
+    @property
+    def structured(self) -> FloatOrNan:
+        """sqrt(gap^2 - 1), 0 below."""
+        return sqrt(max(self.gap**2 - 1, 0.0))
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,12 @@ class ResidualMap:
     held_out: np.ndarray  # (w,) bool
     unit: str = ""  # empty: the trials' scatter
 
+    @classmethod
+    def empty(cls) -> "ResidualMap":
+        """Return the map without balances and windows."""
+        none = np.zeros(0)
+        return cls((), np.zeros((0, 0)), none, none, none, none, none.astype(bool))
+
 
 @dataclass(frozen=True)
 class BeforeAfter:
@@ -78,10 +89,11 @@ class BeforeAfter:
 class GapTable:
     """Gaps over some runs; the total is the root mean square of the balances'."""
 
-    total: BeforeAfter
-    balances: dict[str, BeforeAfter]
-    signals: dict[str, BeforeAfter]  # closed loop
-    open_loop: dict[str, BeforeAfter]  # drift of the model under measured commands
+    total: BeforeAfter = BeforeAfter(*[float("nan")] * 4)
+    balances: dict[str, BeforeAfter] = field(default_factory=dict)
+    signals: dict[str, BeforeAfter] = field(default_factory=dict)  # closed loop
+    # Drift of the model under measured commands.
+    open_loop: dict[str, BeforeAfter] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -102,7 +114,7 @@ LEAST_SIZE = 0.25  # of its typical size that it must have
 
 @dataclass(frozen=True)
 class Candidate:
-    """Effect that was tried in the first search."""
+    """Effect that was tried in a step of the search."""
 
     name: str
     score: FloatOrNan  # gain of log-likelihood by cross-validation, nats
@@ -269,34 +281,41 @@ class HeldOutLoad:
     scatters: dict[str, FloatOrNan]  # N: of the trials, by balance
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Diagnosis:
-    """Disagreement of model and measurement, its cause, and the revised model."""
+    """Disagreement of model and measurement, its cause, and the revised model.
+
+    A field that a form of data does not have, such as schedules of strokes, keeps its default.
+    """
 
     provenance: Provenance
     model: str  # file name
     verdict: Verdict
     why: str  # the verdict in a sentence or two
-    where: tuple[Gap, ...]  # balances of the refitted model, worst first
-    regions: tuple[Region, ...]  # of the refitted model
-    effects: tuple[AddedEffect, ...]  # in order of adding; the revised model has the confirmed ones
-    alternatives: tuple[Candidate, ...]  # the ambiguous set
-    rest: tuple[Gap, ...]  # balances whose residuals no effect explains
-    next_experiment: str | None  # in words
-    next_schedule: dict[str, Any] | None  # for `hbench run`
-    gap_heldout: GapTable
-    gap_train: GapTable
-    gap_runs: tuple[RunGap, ...]  # in the campaign's order; none where strokes are compared
-    ranking: tuple[Candidate, ...]  # of the first search, best first
-    threshold: FloatOrNan  # score that a candidate must exceed, from nulls of this plan
-    refitted: dict[str, FitParameter]  # factors on the model's values, by dotted path
-    residuals_before: ResidualMap  # refitted model
-    residuals_after: ResidualMap
-    overlays: tuple[Overlay, ...]
-    heldout_runs: tuple[str, ...]
-    not_tried: dict[str, str]  # effects that these data do not determine, with the reason
-    missing: tuple[str, ...]  # data that would improve the verdict
-    left_out: tuple[str, ...]  # runs left out, each with its reason
+    where: tuple[Gap, ...] = ()  # balances of the refitted model, worst first
+    regions: tuple[Region, ...] = ()  # of the refitted model
+    # In order of adding; the revised model has the confirmed ones.
+    effects: tuple[AddedEffect, ...] = ()
+    alternatives: tuple[Candidate, ...] = ()  # the ambiguous set
+    rest: tuple[Gap, ...] = ()  # balances whose residuals no effect explains
+    next_experiment: str | None = None  # in words
+    next_schedule: dict[str, Any] | None = None  # for `hbench run`
+    gap_heldout: GapTable = field(default_factory=GapTable)
+    gap_train: GapTable = field(default_factory=GapTable)
+    gap_runs: tuple[RunGap, ...] = ()  # in the campaign's order; none where strokes are compared
+    ranking: tuple[Candidate, ...] = ()  # of the first search, best first
+    # Score that a candidate must exceed, from nulls of this plan.
+    threshold: FloatOrNan = float("nan")
+    # Factors on the model's values, by dotted path.
+    refitted: dict[str, FitParameter] = field(default_factory=dict)
+    residuals_before: ResidualMap = field(default_factory=ResidualMap.empty)  # refitted model
+    residuals_after: ResidualMap = field(default_factory=ResidualMap.empty)
+    overlays: tuple[Overlay, ...] = ()
+    heldout_runs: tuple[str, ...] = ()
+    # Effects that these data do not determine, with the reason.
+    not_tried: dict[str, str] = field(default_factory=dict)
+    missing: tuple[str, ...] = ()  # data that would improve the verdict
+    left_out: tuple[str, ...] = ()  # runs left out, each with its reason
     revised: dict[str, Any] = field(default_factory=dict)  # the revised model's file
     unnamed: tuple[UnnamedLaw, ...] = ()  # in order of adding
     notes: tuple[str, ...] = ()

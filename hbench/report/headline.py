@@ -19,7 +19,7 @@ from hbench.report.render.numbers import (
     span_with_intervals,
     with_interval,
 )
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 from hbench.units import from_si
 
 FLAGS = {  # how a number was determined, by its basis

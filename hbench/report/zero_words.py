@@ -6,7 +6,7 @@ from typing import Any
 from hbench.records import Results
 from hbench.report.quality_words import LOAD_CELL_ZERO
 from hbench.report.render.numbers import significant
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 from hbench.units import to_si
 
 _NO_ZEROS = (

@@ -10,7 +10,7 @@ from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
 from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
 from hbench.records import Diagnosis, ScreenedRun
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 from hbench.store.campaign.folder import StoredCampaign
 from hbench.workflow.results import screened_runs
 

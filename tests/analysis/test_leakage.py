@@ -175,7 +175,7 @@ def test_a_wrong_bulk_modulus_scales_all_leaks_and_the_message_says_so(stiff):
 def test_holds_at_one_load_do_not_tell_three_leaks_apart_and_say_so(stiff):
     leaks, found = found_in(holds(stiff, 6, starts=STARTS_BAR[:1], leaks=SMALL), stiff)
     assert all(one.value is None and one.ci95 is None for one in leaks.values())
-    assert "across_piston and piston_side_out and rod_side_out" in found.message
+    assert "across_piston, piston_side_out and rod_side_out" in found.message
 
 
 def test_one_hold_has_no_interval_and_a_rejected_one_is_not_used(stiff):

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from hbench import workflow
-from hbench.errors import DeviceError
+from hbench.errors import ConfigError, DeviceError
 from hbench.experiment import runner
 from hbench.records import KINDS
 from hbench.rig.virtual import VirtualRig
@@ -153,7 +153,7 @@ def test_the_supply_coming_on_while_venting_stops_the_board(made, monkeypatch):
     ],
 )
 def test_a_wrong_key_of_a_check_is_refused(tmp_path, keys, message):
-    with pytest.raises(Exception, match=message):
+    with pytest.raises(ConfigError, match=message):
         workflow.load_experiment(schedule(tmp_path, CHECK | keys), None)
 
 

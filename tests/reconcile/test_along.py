@@ -279,7 +279,8 @@ def test_bristles_begin_with_the_measured_friction(plant_with):
     model = plant_with({})
     signals = np.zeros((10, 20))
     signals[0], signals[2:7] = 0.1, 50 * BAR
-    start = single_start(signals.shape[1], model.par, (40.0, -25.0))
+    start = single_start(signals.shape[1], model.par)
+    start = start._replace(friction_n=np.array([[40.0, -25.0]]))
     means = along(signals, RECORD_S, model.par, start, np.ones((2, 1)))
     assert means.friction_test == pytest.approx(np.full(20, 40.0))
     assert means.friction_load == pytest.approx(np.full(20, -25.0))

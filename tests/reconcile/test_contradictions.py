@@ -70,17 +70,33 @@ def refused(runs, model):
     return caught.value
 
 
-def test_consistent_logs_are_not_refused(runs, model):
+def with_test_valve(runs, factor):
+    return [replace(run, u_t_v=factor * run.u_t_v) for run in runs]
+
+
+def with_thinner_rod(model, part):
+    """The model with a rod that is 5 mm thinner, and the diameter [m] that would fit."""
+    own = getattr(model.par, part)
+    rod_m = np.sqrt((own.area_piston_m2 - own.area_rod_m2) * 4 / np.pi)
+    thinner = own.area_piston_m2 - np.pi / 4 * (rod_m - 5e-3) ** 2
+    par = model.par._replace(**{part: own._replace(area_rod_m2=thinner)})
+    return replace(model, par=par), rod_m
+
+
+def test_consistent_logs_are_not_refused_unless_a_valve_or_a_rod_is_wrong(runs, model):
     refuse_contradictions(sessions(runs), model)
+    refused(with_test_valve(runs, -1), model)
+    refused(runs, with_thinner_rod(model, "test")[0])
 
 
 def test_a_load_cell_whose_gain_is_wrong_is_left_to_the_search(runs, model):
     wrong = [replace(run, f_applied_n=1.08 * run.f_applied_n) for run in runs]
     refuse_contradictions(sessions(wrong), model)
+    assert "rod" in refused(wrong, with_thinner_rod(model, "test")[0]).message
 
 
 def test_a_reversed_test_valve_is_named_with_its_channel(runs, model):
-    error = refused([replace(run, u_t_v=-run.u_t_v) for run in runs], model)
+    error = refused(with_test_valve(runs, -1), model)
     assert "u_t_v" in error.message and "u_l" not in error.message
     assert "100 % of" in error.message and "scale: -1" in error.hint
 
@@ -92,8 +108,9 @@ def test_exchanged_load_valves_are_named_together(runs, model):
     assert "Exchange" in error.hint
 
 
-def test_a_small_command_against_the_motion_may_be_a_null(runs, model):
-    refuse_contradictions(sessions([replace(run, u_t_v=-0.05 * run.u_t_v) for run in runs]), model)
+def test_a_small_command_against_the_motion_may_be_a_null_and_a_larger_one_not(runs, model):
+    refuse_contradictions(sessions(with_test_valve(runs, -0.05)), model)
+    assert "u_t_v" in refused(with_test_valve(runs, -0.5), model).message
 
 
 def test_a_command_that_holds_a_pressure_in_vain_is_no_wrong_sign(runs, model):
@@ -101,16 +118,19 @@ def test_a_command_that_holds_a_pressure_in_vain_is_no_wrong_sign(runs, model):
     one_way = [run for run in runs if run.plan.v_ref_m_s > 0]
     held = [replace(run, u_l1_v=-7.0 + run.u_l1_v) for run in one_way]
     refuse_contradictions(sessions(held), model)
+    further = [replace(run, u_l1_v=-7.0 - run.u_l1_v) for run in one_way]
+    assert "u_l1_v" in refused(further, model).message
 
 
 def test_in_one_direction_friction_that_follows_a_pressure_is_no_other_area(model, runs):
-    """Extending, friction of 10 % of the piston side's pressure force is like a smaller area."""
-    one_way = []
-    for run in runs:
-        if run.plan.v_ref_m_s > 0:
-            lost = 0.1 * run.p_tp_pa * model.par.test.area_piston_m2
-            one_way.append(replace(run, f_applied_n=run.f_applied_n - lost))
-    refuse_contradictions(sessions(one_way), model)
+    """Extending, friction of 10 % of the piston side's pressure force is like a smaller area.
+
+    In both directions it has one sign, so it is an area.
+    """
+    tenth_m2 = 0.1 * model.par.test.area_piston_m2
+    less = [replace(run, f_applied_n=run.f_applied_n - tenth_m2 * run.p_tp_pa) for run in runs]
+    refuse_contradictions(sessions([run for run in less if run.plan.v_ref_m_s > 0]), model)
+    assert refused(less, model).message.startswith("test_cylinder: ")
 
 
 def test_pressures_that_differ_between_the_directions_alone_do_not_tell_the_areas(model):
@@ -126,15 +146,15 @@ def test_pressures_that_differ_between_the_directions_alone_do_not_tell_the_area
             force = run.f_applied_n - more_pa * model.par.test.area_rod_m2 - friction_n
             usual.append(replace(run, p_tr_pa=run.p_tr_pa + more_pa, f_applied_n=force))
     refuse_contradictions(sessions(usual), model)
+    thinner, _ = with_thinner_rod(model, "test")
+    refuse_contradictions(sessions(usual), thinner)
+    refused(strokes(model, wander=0.0), thinner)
 
 
 @pytest.mark.parametrize("name, part", [("test_cylinder", "test"), ("load_cylinder", "load")])
 def test_a_wrong_rod_in_the_model_is_refused_with_the_rod_that_would_fit(runs, model, name, part):
-    own = getattr(model.par, part)
-    rod_m = np.sqrt((own.area_piston_m2 - own.area_rod_m2) * 4 / np.pi)
-    thinner = own.area_piston_m2 - np.pi / 4 * (rod_m - 5e-3) ** 2
-    par = model.par._replace(**{part: own._replace(area_rod_m2=thinner)})
-    error = refused(runs, replace(model, par=par))
+    thinner, rod_m = with_thinner_rod(model, part)
+    error = refused(runs, thinner)
     assert error.message.startswith(f"{name}: ") and "limit: 8 %" in error.message
     found = float(error.message.split(" a rod of ")[1].split(" mm")[0])
     assert found == pytest.approx(1e3 * rod_m, abs=0.3)
@@ -148,6 +168,7 @@ def test_areas_are_not_judged_by_forces_that_no_area_explains(runs, model):
         for run, sign in zip(10 * runs, np.tile(signs, 10), strict=True)
     ]
     refuse_contradictions(sessions(pushed), model)
+    refused(10 * runs, with_thinner_rod(model, "test")[0])
 
 
 def test_logs_without_load_cylinder_or_force_sensor_are_not_refused(runs, model):
@@ -156,6 +177,7 @@ def test_logs_without_load_cylinder_or_force_sensor_are_not_refused(runs, model)
         for run in runs
     ]
     refuse_contradictions(sessions(alone), model)
+    assert "u_t_v" in refused(with_test_valve(alone, -1), model).message
 
 
 def triangles(model):

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from hbench.analysis.statistics.permutations import random_signs
 from hbench.analysis.statistics.student import student_factor
 from hbench.reconcile.evidence import (
     Comparison,
     cross_validate,
-    random_signs,
     touched,
 )
 from hbench.reconcile.likelihood import Fit, Priors, cost, maximum_likelihood, spread

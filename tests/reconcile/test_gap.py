@@ -76,7 +76,7 @@ def test_the_map_tells_where_the_difference_is():
     for run in slow:
         run.values[run.v_m_s > 0, 0] += 3 * SIGMA[0]
     _, found = gaps(slow, fast)
-    retract, extend = found.gaps_by_bin((found.v_m_s > 0).astype(int))
+    retract, extend = (found.gaps(windows) for windows in (found.v_m_s <= 0, found.v_m_s > 0))
     assert extend[0] == pytest.approx(np.sqrt(10), rel=0.1)
     assert retract[0] == pytest.approx(1, abs=0.15)
     assert extend[1:] == pytest.approx(1, abs=0.2)

@@ -39,8 +39,17 @@ def reconciled(runs, bench, sections, monkeypatch, tried=("supply_droop", "veloc
     )
     provenance = Provenance("bore", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
     plant = parse_plant(BENCH, sections, "model")
-    task = ReconcileTask(provenance, bench, "model", plant, sections, runs, bench.instruments)
-    return diagnose(task)
+    return diagnose(
+        ReconcileTask(
+            provenance=provenance,
+            model="model",
+            plant_data=sections,
+            bench=bench,
+            plant=plant,
+            runs=runs,
+            instruments=bench.instruments,
+        )
+    )
 
 
 @pytest.mark.slow

@@ -42,7 +42,15 @@ def model(friction=1.0, size=1.0):
 
 def diagnosis(runs, sections=axis.MODEL):
     plant = parse_motion(sections, "axis.yaml")
-    return diagnose_motion(MotionTask(PROVENANCE, "axis.yaml", plant, sections, runs, 0.002))
+    task = MotionTask(
+        provenance=PROVENANCE,
+        model="axis.yaml",
+        plant_data=sections,
+        plant=plant,
+        runs=runs,
+        material=0.002,
+    )
+    return diagnose_motion(task)
 
 
 @cache

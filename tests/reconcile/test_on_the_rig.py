@@ -168,6 +168,7 @@ def test_the_map_tells_that_friction_of_seals_turns_with_the_direction(bench, be
     lacks = found.difference[:, found.names.index("force_test")]
     known = np.isfinite(lacks) & (np.abs(found.v_m_s) > 0.01)
     assert np.mean(np.sign(lacks[known]) == np.sign(found.v_m_s[known])) > 0.97
-    light, heavy = found.gaps_by_bin((np.abs(found.load_n) > 2000).astype(int))
+    is_heavy = np.abs(found.load_n) > 2000
+    light, heavy = found.gaps(~is_heavy), found.gaps(is_heavy)
     column = found.names.index("force_test")
     assert heavy[column] > light[column] > 3

@@ -1,11 +1,13 @@
 """The revised model has what the search fitted, and is the given one where it used nothing."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hbench.reconcile import revised_model
+from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.revised_model import revision, without_unconfirmed
 from hbench.reconcile.search_result import SearchResult, SearchStep
@@ -48,21 +50,25 @@ def test_a_refit_or_what_is_fitted_with_an_addition_is_in_the_model(result):
     assert sections == {"valve": {"gain": "1.2e-06 m^2/V"}}
 
 
+@dataclass(frozen=True)
+class StatedMap(GapMap):
+    """Map that states which gaps are significant."""
+
+    stated: tuple[str, ...] = ()
+
+
 @pytest.fixture(autouse=True)
 def stated_gaps(monkeypatch):
-    """Which gaps are significant is stated with each model."""
-    monkeypatch.setattr(revised_model, "unexplained_at", lambda found, points: found.unexplained)
+    monkeypatch.setattr(revised_model, "unexplained_at", lambda found, points: found.stated)
 
 
 def model_with(force, supply, unexplained=()):
     """A model with a gap in the force balance and in that of the supply, at each of two points."""
-    excess = np.array([[force**2 - 1, supply**2 - 1]] * 2)
-    found = SimpleNamespace(
-        excess=excess,
-        point=np.array([0, 1]),
-        points=(0, 1),
-        names=("force_test", "supply"),
-        unexplained=unexplained,
+    ones, places, points = np.ones((2, 2)), np.zeros((4, 2)), np.array([0, 1])
+    gaps = np.array([[force, supply]] * 2)  # of windows whose scatter is 1
+    names = ("force_test", "supply")
+    found = StatedMap(
+        names, gaps, ones, ones, *places, points, ("first", "second"), points, stated=unexplained
     )
     return SimpleNamespace(gap_map=found)
 

@@ -11,7 +11,6 @@ from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
-from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.evidence import CrossValidation
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
@@ -25,7 +24,6 @@ from hbench.reconcile.search.candidates import (
     explained_share,
     holds_in_steady_motion,
 )
-from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import Candidate
 from tests.support import ROOT
@@ -36,7 +34,9 @@ CANDIDATES = ("internal_leakage", "tank_back_pressure", "supply_droop")
 UNTUNED = {"oil": {"bulk_modulus": "680 bar"}, "valve": {"gain": "7.5e-7 m^2/V"}}
 
 
-def searched(effects, seed=5, candidates=CANDIDATES, stage=silent, search=CampaignSearch):
+def searched(
+    effects, seed=5, candidates=CANDIDATES, stage=lambda stage: None, search=CampaignSearch
+):
     """Search a campaign with these effects; return result, estimates and held-out points."""
     data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
     bench = parse_bench(data, "bench")
@@ -52,7 +52,7 @@ def searched(effects, seed=5, candidates=CANDIDATES, stage=silent, search=Campai
 
 
 def gap(linear, name, out):
-    return gap_of_balances(linear.gap_map, EFFECTS[name].balances, out)
+    return linear.gap_map.gap(EFFECTS[name].balances, out)
 
 
 def test_a_leak_through_an_orifice_is_named_and_given_its_exponent():
@@ -126,12 +126,12 @@ def test_an_effect_that_may_be_zero_stays_if_it_is_needed(monkeypatch, lost, bef
         def _lost(self, model, without, effects, fewer):
             return lost
 
-    outside = iter((before, after))
+    outside, gap = iter((before, after)), GapMap.gap
 
     def gap_outside(gaps, balances, points):
-        return next(outside) if len(points) == 2 else gap_of_balances(gaps, balances, points)
+        return next(outside) if len(points) == 2 else gap(gaps, balances, points)
 
-    monkeypatch.setattr("hbench.reconcile.search.refinement.gap_of_balances", gap_outside)
+    monkeypatch.setattr(GapMap, "gap", gap_outside)
     monkeypatch.setattr(ParameterEstimates, "may_be_zero", lambda _, name: True)
     leak = {"internal_leakage": {"load": "5e-3 l/min/bar"}}
     found, _, _ = searched(leak, candidates=("internal_leakage",), search=Losing)
@@ -499,7 +499,7 @@ def test_refinement_ends_with_the_nuisances_that_leave_the_smaller_gap(other, ke
     leak = {"internal_leakage": {"test": "1e-2 l/min/bar", "exponent": "0.5"}}
     found, _, out = searched(leak | other, candidates=("internal_leakage",), search=Watched)
     train = np.setdiff1d(np.arange(len(found.final.gap_map.points)), out)
-    gaps = {name: gap_of_balances(m.gap_map, m.gap_map.names, train) for name, m in last.items()}
+    gaps = {name: m.gap_map.gap(m.gap_map.names, train) for name, m in last.items()}
     print(gaps)
     assert gaps[kept] < 0.97 * max(gaps.values())
     assert found.final is last[kept]

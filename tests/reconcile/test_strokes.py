@@ -66,7 +66,10 @@ def strokes(friction, bars=BARS, trials=3, seed=0, gain=1.0, ways=(1, -1), tilt=
 def diagnosed(model=MODEL, **series):
     plant = parse_strokes(model, "model")
     made = Provenance("made", "imported", "", "", "2026-01-01", "2026-01-01")
-    return diagnose_strokes(StrokeTask(made, "model.yaml", plant, model, series))
+    task = StrokeTask(
+        provenance=made, model="model.yaml", plant_data=model, plant=plant, series=series
+    )
+    return diagnose_strokes(task)
 
 
 def saturating(most, half):

@@ -35,7 +35,10 @@ def saturating(p_tp, p_tr):
 def diagnosed(**series):
     plant = parse_strokes(MODEL, "model")
     made = Provenance("made", "imported", "", "", "2026-01-01", "2026-01-01")
-    return diagnose_strokes(StrokeTask(made, "model.yaml", plant, MODEL, series))
+    task = StrokeTask(
+        provenance=made, model="model.yaml", plant_data=MODEL, plant=plant, series=series
+    )
+    return diagnose_strokes(task)
 
 
 def test_the_unknown_load_of_a_linkage_is_neither_friction_nor_an_error_of_a_sensor():

@@ -38,7 +38,7 @@ from tests.support.reconcile.rounds import plant_of
 
 LEAK = Candidate("internal_leakage", 80.0, 0.9, 1.0, {"test": 1e-12}, "full", 7.0)
 OTHER = Candidate("external_leakage", 78.0, 0.9, 1.0, {"tp": 1e-12}, "full", 7.0)
-LACKS = Gap("flow_tp", 9.0, 8.9, 0.01, 1e-7, 100)
+LACKS = Gap("flow_tp", 9.0, 0.01, 1e-7, 100)
 
 
 def found(*steps):
@@ -289,7 +289,14 @@ def test_too_few_operating_points_name_nothing_and_simulate_nothing(bench):
         raise AssertionError("nothing is simulated")
 
     task = ReconcileTask(
-        None, bench, "model.yaml", plant_of(bench), {"oil": {}}, runs, None, simulate=simulate
+        provenance=None,
+        model="model.yaml",
+        plant_data={"oil": {}},
+        bench=bench,
+        plant=plant_of(bench),
+        runs=runs,
+        instruments=None,
+        simulate=simulate,
     )
     found = diagnose(task)
     assert found.verdict == "unknown" and not found.effects

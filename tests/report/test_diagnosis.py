@@ -4,7 +4,6 @@ import csv
 import json
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,13 +14,13 @@ from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.model.effects.catalogue import read_effects
-from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
+from hbench.reconcile.diagnosis_fields import ModelledData, insufficient_data_diagnosis
 from hbench.reconcile.measured.balances import BALANCE_UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import (
     BeforeAfter,
+    Diagnosis,
     FitParameter,
-    GapTable,
     HeldOutLoad,
     Provenance,
     Region,
@@ -164,11 +163,13 @@ def test_a_number_that_does_not_exist_is_null(named):
 
 
 def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
-    none = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
-    names = ("where", "regions", "rest", "gap_runs", "ranking", "overlays")
-    empty = {name: () for name in names}
-    gaps = {"gap_heldout": none, "gap_train": none, "refitted": {}, "threshold": float("nan")}
-    few = replace(unknown, **empty, **gaps, missing=("load 2",), heldout_runs=())
+    few = Diagnosis(
+        provenance=unknown.provenance,
+        model=unknown.model,
+        verdict="unknown",
+        why=unknown.why,
+        missing=("load 2",),
+    )
     text = diagnosis_text(few)
     assert text.startswith("Too few data for a verdict: ")
     assert "load 2" in text and gap_line(unknown) and gap_line(few) == ""
@@ -546,7 +547,7 @@ def test_the_folder_gets_page_numbers_figures_and_a_model(named, ambiguous, tmp_
 def quick():
     """Return a diagnosis without figures."""
     about = Provenance("made", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
-    task = SimpleNamespace(provenance=about, model="model.yaml", plant_data={})
+    task = ModelledData(provenance=about, model="model.yaml", plant_data={})
     return insufficient_data_diagnosis(task, ("load 2",), ())
 
 

@@ -22,7 +22,7 @@ from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import summary
 
 STROKES = tuple(
-    Gap(name, gap, gap, 0.01, 0.2, 40) for name, gap in (("force_band", 3.6), ("force_middle", 9.0))
+    Gap(name, gap, 0.01, 0.2, 40) for name, gap in (("force_band", 3.6), ("force_middle", 9.0))
 )
 
 

@@ -22,7 +22,7 @@ from hbench.report.diagnosis.tables.change_tables import changes_tables
 from hbench.report.diagnosis.tables.separability_tables import lookalikes_tables
 from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import CELL, LEAK, added, summary
 

@@ -267,16 +267,6 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
             {"columns": {"t_s": {"column": 1, "unit": "bar"}, "x_m": {"column": 2, "unit": "mm"}}},
             "columns.t_s: .*'bar'.* s",
         ),
-    ],
-)
-def test_map_that_cannot_work_is_refused(rules, change, message):
-    with pytest.raises(ConfigError, match=message):
-        parse_import_map({**rules, **change}, "map.yaml")
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
         ({"constants": {"p_tr_pa": 0}}, "constants.p_tr_pa = '0': has no unit; write .* '0 bar'"),
         (
             {"columns": {"t_s": {"column": 1, "unit": "ms"},
@@ -289,7 +279,7 @@ def test_map_that_cannot_work_is_refused(rules, change, message):
         ({"name": None}, "name = None: must be text$"),
     ],
 )  # fmt: skip
-def test_a_number_in_place_of_text_is_refused_with_what_to_write(rules, change, message):
+def test_a_map_that_cannot_work_is_refused_with_key_value_and_what_to_write(rules, change, message):
     with pytest.raises(ConfigError, match=message):
         parse_import_map({**rules, **change}, "map.yaml")
 

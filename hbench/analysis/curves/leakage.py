@@ -41,6 +41,7 @@ from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Bench
 from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun, Series
 from hbench.records.motions import BULK_MODULUS_ERROR, OIL_EXPANSION_1_K, TEMPERATURE_RATE_K_S
+from hbench.sentences import listed
 
 LEAK_NAMES: tuple[Leak, ...] = ("across_piston", "piston_side_out", "rod_side_out")
 _SETTLE_S = 0.3  # after the valves have closed
@@ -88,7 +89,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(
-            f"{' and '.join(unknown)} are not distinguishable at the pressures of these holds. "
+            f"{listed(unknown)} are not distinguishable at the pressures of these holds. "
             "Hold at other loads and rod-side pressures"
         )
     if exponent_ci95 is not None:

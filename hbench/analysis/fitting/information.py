@@ -18,6 +18,7 @@ from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import has_effect, too_wide
 from hbench.config.setup import ANYWHERE, Reach
+from hbench.sentences import listed
 
 _PRIOR = 100.0  # typical sizes: standard deviation in undetermined directions
 _NO_GAIN = 0.05  # a point that narrows the interval by less is of no use
@@ -87,22 +88,18 @@ def identification_messages(info: Information, unknown: np.ndarray) -> list[str]
 
 
 def _sentence(missing: str, at: str, end: str, found: list[tuple[str, float]]) -> str:
-    names = _listed([name for name, _ in found])
+    names = listed([name for name, _ in found])
     several = len(found) > 1
     if not missing:
         return (
             f"this data does not determine {names}, nor would another velocity{end}: friction "
             f"hardly depends on {'them' if several else 'it'}"
         )
-    shares = _listed([f"{100 * left:.0f} %" for _, left in found])
+    shares = listed([f"{100 * left:.0f} %" for _, left in found])
     return (
         f"{names} {'need' if several else 'needs'} {missing}: a point at {at} would narrow "
         f"{'their intervals' if several else 'its interval'} to {shares} of the width"
     )
-
-
-def _listed(parts: list[str]) -> str:
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
 
 
 def _missing(info: Information, spread: np.ndarray, number: int) -> tuple[str, str, float]:

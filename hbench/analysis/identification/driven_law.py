@@ -1,18 +1,19 @@
 """Friction of a law driven by a logged motion.
 
-A sample is the mean over its interval, as the board's records are. Within an interval, in steps of
-at most 1 ms, velocity and pressures are parabolas with this mean and, at each end, the mean of both
-neighbours, so that the bristles travel as far as the piston. (Linear interpolation between samples
-errs by a dt^2/8 at acceleration a: some um after a reversal at 100 Hz, which reduced a sigma_1 of
-100 N s/m by 30 N s/m at a sigma_0 of 2.6e5 N/m.) LuGre's and Leuven's states follow the exact
-solution over a step; the other laws use the explicit midpoint rule. All start relaxed.
+Within a sample's interval, in steps of at most 1 ms, velocity and pressures are parabolas
+(``model/friction/parabola.py``), so that the bristles travel as far as the piston. (Linear
+interpolation between samples errs by a dt^2/8 at acceleration a: some um after a reversal at
+100 Hz, which reduced a sigma_1 of 100 N s/m by 30 N s/m at a sigma_0 of 2.6e5 N/m.) LuGre's and
+Leuven's states follow the exact solution over a step; the other laws use the explicit midpoint
+rule. All start relaxed.
 """
 
 import numpy as np
 
 from hbench.analysis.screening.sample_friction import LoggedMotion
-from hbench.model.compiled import compiled, inlined
+from hbench.model.compiled import compiled
 from hbench.model.friction.laws import exact_step
+from hbench.model.friction.parabola import within
 from hbench.model.parameters import FrictionParameters
 
 _LONGEST_STEP_S = 1e-3
@@ -51,21 +52,3 @@ def _along(
             r_now = within(p_r[before], p_r[k], p_r[after], s)
             force = exact_step(v_now, state, p_now, r_now, _NOMINAL, h, par, work)
             out[k] += force / steps
-
-
-@inlined
-def parabola(before: float, mean: float, after: float) -> tuple[float, float, float]:
-    """Coefficients a, b, c of a + b s + c s^2 over an interval, 0 <= s <= 1.
-
-    From its mean and those of its neighbours, which give the values at its ends.
-    """
-    first, final = 0.5 * (before + mean), 0.5 * (mean + after)
-    bend = 6.0 * (mean - 0.5 * (first + final))
-    return first, final - first + bend, -bend
-
-
-@inlined
-def within(before: float, mean: float, after: float, s: float) -> float:
-    """Value of this parabola at a part ``s`` of the interval."""
-    first, slope, bend = parabola(before, mean, after)
-    return first + s * (slope + s * bend)

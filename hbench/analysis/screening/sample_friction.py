@@ -23,6 +23,7 @@ from hbench.errors import DataError
 from hbench.motion.noise import noise_over_motion, resolution, robust_sigma
 from hbench.records import Run
 from hbench.records.identification import MEMORY_M
+from hbench.sentences import listed
 
 _WINDOW_S, _FEWEST, _ORDER = 0.06, 7, 4  # samples at least; of the polynomial
 REST_S, STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
@@ -58,7 +59,7 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
 
     missing = missing_friction_channels(run)
     if missing:
-        raise DataError(f"run {run.plan.run}: friction needs {' and '.join(missing)}")
+        raise DataError(f"run {run.plan.run}: friction needs {listed(missing)}")
     steps = np.diff(run.t_s)
     dt = float(np.median(steps)) if len(steps) else np.inf
     window = max(_FEWEST, _odd(_WINDOW_S / dt))

@@ -33,6 +33,7 @@ from hbench.motion.noise import noise_over_motion
 from hbench.motion.reversals import travel
 from hbench.motion.speeds import mean_speed
 from hbench.records import KINDS, TEMPERATURES, Run, ScreenedRun, SteadyMeans
+from hbench.sentences import listed
 
 # Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".
 CODES = (
@@ -146,7 +147,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     if KINDS[run.plan.kind].is_at_rest:
         missing = [name for name in missing if name != "f_applied_n"]
     if missing:
-        yield f"missing_channel: friction needs {' and '.join(missing)}"
+        yield f"missing_channel: friction needs {listed(missing)}"
     steps = np.diff(run.t_s[window])
     if len(steps):
         lost = int(np.sum(np.rint(steps / np.median(steps)) - 1)) if run.missing_records else 0

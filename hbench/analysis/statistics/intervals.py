@@ -21,6 +21,7 @@ import numpy as np
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import FitParameter
+from hbench.sentences import listed
 
 Bound = Literal["lower", "upper"] | None
 _SINGULAR = 1e-13  # of the largest eigenvalue of J'J, with columns of length 1
@@ -155,7 +156,7 @@ def parameter_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
         if p.determination == "not determined" and not p.at_bound
     ]
     if unknown:
-        messages.append(f"the data does not determine {' and '.join(unknown)}")
+        messages.append(f"the data does not determine {listed(unknown)}")
     return messages
 
 

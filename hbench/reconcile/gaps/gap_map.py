@@ -28,19 +28,21 @@ run stay together.
 """
 
 from collections import defaultdict
-from collections.abc import Hashable, Sequence
+from collections.abc import Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
+from hbench.analysis.statistics.permutations import permutation_p
 from hbench.errors import DataError
 from hbench.reconcile.measured.balances import WindowedRun
 from hbench.records import Gap, RunPlan
 
-_PERMUTATIONS = 999
+PERMUTATIONS = 999
 _NEGLIGIBLE_SPREAD = 1e-8  # of ln s^2, beyond chance: nu_0 of 1e8
 
 
@@ -97,18 +99,32 @@ class GapMap:
         chosen = {name: getattr(self, name)[selected] for name in rows}
         return replace(self, **chosen, levels=())
 
-    def gaps_by_bin(self, bins: np.ndarray) -> np.ndarray:
-        """Return gaps (b, c) of the windows in each bin 0..b-1; ``bins`` (w,) numbers them.
+    def at(self, points: Collection[Hashable]) -> np.ndarray:
+        """Return whether each window (w,) is one of the operating points with these keys."""
+        indices = [i for i, point in enumerate(self.points) if point in points]
+        return np.isin(self.point, indices)
 
-        nan where a bin has no windows. A window with a negative number is in no bin.
+    def gaps(self, windows: np.ndarray) -> np.ndarray:
+        """Return the gaps (c,) of the chosen windows (w,); nan where nothing is compared."""
+        return gap_of(column_means(self.excess[windows]))
+
+    def gap(self, balances: Collection[str], points: np.ndarray) -> float:
+        """Return the gap over some balances together, at the operating points of these indices."""
+        return float(gap_of(self.mean_excess(balances, np.isin(self.point, points))))
+
+    def mean_excess(self, balances: Collection[str], windows: np.ndarray) -> float:
+        """Return the mean excess over some balances together, in the chosen windows (w,).
+
+        nan where nothing is compared.
         """
-        excess = self.excess
-        gaps = np.full((int(bins.max()) + 1, len(self.names)), np.nan)
-        for number in np.unique(bins[bins >= 0]):
-            in_bin = excess[bins == number]
-            compared = np.isfinite(in_bin).any(axis=0)
-            gaps[number, compared] = _gap(in_bin[:, compared])
-        return gaps
+        chosen = self.excess[windows][:, np.isin(self.names, list(balances))]
+        usable = np.isfinite(chosen)
+        return float(np.where(usable, chosen, 0.0).sum() / (usable.sum() or np.nan))
+
+
+def gap_of(mean_excess: ArrayLike) -> np.ndarray:
+    """Return the gap of a mean excess, sqrt(1 + mean); 0 where that is below -1."""
+    return np.sqrt(np.maximum(1 + np.asarray(mean_excess), 0.0))
 
 
 def point_of(plan: RunPlan) -> Hashable:
@@ -131,7 +147,7 @@ def stacked(trials: Sequence[WindowedRun], windows: int) -> np.ndarray:
 
 
 def gaps(
-    measured: Sequence[WindowedRun], simulated: Sequence[WindowedRun], seed: int = 0
+    measured: Sequence[WindowedRun], simulated: Sequence[WindowedRun]
 ) -> tuple[tuple[Gap, ...], GapMap]:
     """Return the gaps of all names, largest first, and the map behind them.
 
@@ -140,19 +156,16 @@ def gaps(
     """
     pairs = _paired_trials(measured, simulated)
     differences = _gap_map(pairs)
-    p_values = holm(_permutation_p_values(pairs, np.random.default_rng(seed)))
+    p_values = holm(_permutation_p_values(pairs, np.random.default_rng(0)))
     excess = differences.excess
     unordered = []
     for i, name in enumerate(differences.names):
         compared = np.isfinite(excess[:, i])
         if not compared.any():
             continue
-        gap = float(_gap(excess[compared, i]))
+        gap = float(gap_of(excess[compared, i].mean()))
         scatter = float(np.sqrt(np.mean(differences.scatter[compared, i] ** 2)))
-        structured = float(np.sqrt(max(gap**2 - 1, 0.0)))
-        unordered.append(
-            Gap(name, gap, structured, float(p_values[i]), scatter, int(compared.sum()))
-        )
+        unordered.append(Gap(name, gap, float(p_values[i]), scatter, int(compared.sum())))
     return tuple(ranked(unordered, lambda balance: balance.gap, ROUNDING)), differences
 
 
@@ -214,10 +227,6 @@ def column_means(values: np.ndarray) -> np.ndarray:
     usable = np.isfinite(values)
     count = np.where(usable.any(axis=0), usable.sum(axis=0), np.nan)
     return np.where(usable, values, 0.0).sum(axis=0) / count
-
-
-def _gap(excess: np.ndarray) -> np.ndarray:
-    return np.sqrt(np.maximum(1 + np.nanmean(excess, axis=0), 0.0))
 
 
 class _Pair(NamedTuple):
@@ -296,7 +305,8 @@ def _permutation_p_values(pairs: Sequence[_Pair], rng: np.random.Generator) -> n
 
     The statistic is the sum of d^2 over the variance of all trials, which is invariant.
     """
-    observed, exchanged, negligible = 0.0, 0.0, _rounding_variance(pairs)
+    count, negligible = pairs[0].r.shape[-1], _rounding_variance(pairs)
+    observed, exchanged = np.zeros(count), np.zeros((PERMUTATIONS, count))
     for _, _, r, q in pairs:
         both = np.concatenate([r, q])
         total = both.var(axis=0)
@@ -306,7 +316,7 @@ def _permutation_p_values(pairs: Sequence[_Pair], rng: np.random.Generator) -> n
         scaled = np.where(total <= negligible, 0.0, scaled)
         products = np.einsum("iwc,jwc->ijc", scaled, scaled)
         labels = np.concatenate([np.full(len(r), 1 / len(r)), np.full(len(q), -1 / len(q))])
-        orders = rng.permuted(np.tile(labels, (_PERMUTATIONS, 1)), axis=1)
+        orders = rng.permuted(np.tile(labels, (PERMUTATIONS, 1)), axis=1)
         observed = observed + np.einsum("i,j,ijc->c", labels, labels, products)
         exchanged = exchanged + np.einsum("ei,ej,ijc->ec", orders, orders, products, optimize=True)
-    return (1 + np.sum(exchanged >= observed * (1 - 1e-9), axis=0)) / (1 + _PERMUTATIONS)
+    return permutation_p(observed, exchanged)

@@ -130,16 +130,15 @@ def ranked_gaps(residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
         if not windows:
             continue
         gap = float(np.sqrt(mean_square[i]))
-        structured = float(np.sqrt(max(mean_square[i] - residuals.white[i], 0.0)))
+        beyond_noise = float(np.sqrt(max(mean_square[i] - residuals.white[i], 0.0)))
         gaps.append(
             Gap(
                 name=name,
                 gap=gap,
-                structured=float(np.sqrt(max(gap**2 - 1, 0.0))),
                 p_value=float(p_values[i]),
                 scatter=float(scatter[i]),
                 windows=windows,
-                deviation=structured * float(scatter[i]),
+                deviation=beyond_noise * float(scatter[i]),
                 material=float(residuals.material[i] * scatter[i]),
                 allowed=float(allowed[i]),
             )

@@ -12,7 +12,7 @@ direction determines the metering edge, since the spool is on one side of its ce
 import numpy as np
 
 from hbench.analysis.rounding import merged
-from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.gaps.gap_map import GapMap, gap_of
 from hbench.records import Region
 from hbench.records.diagnosis import REST_M_S
 
@@ -54,6 +54,8 @@ def _quarters(values: np.ndarray) -> list[np.ndarray]:
 def _region(
     differences: GapMap, values: np.ndarray, inside: np.ndarray
 ) -> tuple[float, float, int, dict[str, float]]:
-    gaps = differences.gaps_by_bin(np.where(inside, 0, -1))[0].tolist()
+    gaps = {
+        name: float(gap_of(differences.mean_excess((name,), inside))) for name in differences.names
+    }
     low, high = float(values[inside].min()), float(values[inside].max())
-    return low, high, int(inside.sum()), dict(zip(differences.names, gaps, strict=True))
+    return low, high, int(inside.sum()), gaps

@@ -26,11 +26,7 @@ class BalanceStages:
 
     def over(self, windows: np.ndarray) -> dict[str, BeforeAfter]:
         """Return the gaps of the chosen windows (w,), by balance."""
-        with np.errstate(invalid="ignore"):
-            columns = [
-                np.sqrt(np.maximum(1 + column_means(each.excess[windows]), 0.0))
-                for each in self.maps
-            ]
+        columns = [each.gaps(windows) for each in self.maps]
         floor = np.sqrt(1 + column_means(self.uncertain[windows]))
         return _by_name(self.maps[0].names, columns, floor)
 
@@ -72,7 +68,7 @@ class SimulatedStages:
     def over(self, points: frozenset[Hashable]) -> dict[str, dict[str, BeforeAfter]]:
         """Return the gaps over some operating points, by evaluation and signal."""
         return {
-            name: _by_name(maps[0].names, [_gaps(_at(each, points)) for each in maps])
+            name: _by_name(maps[0].names, [each.gaps(each.at(points)) for each in maps])
             for name, maps in self._maps.items()
             if points.intersection(maps[0].points)
         }
@@ -90,10 +86,8 @@ def gap_table(
     balances: BalanceStages, simulated: SimulatedStages | None, points: frozenset[Hashable]
 ) -> GapTable:
     """Return the gaps over some operating points."""
-    reference = balances.maps[0]
-    chosen = np.isin(reference.point, [reference.points.index(point) for point in points])
     signals_of = simulated.over(points) if simulated and points & simulated.points else {}
-    return _table(balances.over(chosen), signals_of)
+    return _table(balances.over(balances.maps[0].at(points)), signals_of)
 
 
 def gaps_of_runs(
@@ -150,13 +144,3 @@ def _table(
     )
     signals_of, open_loop = simulated.get("signals", {}), simulated.get("open_loop", {})
     return GapTable(total=total, balances=balances, signals=signals_of, open_loop=open_loop)
-
-
-def _at(differences: GapMap, points: frozenset[Hashable]) -> GapMap:
-    numbers = [i for i, point in enumerate(differences.points) if point in points]
-    return differences.select_points(np.array(numbers))
-
-
-def _gaps(differences: GapMap) -> np.ndarray:
-    with np.errstate(invalid="ignore"):
-        return np.sqrt(np.maximum(1 + column_means(differences.excess), 0.0))

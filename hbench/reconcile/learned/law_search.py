@@ -8,7 +8,7 @@ It may repeat with the sensor's pitch, so it has 8, 16 or 32 knots along the str
 the best score. The first of these that meets all of the following is kept, best score first:
 
     its score exceeds 5 nats and the threshold of itself and of all tables over one quantity with
-    null data sets: its own residuals with random signs (``candidates.AcceptanceCriteria``),
+    null data sets: its own residuals with random signs (``acceptance.AcceptanceCriteria``),
     it explains more than a quarter of the excess gap of its balances at training points, and
     it reduces the residuals at held-out operating points: a permutation test with random signs of
     the points' logarithmic reductions has p < 0.05, which takes five points.
@@ -24,6 +24,7 @@ from itertools import combinations
 
 import numpy as np
 
+from hbench.analysis.statistics.permutations import permutation_p, random_signs
 from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
@@ -42,7 +43,6 @@ from hbench.reconcile.learned.table import (
     mode_name,
 )
 from hbench.reconcile.linearised import LinearisedModel, linearise
-from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.search.candidates import CandidateEvaluator
 
@@ -114,25 +114,22 @@ class LawSearch:
         """Return the model with a law of a score ``gain``, if it is kept."""
         points = self.evaluator.train
         null = one.without(table, points)
-        if self._p_value(one.residuals, null.residuals, range(len(one.balances))) is None:
+        if self._p_value(one.residuals, null.residuals, one.balances) is None:
             return None
         threshold = table_threshold(gain, one, null, table, points)
         if gain <= threshold:
             return None
         with_table = self._with_table(model, table)
-        at = [BALANCES.index(name) for name in table.balances]
-        p_value = self._p_value(model.gap_map, with_table.gap_map, at)
+        p_value = self._p_value(model.gap_map, with_table.gap_map, table.balances)
         if p_value is None or is_worse(model.gap_map, with_table.gap_map, self.held_out):
             return None
         number = len(with_table.hypothesis.tables) - 1
         return with_table, LawFound(number, gain, threshold, p_value)
 
-    def _p_value(self, before: GapMap, after: GapMap, at: Sequence[int]) -> float | None:
-        """Return the p-value at held-out points; None if the reduction does not suffice.
-
-        ``at`` are the indices of the balances in the maps.
-        """
-        left, total = (_excess(each, at, self.evaluator.train) for each in (after, before))
+    def _p_value(self, before: GapMap, after: GapMap, balances: Sequence[str]) -> float | None:
+        """Return the p-value at held-out points; None if the reduction does not suffice."""
+        left, total = (_excess(each, balances, self.evaluator.train) for each in (after, before))
+        at = [before.names.index(name) for name in balances]
         changes = np.sum([reductions(before, after, i) for i in at], axis=0)
         p_value = sign_test(changes[self.held_out])
         enough = left < (1 - CRITERIA.explained) * total and p_value < _SIGNIFICANCE
@@ -214,8 +211,8 @@ def is_worse(before: GapMap, after: GapMap, points: np.ndarray) -> bool:
 
     Nuisances that are refitted with a law can disturb balances that the law does not touch.
     """
-    every = range(len(before.names))
-    return _excess(after, every, points) > _excess(before, every, points)
+    left, total = (_excess(each, each.names, points) for each in (after, before))
+    return left > total
 
 
 def _mean_squares(residuals: GapMap, at: int) -> np.ndarray:
@@ -227,13 +224,11 @@ def _mean_squares(residuals: GapMap, at: int) -> np.ndarray:
     return sums / np.maximum(np.bincount(residuals.point[known], minlength=points), 1)
 
 
-def sign_test(changes: np.ndarray, seed: int = 0) -> float:
+def _excess(residuals: GapMap, balances: Sequence[str], points: np.ndarray) -> float:
+    return max(residuals.mean_excess(balances, np.isin(residuals.point, points)), 0.0)
+
+
+def sign_test(changes: np.ndarray) -> float:
     """Return the one-sided p-value of a mean above 0: the share of random signs as large."""
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], (_PERMUTATIONS, len(changes)))
-    largest = changes.sum() * (1 - 1e-9)
-    return float((1 + (signs @ changes >= largest).sum()) / (1 + _PERMUTATIONS))
-
-
-def _excess(residuals: GapMap, at: Sequence[int], points: np.ndarray) -> float:
-    chosen = residuals.select_points(points)
-    return max(float(np.nanmean(chosen.excess[:, at])), 0.0)
+    signs = random_signs(_PERMUTATIONS, len(changes))
+    return float(permutation_p(changes.sum(), signs @ changes))

@@ -6,7 +6,6 @@ import numpy as np
 
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.effects import QUANTITIES, target_unit
-from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import ParameterEstimates, whole_dof
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.learned.table import LawFound, mode_name
@@ -58,8 +57,8 @@ def _unnamed(
         values=_row_by_row(values / si),
         low=_row_by_row((values - half) / si),
         high=_row_by_row((values + half) / si),
-        gap_before=gap_of_balances(before, table.balances, held_out),
-        gap_after=gap_of_balances(after, table.balances, held_out),
+        gap_before=before.gap(table.balances, held_out),
+        gap_after=after.gap(table.balances, held_out),
         score=law.score,
         threshold=law.threshold,
         p_value=law.p_value,

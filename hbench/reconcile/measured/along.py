@@ -18,12 +18,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.identification.driven_law import parabola
 from hbench.model.compiled import compiled, inlined
 from hbench.model.cylinders import extending_volumes, retracting_volumes
 from hbench.model.effects.applied import flow_effects, friction_effects, oil, openings
 from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
 from hbench.model.friction.laws import deflection_under, exact_step
+from hbench.model.friction.parabola import parabola, value_at
 from hbench.model.parameters import PlantParameters, ValveParameters
 from hbench.model.plant import n_states, valve_flows
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, SPOOL_T, V, X, bristles_end
@@ -69,13 +69,11 @@ class Starts(NamedTuple):
         ]
 
 
-def single_start(
-    records: int, par: PlantParameters, friction_n: tuple[float, float] = (0.0, 0.0)
-) -> Starts:
-    """Return the start of a single log, with the effects' states at 0."""
+def single_start(records: int, par: PlantParameters) -> Starts:
+    """Return the start of a single log without friction, with the effects' states at 0."""
     states = n_states(par) - bristles_end(par)
     none = np.zeros(states)
-    return Starts(np.array([0, records]), np.array([friction_n]), none[None], none.astype(bool))
+    return Starts(np.array([0, records]), np.zeros((1, 2)), none[None], none.astype(bool))
 
 
 def along(
@@ -234,10 +232,10 @@ def _integrate(
         for i in range(steps):
             s = (i + 0.5) * share
             for j in range(6):
-                state[j] = _at(curves[j], s)
-            state[P_S] = _at(curves[_SUPPLY], s)
+                state[j] = value_at(curves[j], s)
+            state[P_S] = value_at(curves[_SUPPLY], s)
             for j in range(3):
-                command = clamp(_at(curves[_COMMANDS + j], s), par.valve.limit_v)
+                command = clamp(value_at(curves[_COMMANDS + j], s), par.valve.limit_v)
                 off, rate = spools[j, 0] - command, spools[j, 1]
                 spools[j, 0] = command + a[0, 0] * off + a[0, 1] * rate
                 spools[j, 1] = a[1, 0] * off + a[1, 1] * rate
@@ -296,12 +294,6 @@ def _integrate(
                 supply = mean + _change_from_mean(rates[P_S], slopes[P_S], h)
                 for j in range(first, end):
                     state[j] += _change_from_mean(rates[j], slopes[j], h)
-
-
-@inlined
-def _at(curve: np.ndarray, s: float) -> float:
-    """Return a parabola's value at a part ``s`` of its interval."""
-    return curve[0] + s * (curve[1] + s * curve[2])
 
 
 @inlined

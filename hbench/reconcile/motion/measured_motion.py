@@ -26,9 +26,9 @@ from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
 from hbench.reconcile.linearised import Columns
-from hbench.reconcile.measured.balances import BALANCES, BalanceModel, balance_values, sensor_maps
+from hbench.reconcile.measured.balances import BALANCES, BalanceModel, sensor_maps
 from hbench.reconcile.measured.session import Session, sessions
-from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.measured_campaign import MeasuredCampaign, dry_friction
 from hbench.reconcile.motion.force_unit import in_unit, unit_of
 from hbench.reconcile.nuisance import ASSUMED_TOLERANCE
 from hbench.records import Gap, Run
@@ -36,7 +36,6 @@ from hbench.records.diagnosis import NO_PART, REST_M_S
 
 BALANCE = "force_test"
 _AREA_M2 = 1.0
-_STEP = 1e-3  # of the level of friction
 _OIL = frozenset({"seal_pressure_friction", "pressure_offset", "pressure_gain", "oil_warming"})
 _OFFSET = ("load_cell_offset", "force")
 
@@ -128,13 +127,7 @@ class MeasuredMotion(MeasuredCampaign):
 
         The level of each run is fitted to the residuals ``force`` (w,).
         """
-        raised = replace(model, levels=(1.0 + _STEP, 1.0 + _STEP))
-        column = BALANCES.index(BALANCE)
-        values = [
-            np.concatenate([balance_values(log, each)[:, column] for log in self.logs])
-            for each in (raised, model)
-        ]
-        dry = np.nan_to_num((values[0] - values[1]) / _STEP)
+        dry = np.nan_to_num(dry_friction(self.logs, model)[:, BALANCES.index(BALANCE)])
         squares = np.bincount(run, dry**2)
         driven = np.bincount(run, dry * np.nan_to_num(force))
         levels = driven[squares > 0] / squares[squares > 0]

@@ -1,19 +1,19 @@
 """Diagnosis of a driven mass: force error and open-loop position error of held-out runs.
 
-Every fifth run is held out from refit and search. The force error is that of the balance along the
-measured motion. The position error is that of the motion that a model makes of the measured drive
-force. A model can improve one alone, so both are always reported.
+No value is fitted to every fifth run. These held-out runs decide whether a refit or an effect is
+kept. The force error is that of the balance along the measured motion. The position error is that
+of the motion that a model makes of the measured drive force. A model can improve one alone, so both
+are always reported.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from hbench.config.stroke_model import MotionPlant
 from hbench.reconcile.diagnose import NOT_SIMULATED, ReconcileTask, assembled
-from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
+from hbench.reconcile.diagnosis_fields import ModelledData, insufficient_data_diagnosis
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.measured.balances import BALANCES, incomplete_reason
@@ -29,11 +29,10 @@ from hbench.reconcile.motion.motion_words import of_driven_mass
 from hbench.reconcile.motion.open_loop import open_loop_positions
 from hbench.reconcile.revised_model import without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
-from hbench.reconcile.search.refinement import silent
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.observable import divided_points
 from hbench.reconcile.verdict import FEWEST_POINTS
-from hbench.records import Diagnosis, HeldOutError, Overlay, Provenance, Run
+from hbench.records import Diagnosis, HeldOutError, Overlay, Run
 
 _SHORTEST_S = 1.0
 _NOTES = (
@@ -42,17 +41,14 @@ _NOTES = (
 )
 
 
-@dataclass(frozen=True)
-class MotionTask:
+@dataclass(frozen=True, kw_only=True)
+class MotionTask(ModelledData):
     """Task of a diagnosis: runs with position and drive force, and a model of the mass."""
 
-    provenance: Provenance
-    model: str  # file name
     plant: MotionPlant  # of the model
-    plant_data: Mapping[str, Any]  # sections of the model's file
     runs: tuple[Run, ...]
     material: float
-    stage: Callable[[str], None] = silent  # receives a description of each stage
+    stage: Callable[[str], None] = lambda stage: None  # receives a description of each stage
 
 
 def diagnose_motion(task: MotionTask) -> Diagnosis:

@@ -17,7 +17,6 @@ import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
-from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
 from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
@@ -27,16 +26,12 @@ from hbench.reconcile.search.candidates import CandidateEvaluator, EvaluatedCand
 _AS_SMALL = 1.02  # times the smallest gap: no reason to prefer a model
 
 
-def silent(stage: str) -> None:
-    """Take no notice of a stage."""
-
-
 @dataclass(frozen=True)
 class EffectRefinement(CandidateEvaluator):
     """Refinement of the effects that were added to a model of a campaign."""
 
     measured: MeasuredCampaign
-    stage: Callable[[str], None] = silent  # receives a description of each stage
+    stage: Callable[[str], None] = lambda stage: None  # receives a description of each stage
 
     def refined_and_named(
         self, model: LinearisedModel, names: tuple[str, ...]
@@ -89,9 +84,7 @@ class EffectRefinement(CandidateEvaluator):
         out = np.setdiff1d(np.arange(len(model.gap_map.points)), self.train)
         if not len(out):
             return True
-        before, after = (
-            gap_of_balances(one.gap_map, EFFECTS[name].balances, out) for one in (without, model)
-        )
+        before, after = (one.gap_map.gap(EFFECTS[name].balances, out) for one in (without, model))
         return before > max(after, 1.0)
 
     def without_superfluous(
@@ -170,7 +163,7 @@ class EffectRefinement(CandidateEvaluator):
         fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
         settled = self.refit(fine, self._tolerated(names), renewed=())
         models = (fine, settled, model)
-        gaps = [gap_of_balances(one.gap_map, one.gap_map.names, self.train) for one in models]
+        gaps = [one.gap_map.gap(one.gap_map.names, self.train) for one in models]
         return next(
             one for one, gap in zip(models, gaps, strict=True) if gap <= _AS_SMALL * min(gaps)
         )

@@ -33,7 +33,7 @@ from hbench.reconcile.separation.separability import Lead, Separation
 from hbench.reconcile.window_sums import GROUPS, LEVEL
 from hbench.records import Run
 from hbench.records.diagnosis import MATERIAL
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 _LIBRARY = "discriminate.yaml"
 _TRIALS = 3
@@ -83,7 +83,7 @@ class ExperimentLibrary:
                 best, chosen = after, experiment
         if chosen is None:
             return Proposal(None, None, notes)
-        name = f"Distinguish {' and '.join(undecided.rivals)}"
+        name = f"Distinguish {listed(list(undecided.rivals))}"
         words = self._words(chosen, undecided, before, best)
         return Proposal(words, self._schedule(name, [chosen]), notes)
 
@@ -184,7 +184,7 @@ class ExperimentLibrary:
     def _words(
         self, chosen: Mapping[str, Any], undecided: Undecided, before: Lead, after: Lead
     ) -> str:
-        right = f"the score of the right effect among {' and '.join(undecided.rivals)}"
+        right = f"the score of the right effect among {listed(list(undecided.rivals))}"
         lead = f"{after.lead:.2g} nats, without them by {max(before.lead, 0.0):.2g}"
         needed = f"{round(after.margin)} are needed"
         gain = f"With these runs {right} is expected to lead by {lead}; {needed}."

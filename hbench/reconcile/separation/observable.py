@@ -11,12 +11,12 @@ from hbench.reconcile.nuisance import BACKGROUND
 from hbench.records import Run
 from hbench.records.diagnosis import FITTED
 
-_HELD_OUT = 5  # every fifth operating point is held out from refit and search
+_HELD_OUT = 5  # every fifth operating point is held out: no value is fitted to it
 _FIRST_HELD_OUT = 2
 
 
 def divided_points(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the indices of the operating points that a search uses, and of those held out."""
+    """Return the indices of the operating points of the fits, and of those held out."""
     points = np.arange(count)
     held_out = points % _HELD_OUT == _FIRST_HELD_OUT
     return points[~held_out], points[held_out]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.reconcile.estimates import ParameterEstimates
-from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.gaps.gap_map import GapMap, gap_of
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.reconcile.strokes.stroke_search import SeriesSearch
@@ -53,9 +53,7 @@ def gap_floor(strokes: MeasuredStrokes, best: ParameterEstimates) -> np.ndarray:
 def gap_table(stages: Sequence[StageGaps], floor: np.ndarray | None = None) -> GapTable:
     """Return the gaps over several sets of points; ``floor`` (c,) are the floors."""
     values = {
-        stage: np.sqrt(
-            np.maximum(1 + np.mean([maps[stage].excess for maps in stages], axis=(0, 1)), 0)
-        )
+        stage: gap_of(np.mean([maps[stage].excess for maps in stages], axis=(0, 1)))
         for stage in ("before", "refitted", "after")
     }
     names = stages[0]["after"].names
@@ -65,7 +63,7 @@ def gap_table(stages: Sequence[StageGaps], floor: np.ndarray | None = None) -> G
         name: BeforeAfter(*(float(gaps[i]) for gaps in values.values()))
         for i, name in enumerate(names)
     }
-    return GapTable(total, balances, {}, {})
+    return GapTable(total, balances)
 
 
 def with_floor(held_out: GapTable, other: GapTable) -> GapTable:

@@ -6,7 +6,6 @@ effects of the model were chosen with all loads: four loads are too few to choos
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from hbench.config.stroke_model import StrokePlant
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
+    ModelledData,
     added_effect,
     insufficient_data_diagnosis,
     residual_map,
@@ -49,11 +49,10 @@ from hbench.reconcile.strokes.stroke_search import (
 )
 from hbench.reconcile.verdict import (
     NO_RESIDUALS,
-    explains,
-    gap_list,
     missing_experiments,
+    named_words,
     scores,
-    unconfirmed_words,
+    unexplained_words,
 )
 from hbench.records import (
     AddedEffect,
@@ -61,10 +60,10 @@ from hbench.records import (
     Diagnosis,
     Gap,
     GapTable,
-    Provenance,
     ScreenedRun,
     Verdict,
 )
+from hbench.sentences import listed
 
 FEWEST_LOADS = 4  # with two strokes in each direction
 _SAME_AREA = 0.002
@@ -93,14 +92,11 @@ GAIN_NOTE = (
 )
 
 
-@dataclass(frozen=True)
-class StrokeTask:
+@dataclass(frozen=True, kw_only=True)
+class StrokeTask(ModelledData):
     """Task of a diagnosis: series of steady strokes and a model of the cylinder."""
 
-    provenance: Provenance
-    model: str  # file name
     plant: StrokePlant  # of the model
-    plant_data: Mapping[str, Any]  # sections of the model's file
     series: Mapping[str, Sequence[ScreenedRun]]  # by label, the requested one first
 
 
@@ -186,10 +182,6 @@ def _assembled(
         by_load = leave_each_load_out(search, start, names)
     factors, best = search.factors(estimates), estimates.hypothesis(estimates.beta)
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
-    no_change = "does not change the mean of a steady stroke"
-    if not strokes.load_is_known:
-        no_change = "needs a force sensor, or does not change the friction band of steady strokes"
-    not_tried = {name: no_change for name in EFFECTS if name not in search.candidates}
     alternatives = tuple(candidate for step in result.steps for candidate in step.ambiguous)
     undecided = {step.balance for step in result.steps if step.ambiguous}
     unexplained = tuple(
@@ -218,19 +210,16 @@ def _assembled(
         alternatives=alternatives,
         rest=unexplained,
         next_experiment=_next_experiment(alternatives),
-        next_schedule=None,
         gap_heldout=with_floor(gap_table(by_load), train),
         gap_train=train,
-        gap_runs=(),
         ranking=result.steps[0].evaluated,
         threshold=result.steps[0].evaluated[0].threshold,
         refitted=factors,
         refit_priors={path: FACTORS[path] for path in factors},
         residuals_before=residual_map(before, points, "N"),
         residuals_after=residual_map(after, points, "N"),
-        overlays=(),
         heldout_runs=tuple(run.run.plan.run for run in task.series[labels[0]] if run.accepted),
-        not_tried=not_tried | ruled_out,
+        not_tried=_not_tried(search) | ruled_out,
         missing=missing,
         left_out=left_out,
         revised=revised(task.plant_data, factors, best),
@@ -247,13 +236,18 @@ def _assembled(
     )
 
 
+def _not_tried(search: SeriesSearch) -> dict[str, str]:
+    """Return the effects that strokes do not show, with the reason."""
+    reason = "does not change the mean of a steady stroke"
+    if not search.measured.load_is_known:
+        reason = "needs a force sensor, or does not change the friction band of steady strokes"
+    return {name: reason for name in EFFECTS if name not in search.candidates}
+
+
 def _decide_verdict(
     result: StrokeSearchResult, unconfirmed: Sequence[str], unexplained: Sequence[Gap]
 ) -> tuple[Verdict, str]:
-    sentences = []
-    if result.names:
-        sentences.append(f"{explains(result.names)} the residuals in cross-validation.")
-        sentences += [unconfirmed_words(unconfirmed)] if unconfirmed else []
+    sentences = [named_words(result.names, unconfirmed)] if result.names else []
     for step in result.steps:
         if step.ambiguous:
             sentences.append(
@@ -261,10 +255,7 @@ def _decide_verdict(
                 f"{scores(step.ambiguous)}."
             )
     if unexplained:
-        sentences.append(
-            "No effect of the catalogue explains the gaps (in multiples of the repeatability): "
-            f"{gap_list(unexplained)}."
-        )
+        sentences.append(unexplained_words(unexplained))
     if result.names:
         return "named", " ".join(sentences)
     if any(step.ambiguous for step in result.steps):
@@ -323,5 +314,5 @@ def _notes(
     if len(labels) > 1:
         yield (
             f"Other series used as evidence: {', '.join(labels[1:])}. They are assumed to be the "
-            f"same cylinder with other seals; only {' and '.join(OF_THE_SEAL)} may differ."
+            f"same cylinder with other seals; only {listed(OF_THE_SEAL)} may differ."
         )

@@ -12,8 +12,8 @@ from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.table_columns import WHO, table, who, who_text
 from hbench.report.render.numbers import NONE, half_width, number, significant, span, with_ends
-from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
+from hbench.sentences import capital, listed
 from hbench.units import from_si
 
 _ALL = "all loads and directions"

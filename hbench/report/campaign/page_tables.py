@@ -33,8 +33,8 @@ from hbench.report.render.numbers import (
     with_interval,
     with_minus,
 )
-from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
+from hbench.sentences import capital
 from hbench.units import from_si
 
 _RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")

@@ -25,8 +25,8 @@ from hbench.report.conformity.text import (
 )
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import NONE, significant
-from hbench.report.render.symbols import capital, listed
 from hbench.report.render.word_tables import Cell, Table
+from hbench.sentences import capital, listed
 from hbench.units import from_si
 
 _HEAD = ("Quantity", "Decision", "Test", "Measured ± U", "Limit", "Conforms")

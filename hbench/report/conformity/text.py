@@ -20,9 +20,9 @@ from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, short, significant, with_interval
-from hbench.report.render.symbols import listed
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
+from hbench.sentences import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 

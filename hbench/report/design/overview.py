@@ -10,7 +10,7 @@ from hbench.records import Design, PointMargins
 from hbench.report.render import style
 from hbench.report.render.numbers import number, short
 from hbench.report.render.series import behind
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 
 SECTION = "overview"
 TITLE = "Margins at all operating points"

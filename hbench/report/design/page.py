@@ -14,8 +14,8 @@ from hbench.report.design.overview import SECTION, TITLE
 from hbench.report.design.verdict import loops_verdict, proposal_verdict, reproduced_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
+from hbench.sentences import capital
 
 _LOOP_HEAD = (
     *("Loop", "K_c", "τ_c (s)", "Model", "Bandwidth (rad/s)", "Phase margin (°)"),

@@ -7,7 +7,7 @@ from hbench.records import Check, ControlLoop, Design, MarginRange, Proposal, Re
 from hbench.report.design.checks import cause_of, causes_of, check_value, shown, unstable
 from hbench.report.design.loops import margin
 from hbench.report.render.numbers import short, significant
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 _SEARCH = (
     "hbench design --propose searches for gains that pass at all operating points, and checks them "

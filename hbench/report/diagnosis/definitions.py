@@ -7,7 +7,7 @@ from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, SIGNIFICANT_P,
 from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
 from hbench.report.diagnosis.words.change import wrong_readings
 from hbench.report.diagnosis.words.error import scatter_words
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 
 Fact = tuple[str, str]  # name and description
 _AT_REFERENCE = re.compile(r"p_0 = (\d+) bar")

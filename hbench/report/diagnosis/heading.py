@@ -3,7 +3,7 @@
 from hbench.records import Diagnosis
 from hbench.report.campaign.settings import provenance_facts
 from hbench.report.diagnosis.names import in_words
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 _SIZES = {"bore": "piston_diameter", "rod": "rod_diameter", "stroke": "stroke"}  # of a model file
 

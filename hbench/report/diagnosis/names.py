@@ -9,7 +9,7 @@ from hbench.channels import CHANNELS
 from hbench.records import Diagnosis, Gap
 from hbench.records.diagnosis import MOTION_BALANCE
 from hbench.report.render.numbers import NONE, number, significant
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 from hbench.units import from_si
 
 

@@ -29,7 +29,7 @@ from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 _MOST_RUNS = 40  # rows of the page
 

@@ -22,7 +22,7 @@ from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, MOST_SIGNALS
 from hbench.report.diagnosis.words.error import load_errors
 from hbench.report.diagnosis.words.refit import refit_increases
 from hbench.report.render.numbers import number, significant
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is not that exact
 _DEAD_VOLUMES = {

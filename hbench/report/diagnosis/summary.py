@@ -74,7 +74,7 @@ from hbench.report.diagnosis.words.place import (
     where_words,
 )
 from hbench.report.diagnosis.words.unexplained import agreeing_words
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 

@@ -10,9 +10,9 @@ from hbench.report.diagnosis.text import diagnosis_tables, gap_line, in_page_wor
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
 from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
-from hbench.report.render.symbols import capital
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
+from hbench.sentences import capital
 
 _LEFT_OUT = 5  # runs that the terminal lists
 

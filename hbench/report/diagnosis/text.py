@@ -20,7 +20,7 @@ from hbench.report.diagnosis.tables.run_gaps import run_table
 from hbench.report.diagnosis.words.deviation import undecided_balance
 from hbench.report.diagnosis.words.error import load_errors
 from hbench.report.diagnosis.words.law import law_line
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 
 _FEW = 8  # candidates, and runs, that a terminal is shown
 

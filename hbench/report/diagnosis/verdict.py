@@ -48,7 +48,7 @@ from hbench.report.diagnosis.words.unexplained import (
     narrowing_words,
     unexplained_words,
 )
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:

@@ -21,7 +21,7 @@ from hbench.report.fleet.names import (
     working_speed,
 )
 from hbench.report.render.numbers import NONE, finer, p_words, significant, with_ends, with_interval
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 from hbench.units import from_si
 
 CHECK_WHAT = "check whether the cylinders, the bench or its instruments changed there"

@@ -23,7 +23,7 @@ from hbench.report.fleet.verdict import (
 )
 from hbench.report.render.document import Tile
 from hbench.report.render.numbers import NONE, alike, half_width, significant
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 
 _RANGES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 

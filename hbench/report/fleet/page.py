@@ -40,8 +40,8 @@ from hbench.report.fleet.verdict import (
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import significant
-from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
+from hbench.sentences import capital
 
 _FEW = (
     "Histograms, limits, trends and the standard deviation σ between campaigns are computed from "

@@ -27,7 +27,7 @@ from hbench.report.fleet.names import (
     working_speed,
 )
 from hbench.report.render.numbers import alike, half_width, significant, with_ends
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 
 _LIMITS_ARE_NARROWER = (
     "A campaign beyond a control limit need not be an outlier: control limits are narrower."

@@ -28,7 +28,7 @@ from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike, span
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 _SOURCE = (
     "Laws and verification profile",

@@ -19,7 +19,7 @@ from hbench.report.identification.text import (
     undetermined_words,
 )
 from hbench.report.render.numbers import half_width, number, significant
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 
 def verdict_words(identification: Identification) -> str:

@@ -1,7 +1,7 @@
-"""Words of pages: symbols with an index, such as F_C, which is set below the line, and lists."""
+"""Symbols with an index, such as F_C, which is set below the line."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 _SYMBOL = re.compile(
     r"\b(?:([AFPQp]|dP)_([^\W²]+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
@@ -19,15 +19,3 @@ def pieces(text: str) -> Iterator[tuple[str, bool]]:
         yield index, True
         end = match.end()
     yield text[end:], False
-
-
-def capital(text: str) -> str:
-    """Write the first letter of a sentence as a capital, unless it begins with a symbol or key."""
-    return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
-
-
-def listed(parts: Sequence[str], word: str = "and") -> str:
-    """Return parts of a sentence with commas, and a word before the last one."""
-    if len(parts) < 2:
-        return "".join(parts)
-    return f"{', '.join(parts[:-1])} {word} {parts[-1]}"

@@ -29,10 +29,10 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import map_on_cores
-from hbench.reconcile.diagnose import ReconcileTask, expected_variance, run_search
-from hbench.reconcile.diagnosis_fields import gap_of_balances
+from hbench.reconcile.diagnose import ReconcileTask, run_search
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
+from hbench.reconcile.gaps.model_gaps import expected_variance
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.nuisance import BACKGROUND
 from hbench.reconcile.search_result import SearchResult
@@ -93,8 +93,8 @@ def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
         rest=tuple(one.name for one in left),
         first=(best.name, best.score, best.explained, best.size),
         threshold=best.threshold,
-        before=gap_of_balances(found.refitted.gap_map, touched, out),
-        after=gap_of_balances(final, touched, out),
+        before=found.refitted.gap_map.gap(touched, out),
+        after=final.gap(touched, out),
         floor=_floor(found, fit, out, touched),
         seconds=time.process_time() - started,
         coefficients=dict(found.final.hypothesis.effects.get(best.name, {})),
@@ -128,7 +128,15 @@ def task_of(folder: Path) -> ReconcileTask:
     content = (campaign.header.get("bench") or {}).get("content") or read_yaml(BENCH)
     plant = parse_plant(content, read_yaml(MODEL), MODEL.name)
     runs, instruments = tuple(calibrated_runs(campaign)), campaign.setup().instruments
-    return ReconcileTask(campaign.provenance(), bench, MODEL.name, plant, {}, runs, instruments)
+    return ReconcileTask(
+        provenance=campaign.provenance(),
+        model=MODEL.name,
+        plant_data={},
+        bench=bench,
+        plant=plant,
+        runs=runs,
+        instruments=instruments,
+    )
 
 
 def outcomes(folder: Path) -> list[Outcome]:

@@ -1,9 +1,8 @@
 """Made-up diagnoses of every verdict, for tests of their words."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
-from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
+from hbench.reconcile.diagnosis_fields import ModelledData, insufficient_data_diagnosis
 from hbench.records import (
     AddedEffect,
     BeforeAfter,
@@ -58,7 +57,7 @@ def summary(diagnosis):
 def few():
     """Return a diagnosis of too few runs."""
     about = Provenance("made", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
-    task = SimpleNamespace(provenance=about, model="model.yaml", plant_data={})
+    task = ModelledData(provenance=about, model="model.yaml", plant_data={})
     return insufficient_data_diagnosis(task, ("a second load",), ())
 
 
@@ -67,8 +66,8 @@ def compared():
     gap = BeforeAfter(12.0, 9.5, 9.5, 1.2)
     table = GapTable(gap, {"flow_tp": gap}, {}, {})
     where = (
-        Gap("force_test", 5.5, 5.4, 0.01, 7.3, 580, 40.0, 12.0, 113.0),
-        Gap("flow_tp", 1.1, 0.5, 0.5, 1e-7, 580, 1e-7, 4e-7, 1e-6),
+        Gap("force_test", 5.5, 0.01, 7.3, 580, 40.0, 12.0, 113.0),
+        Gap("flow_tp", 1.1, 0.5, 1e-7, 580, 1e-7, 4e-7, 1e-6),
     )
     ranking = (
         Candidate("load_friction", 27.3, 0.8, 0.22, {}, "full", 5.0),

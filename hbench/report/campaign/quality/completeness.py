@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from hbench.records import Completeness, PointTrials
-from hbench.report.campaign.quality.finding import plural
 from hbench.report.campaign.table_columns import WHO, table, who
 from hbench.report.render.numbers import number, short
 from hbench.report.render.word_tables import Table
+from hbench.sentences import plural
 
 
 def incomplete_words(complete: Completeness) -> str:

@@ -4,6 +4,7 @@ from hbench.records import Quality, QualityCheck
 from hbench.report.drift import drift_finding, drift_words
 from hbench.report.quality_words import FINDINGS, NAMES, WRONG_BALANCE
 from hbench.report.render.numbers import number, significant
+from hbench.sentences import plural
 
 _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
 
@@ -94,8 +95,3 @@ def _without_trial(count: int | None) -> str:
 def is_without_trial(check: QualityCheck) -> bool:
     """Return whether a point has no accepted trial."""
     return check.name == "trials_per_point" and check.value == 0
-
-
-def plural(count: int | None, singular: str, several: str) -> str:
-    """Return the form of a noun or verb that agrees with a count."""
-    return singular if count == 1 else several

@@ -6,7 +6,7 @@ from hbench.report.campaign.quality.finding import is_without_trial, reason
 from hbench.report.campaign.quality.plausibility import contradictions
 from hbench.report.quality_words import NAMES, STEPS
 from hbench.report.render.numbers import number
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 
 RULE = (
     "Each check is good, to be used with care, or poor; the verdict is the worst of them. The "

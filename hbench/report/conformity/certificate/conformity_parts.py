@@ -14,7 +14,7 @@ from hbench.report.conformity.certificate.layout import (
     without_empty,
 )
 from hbench.report.render.numbers import NONE, short, significant, with_interval
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 

@@ -12,7 +12,7 @@ from hbench.report.conformity.certificate.layout import (
     stated_facts,
 )
 from hbench.report.render.numbers import number, short
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 

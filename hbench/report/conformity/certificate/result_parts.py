@@ -13,7 +13,7 @@ from hbench.report.conformity.certificate.layout import (
 )
 from hbench.report.conformity.text import step_words
 from hbench.report.render.numbers import NONE, number, short, span, with_interval
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 

@@ -33,7 +33,7 @@ from hbench.report.diagnosis.words.candidate import too_small
 from hbench.report.render import style
 from hbench.report.render.numbers import number, short, significant
 from hbench.report.render.series import behind
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 
 BEFORE, AFTER, MEASURED = style.COLOURS[1], style.COLOURS[0], "#9ca3af"
 BALANCES, CLOSED_LOOP, OPEN_LOOP = "Flows and forces", "Signals, closed loop", "Signals, open loop"

@@ -9,7 +9,7 @@ from hbench.report.diagnosis.words.law import balances_words, law_quantities, te
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
-from hbench.report.render.symbols import capital
+from hbench.sentences import capital
 
 _HEIGHT_IN = 3.6
 

@@ -7,8 +7,8 @@ from hbench.records import Diagnosis, EffectPair, PlannedEffects, Separability, 
 from hbench.records.diagnosis import FITTED, NO_PART
 from hbench.report.diagnosis.names import in_words
 from hbench.report.render.numbers import NONE, number, significant
-from hbench.report.render.symbols import capital, listed
 from hbench.report.render.terminal_table import table_lines
+from hbench.sentences import capital, listed
 
 MATRIX_TEXT = (
     "Angle of the signatures of two effects in these runs, after the refitted values are projected "

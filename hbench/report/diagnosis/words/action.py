@@ -40,7 +40,7 @@ from hbench.report.diagnosis.words.edge import (
 from hbench.report.diagnosis.words.place import edge_gaps, rms_words, worst_places
 from hbench.report.diagnosis.words.refit import refit_increases, unexplained
 from hbench.report.render.numbers import significant
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 # Words of the catalogue for the parts that an effect acts on, and these parts by coefficient.
 _PARTS = {

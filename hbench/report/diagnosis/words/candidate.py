@@ -6,7 +6,7 @@ from hbench.records import Candidate, Diagnosis
 from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 from hbench.report.diagnosis.names import PRESSURE_SYMBOLS, in_words, share
 from hbench.report.render.numbers import number, significant
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 
 def too_small(candidate: Candidate) -> list[str]:

@@ -15,7 +15,7 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.words.coefficient import parameter_text
 from hbench.report.render.numbers import significant
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
 READINGS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")

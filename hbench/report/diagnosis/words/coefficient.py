@@ -5,7 +5,7 @@ import re
 from hbench.records import DIRECTION_WORDS, AddedEffect, FitParameter
 from hbench.report.diagnosis.names import CHAMBERS, PRESSURE_SYMBOLS, in_words
 from hbench.report.render.numbers import significant, with_ends
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 _OF_POWER = re.compile(r"_0 = (\d+) ([^,]+)")  # where a law of any exponent has the same value
 # Size there of a coefficient in another unit: its unit, and the power of the reference value in it.

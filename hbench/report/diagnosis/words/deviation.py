@@ -18,7 +18,7 @@ from hbench.report.diagnosis.names import (
     steps_of,
 )
 from hbench.report.render.numbers import NONE, number, p_equation, significant
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 CLEARLY_WORSE = 1.1  # gap against another one
 _MUCH_LARGER = 2.0  # gap of a simulated signal against the largest one of a balance

@@ -10,7 +10,7 @@ from hbench.report.diagnosis.words.place import (
     rms_words,
 )
 from hbench.report.diagnosis.words.refit import refit_increases
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 _LINES = {"tank": "the return line", "supply": "the supply line"}  # of each edge
 

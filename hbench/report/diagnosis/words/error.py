@@ -7,7 +7,7 @@ from math import sqrt
 from hbench.records import Diagnosis, HeldOutError
 from hbench.report.diagnosis.names import added_words, also_words, in_sentence, steps_of
 from hbench.report.render.numbers import number, significant
-from hbench.report.render.symbols import listed
+from hbench.sentences import listed
 
 _EQUAL = 0.02  # of an error: a smaller change is none
 _TEXTS = {"force": "force error", "position": "open-loop position error"}

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from hbench.records import UnnamedLaw
 from hbench.report.diagnosis.names import balance
 from hbench.report.render.numbers import number, p_equation, significant
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 _TERMS = {
     "flow": "inflow",

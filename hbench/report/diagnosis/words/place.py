@@ -26,7 +26,7 @@ from hbench.report.diagnosis.words.change import (
     wrong_readings,
 )
 from hbench.report.render.numbers import short, significant
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, places or changes in a sentence

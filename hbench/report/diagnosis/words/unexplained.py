@@ -17,7 +17,7 @@ from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, exceeding
 from hbench.report.diagnosis.words.place import rms_words, worst_places
 from hbench.report.diagnosis.words.refit import refit_increases, unexplained
 from hbench.report.render.numbers import p_equation, significant
-from hbench.report.render.symbols import capital, listed
+from hbench.sentences import capital, listed
 
 _FAR = 2.0  # times its limit: a deviation that is clearly above it
 _MOST = 3  # quantities with their sizes; the table has all

@@ -1,0 +1,20 @@
+"""Words of sentences: lists, first letters, and forms that agree with a count."""
+
+from collections.abc import Sequence
+
+
+def listed(parts: Sequence[str], word: str = "and") -> str:
+    """Return parts of a sentence with commas, and a word before the last one."""
+    if len(parts) < 2:
+        return "".join(parts)
+    return f"{', '.join(parts[:-1])} {word} {parts[-1]}"
+
+
+def capital(text: str) -> str:
+    """Write the first letter of a sentence as a capital, unless it begins with a symbol or key."""
+    return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
+
+
+def plural(count: int | None, singular: str, several: str) -> str:
+    """Return the form of a noun or verb that agrees with a count."""
+    return singular if count == 1 else several
