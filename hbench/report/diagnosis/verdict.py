@@ -260,7 +260,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     doubtful = doubtful_values(diagnosis)
     yield doubtful or "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
-    yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+    yield "The runs of next.yaml would show more." if diagnosis.next_schedule else ""
     yield "" if diagnosis.errors else total_words(diagnosis)
     yield largest_deviation_words(diagnosis)
 
