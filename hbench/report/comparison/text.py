@@ -82,9 +82,8 @@ def differences_text(differences: CampaignDifferences) -> str:
         if table.rows:
             lines += [*table_lines(table), ""]
     strokes = [SET_UP] if differences.bands else []
-    strokes += [f"A, B: {words}" for name, words in read_facts(differences) if name == "A, B"]
     facts = [fact for fact in mean_facts(differences) if fact[0] == "Drift"]
-    lines += _paragraphs(*facts)
+    lines += _paragraphs(*read_facts(differences), *facts)
     lines += wrapped(_counted("of fitted parameters", parameters)) if parameters else []
     lines += [line for note in (*strokes, *differences.notes) for line in wrapped(f"note: {note}")]
     return plain("\n".join(lines).rstrip())
