@@ -269,11 +269,13 @@ def design_text(design: Design) -> str:
         verdict = f"verdict: {proposal_verdict(design.proposal, design)}"
     elif design.checks:
         verdict = f"verdict: {loops_verdict(design)}"
-    results = (_smallest_margins(design), *map(": ".join, (*range_facts(design), *facts(design))))
+    results = map(": ".join, (*range_facts(design), *facts(design)))
+    present = design.checks if design.proposal is None else ()
     lines = [
         design.bench,
         *wrapped(verdict),
         "",
+        *([*_check_table(present), ""] if present else []),
         *wrapped(f"operating point: {point_words(design)}"),
         "",
         *_table(LOOP_HEAD, loop_rows(design.loops, design.tick_s)),
@@ -290,20 +292,8 @@ def design_text(design: Design) -> str:
         lines += [*_table(LOOP_HEAD, loop_rows(proposal.loops, design.tick_s)), ""]
         checks = (*proposal.margins, *proposal.closed_loop)
         lines += _check_table(checks)
-    elif design.checks:
-        lines += ["", *_check_table(design.checks)]
     text = "\n".join(lines).replace("−", "-").replace("–", "-")
     return text.replace("≥", ">=").replace("≤", "<=").replace("∞", "inf")
-
-
-def _smallest_margins(design: Design) -> str:
-    board = [(loop.name, loop.merits[-1]) for loop in design.loops]
-    phase, of_phase = min((merits.phase_margin_deg, name) for name, merits in board)
-    gain, of_gain = min((gain_db(merits), name) for name, merits in board)
-    return (
-        f"smallest margins on the board at this operating point: {margin(phase, 0)} deg "
-        f"({of_phase}), {margin(gain, 1)} dB ({of_gain})"
-    )
 
 
 def _check_table(checks: Sequence[Check]) -> list[str]:
