@@ -24,8 +24,8 @@ from hbench.report.render.terminal_text import wrapped
 from hbench.units import from_si
 
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
-_GRID = (
-    "These points: both ends and the middle of the travel, both directions, three speeds up to "
+GRID = (
+    "both ends and the middle of the travel, both directions, three speeds up to "
     "half of limits.speed_max, and three loads against the motion up to 45 % of the supply "
     "pressure on the rod side of the test cylinder"
 )
@@ -197,7 +197,7 @@ def range_facts(design: Design) -> tuple[tuple[str, str], ...]:
         for unit, decimals in (("deg", 0) if "phase" in what else ("dB", 1),)
     ).replace(": ", " loop, ")
     everywhere = f"margins at all {design.points} operating points"
-    return ((everywhere, f"{ranges}. {_GRID}"),) if ranges else ()
+    return ((everywhere, f"{ranges}. These points: {GRID}"),) if ranges else ()
 
 
 def facts(design: Design) -> tuple[tuple[str, str], ...]:
