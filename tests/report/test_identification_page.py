@@ -138,6 +138,7 @@ def test_errors_at_speeds_where_a_simulation_oscillates_are_apart_from_the_other
     found = identified(law("lugre", 3.0), static)
     page = ordinary_spaces(identification_page(found, ()))
     assert "oscillates, in 3 of 30 parts, at 30–60 mm/s: Pressure-based." in page
+    assert "In brackets: without the parts" in " ".join(identification_text(found).split())
     (summary,) = (table for table in identification_tables(found) if table.title == SUMMARY)
     assert [row[2] for row in summary.rows[:2]] == ["3.0", "23.0 (2.0)"]
     (errors,) = (table for table in identification_tables(found) if table.title == ERRORS)

@@ -4,14 +4,14 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from hbench.records import Identification, IdentifiedLaw, WordTable
+from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.records.identification import MEMORY_M
 from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.campaign.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
 from hbench.report.identification.ranking import best_law, ranked_laws
-from hbench.report.identification.remarks import interval_words, left_out_words
+from hbench.report.identification.remarks import interval_words, left_out_words, oscillation_words
 from hbench.report.identification.text import (
     ERRORS,
     HELD_OUT,
@@ -26,8 +26,7 @@ from hbench.report.identification.text import (
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike, span
-from hbench.report.render.symbols import listed
+from hbench.report.render.numbers import alike
 
 _SOURCE = (
     "Laws and verification profile",
@@ -170,7 +169,8 @@ def _about_errors(identification: Identification) -> tuple[tuple[str, str], ...]
         [law for law in verified if FRICTION_LAWS[law.law].dynamic is dynamic]
         for dynamic in (True, False)
     ]
-    oscillations = _oscillations(verified)
+    words = oscillation_words(identification)
+    oscillations = (("At constant speed", words),) if words else ()
     if not all(kinds):
         return oscillations
     unsteady = [error_range([law.errors["unsteady"].friction_n for law in laws]) for laws in kinds]
@@ -181,25 +181,6 @@ def _about_errors(identification: Identification) -> tuple[tuple[str, str], ...]
         f"changes: {unsteady[0]} N against {unsteady[1]} N."
     )
     return (*oscillations, ("Kinds of laws", words))
-
-
-def _oscillations(laws: Sequence[IdentifiedLaw]) -> tuple[tuple[str, str], ...]:
-    """State where the errors at constant speed leave out oscillations of the simulation."""
-    where: dict[str, list[str]] = {}
-    for law in laws:
-        if (steady := law.steady) is not None and steady.oscillating is not None:
-            speeds = span([1e3 * v for v in steady.speeds_m_s])
-            place = f"in {len(steady.speeds_m_s)} of {steady.parts} parts, at {speeds} mm/s"
-            where.setdefault(place, []).append(law_words(law.law))
-    if not where:
-        return ()
-    parts = "; ".join(f"{place}: {listed(names)}" for place, names in where.items())
-    words = (
-        f"In brackets: without the parts where the simulation oscillates, {parts}. Where friction "
-        "falls with speed, a static law damps no oscillation; the measured motion does not "
-        "oscillate there."
-    )
-    return (("At constant speed", words),)
 
 
 def _ramp_words(identification: Identification) -> tuple[str, ...]:

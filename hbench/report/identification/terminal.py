@@ -6,7 +6,7 @@ from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import best_law
-from hbench.report.identification.remarks import interval_words, left_out_words
+from hbench.report.identification.remarks import interval_words, left_out_words, oscillation_words
 from hbench.report.identification.text import (
     HELD_OUT,
     PARAMETERS,
@@ -41,6 +41,7 @@ def identification_text(identification: Identification) -> str:
             for reason in reasons(identification)
             if reason.partition(":")[0] not in others
         ),
+        *([f"At constant speed: {words}"] if (words := oscillation_words(identification)) else []),
         *_left_out(identification),
         interval_words(identification),
         *identification.notes,
