@@ -18,6 +18,7 @@ from hbench.records import (
 from hbench.records.diagnosis import FITTED
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.tables.effect_tables import ranking_table
 from hbench.report.diagnosis.tables.gap_tables import where_table
 from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
@@ -172,6 +173,12 @@ def test_a_significant_deviation_below_its_limit_and_one_within_the_noise_do_not
     sure = replace(near, p_value=0.3)
     text = summary(replace(compared, where=(*where[:1], sure), gap_heldout=table))
     assert "The flow to the load piston side agrees within the limits that matter." in text
+
+
+def test_a_size_far_below_a_typical_one_is_not_written_as_zero(compared):
+    small = replace(compared.ranking[0], score=1.1, explained=1.0, size=0.0004)
+    (row,) = ranking_table(replace(compared, ranking=(small,))).rows
+    assert "< 0.01 × typical" in row
 
 
 def test_a_deviation_above_its_limit_that_may_be_chance_is_not_left_out(compared):

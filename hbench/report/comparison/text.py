@@ -166,7 +166,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Differences of mean friction and efficiency",
             tables=(friction, speeds_table(differences), efficiency),
-            facts=(*mean_facts(differences), *read_facts(differences), *drift_facts(differences)),
+            facts=(*read_facts(differences), *mean_facts(differences), *drift_facts(differences)),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),
