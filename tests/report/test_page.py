@@ -739,7 +739,7 @@ def test_a_breakaway_by_fits_that_are_not_determined_is_stated_with_them(small):
     page = ordinary_spaces(page_of(report_document(weak, ())))
     share = f"{tustin.determined} of {tustin.fits} Tustin fits determine all their parameters"
     assert (
-        "breakaway (by Tustin's law, not measured), extrapolated, all loads and directions; U up to"
+        "breakaway by Tustin's law, extrapolated, all loads and directions; U up to"
         in html.unescape(page)
     )
     assert (
