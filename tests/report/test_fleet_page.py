@@ -404,6 +404,8 @@ def test_a_change_is_directly_below_the_summary_and_not_repeated_in_it(shifted, 
     assert column["Friction, retracting (N)"].startswith("not significant: ")
     assert [part.folded for part in figures.parts] == [False, True, True, True]
     assert [d.name for d in figures.parts[0].drawings][0] == "control-friction-n-extend"
+    both = [d.caption for d in drawings if d.name.startswith("control-friction-n-")]
+    assert len(both) == 2 and "Rings: beyond the limits;" in both[0]
     said = " ".join(summary.items)
     assert "has changed" not in said and "beyond the limits" not in said
     steady = replace(shifted, charts=tuple(replace(chart, step=None) for chart in shifted.charts))
