@@ -384,18 +384,18 @@ def test_a_figure_of_a_held_out_run_says_what_the_run_was_and_why_it_is_shown(na
     for drawing, run in zip(shown, dict.fromkeys(o.run for o in named.overlays), strict=True):
         speed = f"{1e3 * plans[run].v_ref_m_s:.0f} mm/s".replace("-", "−")
         assert drawing.title.startswith(f"Run {run}: ") and speed in drawing.title
-        assert "Shown: signals whose gap what is added to the model reduces" in drawing.caption
+        assert "What is added to the model reduces its gap there." in drawing.caption
 
 
 def test_a_held_out_run_without_a_reduced_gap_does_not_claim_one(named, unknown, undrawn):
     def caption(diagnosis):
         drawings = draw_diagnosis(replace(diagnosis, where=(), ranking=(), refitted={}))
         (first, *_) = (drawing for drawing in drawings if drawing.section == "overlay")
-        assert "signals whose gap" not in first.caption
+        assert "reduces its gap" not in first.caption
         return first.caption
 
     largest = tuple(replace(each, shrank=False) for each in named.overlays[:1])
-    assert "Shown: signals that deviate, each in one run outside the fit." in caption(unknown)
+    assert "Each signal is shown in one run outside the fit." in caption(unknown)
     worse = caption(replace(named, overlays=largest))
     assert "What is added to the model reduces the gap of none." in worse
 

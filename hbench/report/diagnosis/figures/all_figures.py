@@ -93,11 +93,9 @@ _OPEN_LOOP = (
     "as simulated under the measured drive force from its first sample. Nothing corrects this "
     "motion. Right: simulated less measured; points: means over 0.16 s."
 )
-_SHRUNK = (
-    " Shown: signals whose gap what is added to the model reduces, each in one run outside the fit."
-)
-_DEVIATING = " Shown: signals that deviate, each in one run outside the fit."
-_NONE_SHRANK = f"{_DEVIATING} What is added to the model reduces the gap of none."
+_ONE_RUN = " Each signal is shown in one run outside the fit."
+_SHRUNK = f"{_ONE_RUN} What is added to the model reduces its gap there."
+_NONE_SHRANK = f"{_ONE_RUN} What is added to the model reduces the gap of none."
 _RANKING = (
     "Score of each candidate by cross-validation (each fifth of the operating points predicted "
     "from the others), and the share of the gap beyond the repeatability that it explains in the "
@@ -173,7 +171,7 @@ def _overlay_caption(diagnosis: Diagnosis) -> str:
 
 def _chosen(diagnosis: Diagnosis) -> str:
     if "after" not in steps_of(diagnosis):
-        return _DEVIATING
+        return _ONE_RUN
     return _SHRUNK if all(each.shrank for each in diagnosis.overlays) else _NONE_SHRANK
 
 
