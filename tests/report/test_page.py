@@ -766,3 +766,10 @@ def test_the_instruments_share_at_one_point_is_no_median(small):
     several = replace(found, quality=replace(found.quality, checks=(replace(check, of=2),)))
     page = ordinary_spaces(page_of(report_document(several, ())))
     assert "±21 % (95 %, median over all speeds and loads)" in page
+
+
+def test_notes_of_the_analysis_are_sentences(small):
+    notes = ("no fit for 1 of 1 curves", "The order is not known.")
+    sections = report_document(replace(small, notes=notes), ()).sections
+    (settings,) = (section for section in sections if section.anchor == "settings")
+    assert settings.parts[0].items == ("No fit for 1 of 1 curves.", "The order is not known.")
