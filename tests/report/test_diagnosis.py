@@ -89,7 +89,6 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     (left_out,) = [line for line in text.splitlines() if "presliding" in line]
     assert named.not_tried["presliding"] in left_out
     assert "0007 (steady): speed" in text
-    assert "form: exponent 1.2" in " ".join(text.split())
     text = diagnosis_text(ambiguous)
     assert text.startswith("Internal leakage or external leakage, not distinguishable: ")
     assert ambiguous.next_experiment in " ".join(text.split())

@@ -195,7 +195,8 @@ def test_a_share_that_suffices_and_a_score_that_does_not_are_explained_once(comp
     weak = replace(compared.ranking[0], score=9.5, threshold=11.3, explained=0.35, size=1.0)
     why = "No effect explains the gaps. The best candidate, load_friction, explains 35 % (25 %)."
     text = " ".join(diagnosis_text(replace(compared, ranking=(weak,), why=why)).split())
-    assert "The best candidate" not in text and "No effect explains the gaps." in text
+    page = diagnosis_page(replace(compared, ranking=(weak,), why=why), ())
+    assert "The best candidate" not in page + text and "No effect explains the gaps." in page
     assert "35 % of the gap in the quantities that it changes; that share is large enough" in text
     assert "that chance is ruled out (score 9.5 nats, 11.3 needed)" in text
     refined = replace(weak, score=20.0)  # it meets each criterion of the search

@@ -2,8 +2,8 @@
 
 from hbench.records import Diagnosis
 from hbench.report.diagnosis.heading import title_words
-from hbench.report.diagnosis.names import in_words, keys_in_words, of_the_mass
-from hbench.report.diagnosis.sentences import reason_words, refused_words
+from hbench.report.diagnosis.names import keys_in_words, of_the_mass
+from hbench.report.diagnosis.sentences import refused_words
 from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
 from hbench.report.diagnosis.text import diagnosis_tables, gap_line, in_page_words, law_lines
@@ -26,9 +26,8 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
         "\n".join((f"{title}{diagnosis.verdict})", *wrapped(lead))),
         _paragraphs(*(f"{question}: {words}" for question, words in answers(diagnosis))),
         _paragraphs(gap_line(diagnosis)),
-        _paragraphs(reason_words(diagnosis)),
         _paragraphs(" ".join(filter(None, errors))),
-        _paragraphs(*effect_lines(diagnosis), *law_lines(diagnosis)),
+        _paragraphs(*law_lines(diagnosis)),
     ]
     tables = map(in_page_words, diagnosis_tables(diagnosis))
     blocks += ["\n".join(table_lines(table)) for table in tables]
@@ -40,15 +39,6 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
 def _paragraphs(*texts: str) -> str:
     """Return texts in lines of limited width, with effects and quantities in words."""
     return "\n".join(line for text in texts for line in wrapped(keys_in_words(text)))
-
-
-def effect_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Return for each effect whether it is the bench's or a sensor's, its law and its form."""
-    return tuple(
-        f"{capital(in_words(effect.name))} (of the {'sensors' if effect.of_sensor else 'bench'}): "
-        f"{effect.description}; form: {effect.shape or 'the textbook one'}."
-        for effect in diagnosis.effects
-    )
 
 
 def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
