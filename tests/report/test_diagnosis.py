@@ -377,6 +377,21 @@ def test_a_signal_that_hardly_changes_has_its_values_on_the_axis_and_no_offset(n
     assert any("149.79" in label.get_text() for label in axis.get_ticklabels())
 
 
+def test_a_signal_that_a_model_without_effects_reproduces_in_its_run_is_not_drawn(unknown, undrawn):
+    shown = unknown.overlays[0]
+    (gaps,) = (each for each in unknown.gap_runs if each.plan.run == shown.run)
+
+    def drawn(gap):
+        table = replace(
+            gaps.gap, signals={**gaps.gap.signals, shown.signal: BeforeAfter(9.0, gap, gap, gap)}
+        )
+        found = replace(unknown, overlays=(shown,), gap_runs=(replace(gaps, gap=table),))
+        return overlay_figures(found)
+
+    assert not drawn(0.83)
+    assert list(drawn(9.13)) == [shown.run]
+
+
 def test_a_figure_of_a_held_out_run_says_what_the_run_was_and_why_it_is_shown(named, drawings):
     shown = [drawing for drawing in drawings if drawing.section == "overlay"]
     plans = {each.plan.run: each.plan for each in named.gap_runs}
