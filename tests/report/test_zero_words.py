@@ -62,12 +62,22 @@ def test_sensors_whose_zero_errors_are_not_in_u_are_named(small, force, pressure
 
 def test_numbers_of_one_trial_which_have_no_u_have_no_reserve_of_it(small):
     results = with_instruments(small, READING, SCALE)
+    names = ("friction_n", "breakaway_n", "efficiency")
     series = tuple(
-        replace(each, friction_n=replace(each.friction_n, u95=None))
+        replace(
+            each,
+            **{
+                name: replace(number, u95=None)
+                for name in names
+                if (number := getattr(each, name)) is not None
+            },
+        )
         for each in results.headline.series
     )
     single = replace(results, headline=replace(results.headline, series=series))
-    assert "no zero error" not in str(report_document(single, ()).sections[0].facts)
+    summary = report_document(single, ()).sections[0]
+    assert "no zero error" not in str(summary.facts)
+    assert summary.tables[0].title == "Results of each direction and load"
 
 
 def test_the_identity_states_what_the_tolerances_are_of(small):

@@ -67,8 +67,13 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
     known = _instruments_known(results)
-    title = f"Results of each direction and load, with {'expanded uncertainty ' * known}U"
-    with_u = any(each.friction_n is not None and each.friction_n.u95 for each in series)
+    with_u = any(
+        number is not None and number.u95
+        for each in series
+        for number in (each.friction_n, each.breakaway_n, each.efficiency)
+    )
+    title = "Results of each direction and load"
+    title += f", with {'expanded uncertainty ' * known}U" if with_u else ""
     load_cell_n = _load_cell(results)
     table_of_series = _table(series, load_cell_n)
     tables = (replace(table_of_series, title=title),) if series else ()
