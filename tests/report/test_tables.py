@@ -285,6 +285,8 @@ def test_the_summary_names_counts_reasons_and_bounds_in_plain_ascii(stribeck):
     assert "PASS" not in text
     assert "PASS by the last hbench accept. " in summary_text(stribeck, "PASS")
     assert max(map(len, text.splitlines())) <= 120
+    head = text.partition("\n\n")[0]
+    assert max(map(len, head.splitlines())) <= 104  # 100 letters, with ± spelled out
     assert len([line for line in text.splitlines() if line.startswith(("extend", "retract"))]) == 8
 
 

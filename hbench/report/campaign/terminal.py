@@ -80,7 +80,7 @@ def summary_text(results: Results, decision: str = "") -> str:
         "" if drift else drift_reserve(results.drift),
         _ANCHOR.sub("report.html", _REFERENCE.sub("", next_step_words(results))),
     )
-    verdicts = wrapped(" ".join(filter(None, verdict)))
+    verdicts = wrapped(" ".join(filter(None, verdict)).replace("–", " to "))
     paragraphs = [line for note in notes for line in wrapped(note)]
     lines = [head, *wrapped(counts), *verdicts, *table, *bands, *moving, *([""] if bands else [])]
     text = "\n".join([*lines, *paragraphs])
