@@ -53,7 +53,7 @@ class BenchDisplay:
             before = progress.runs_done - sum(not ended.again for ended in progress.ended)
             for ended in progress.ended:
                 before += not ended.again
-                self._write(f"{_count(before, progress)} {_line(ended, progress)}\n")
+                self._write(f"{_count(before, progress)}: {_line(ended, progress)}\n")
             return
         lasting = [_line(ended, progress) for ended in progress.ended if ended.reasons]
         if lasting or time.monotonic() - self._drawn_s >= _EVERY_S:
@@ -135,6 +135,8 @@ def _motion(plan: RunPlan) -> str:
     speed = "" if kind.is_at_rest else f" {1e3 * plan.v_ref_m_s:+.1f} mm/s"
     if kind.raises_force:
         speed = f" {plan.force_rate_n_s or 0.0:+.0f} N/s"
+    elif kind.is_ramp and plan.a_ref_m_s2 is not None:
+        speed += f" at {plan.a_ref_m_s2:.3g} m/s^2"
     return f"{label}{kind.display_name}{speed}{load}"
 
 

@@ -89,7 +89,7 @@ def _quantity_tiles(results: Results) -> Iterable[Tile]:
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
     at = f"friction at {speed_words(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
     weak = _weak_extrapolation(results)
-    breakaway = "breakaway (by Tustin's law, not measured)" if weak else "breakaway"
+    breakaway = "breakaway by Tustin's law" if weak else "breakaway"
     quantities = (
         ([each.friction_n for each in series], 1.0, "N", at, "working-speed"),
         ([each.breakaway_n for each in series], 1.0, "N", breakaway, "breakaway"),

@@ -65,9 +65,9 @@ def _example(results: Results, names: Sequence[str]) -> str:
 
 
 def zero_notes(results: Results) -> tuple[str, ...]:
-    """Return what the combined uncertainty u contains of zero errors that were not checked."""
-    if reserve := zero_reserve(results):
-        return (reserve,)
+    """Return what u contains of zero errors that were not checked; the summary has the reserve."""
+    if zero_reserve(results):
+        return ()
     if results.motions.load_cell_zero_unchecked:
         return (f"{capital(LOAD_CELL_ZERO)}.",)
     return () if results.motions.zero_checks else (_NO_ZEROS,)

@@ -1,5 +1,6 @@
 """What ``hbench run`` tells: a block in a terminal, a line a run in a pipe."""
 
+import io
 import os
 import re
 import signal
@@ -9,6 +10,9 @@ import sys
 import pytest
 import yaml
 
+from hbench.cli.bench_display import BenchDisplay
+from hbench.experiment.progress import Ended, Progress
+from hbench.records import RunPlan, Specimen
 from hbench.store.campaign.folder import load_campaign
 from tests.support.commands import hbench
 from tests.support.report.terminal import Terminal, screen
@@ -42,7 +46,7 @@ def test_a_pipe_gets_one_line_a_run(quick_schedule, tmp_path):
     _, *lines, after = done.stderr.splitlines()
     assert after.split()[-3:] == ["hbench", "report", "out"]
     pattern = (
-        r"{0} of 4 000{0} steady \+{1}\.0 mm/s, \+2000 N, trial {2}: accepted, "
+        r"{0} of 4: 000{0} steady \+{1}\.0 mm/s, \+2000 N, trial {2}: accepted, "
         r"friction \+\d+\.\d N; \d+:\d\d left"
     )
     expected = [(1, 80, 1), (2, 80, 2), (3, 120, 1), (4, 120, 2)]
@@ -103,3 +107,16 @@ def test_ctrl_c_at_the_terminal_takes_the_block_away_and_leaves_nothing_live(
     assert not (tmp_path / "out" / "live.json").exists()
     stop = load_campaign(tmp_path / "out").entries[-1].stop
     assert stop is None or stop.outcome == "aborted"  # None: it came while a run's start was noted
+
+
+def test_ramps_of_different_accelerations_have_different_lines():
+    def line(kind, acceleration):
+        plan = RunPlan("0001", kind, 1, 0.2, Specimen(0.0, 0.0), a_ref_m_s2=acceleration)
+        stream = io.StringIO()
+        ended = (Ended(plan, 1, (), None),)
+        BenchDisplay(stream)(Progress(1, 1, plan, 0.0, 0.0, ended=ended))
+        return stream.getvalue()
+
+    assert "ramp +200.0 mm/s at 0.0335 m/s^2, trial 1" in line("ramp", 0.0335)
+    assert "ramp +200.0 mm/s at 0.067 m/s^2, trial 1" in line("ramp", 0.067)
+    assert "m/s^2" not in line("steady", 1.0)

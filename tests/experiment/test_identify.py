@@ -20,8 +20,13 @@ from hbench.errors import DataError
 from hbench.experiment.closed_loop import record_plans
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.terminal import identification_text
-from hbench.report.identification.text import identification_json, parameter_words
+from hbench.report.identification.text import (
+    identification_json,
+    identification_tables,
+    parameter_words,
+)
 from hbench.report.render.document import BANNERS
+from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain
 from hbench.units import from_si
 from hbench.workflow.results import derive
@@ -185,12 +190,11 @@ def test_hbench_run_takes_the_written_file_as_plant(written, tmp_path, quick_sch
 
 
 def test_json_and_table_tell_the_same(found):
-    document, text = json.loads(identification_json(found)), identification_text(found)
+    document, tables = json.loads(identification_json(found)), identification_tables(found)
     assert document["schema"] == "hbench.identification/1"
-    rows = [line.split() for line in text.splitlines()]
+    rows = [plain(line).split() for table in tables for line in table_lines(table)]
     for one in document["laws"]:
-        title = law_words(one["law"]).split()
-        of_law = [["law", *row[len(title) :]] for row in rows if row[: len(title)] == title]
+        of_law = [["law", *row[1:]] for row in rows if row[:1] == [one["law"]]]
         own = {row[1]: row for row in of_law if len(row) == 7}
         for part, errors in one["errors"].items():
             assert float(own[part][2]) == pytest.approx(errors["friction_n"], abs=0.06)

@@ -69,3 +69,23 @@ def test_a_reference_on_paper_to_a_table_that_is_not_printed_leads_to_the_page()
     made = Document("D", "", (Section("S", ("See [[all]].",), parts=(hidden,)),))
     on_page, on_paper = (numbered(made, paper).sections[0].paragraphs for paper in (False, True))
     assert on_page == ("See Table 1.",) and on_paper == ("See “All of them” on the page.",)
+
+
+def test_a_caption_is_written_once_in_a_section_and_its_parts_that_are_seen():
+    def figures(*names):
+        return tuple(Drawing(name, "s", name, "Same words.", "<svg/>", b"") for name in names)
+
+    parts = (
+        Section("Open", drawings=figures("b")),
+        Section("Folded", drawings=figures("c"), folded=True),
+    )
+    alone = (
+        Section("Folded", drawings=figures("d"), folded=True),
+        Section("", drawings=figures("e")),
+    )
+    sections = (Section("S", drawings=figures("a"), parts=parts), Section("T", parts=alone))
+    first, second = numbered(Document("t", "", sections)).sections
+    captions = [part.drawings[0].caption for part in (first, *first.parts, *second.parts)]
+    assert captions == [
+        "Same words.", "As for Figure 1.", "As for Figure 1.", "Same words.", "Same words."
+    ]  # fmt: skip

@@ -11,7 +11,8 @@ from hbench.analysis.fleet.precision import Tolerance
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.precision import limit_sentences
-from hbench.report.fleet.text import fleet_json, fleet_text
+from hbench.report.fleet.terminal import fleet_text
+from hbench.report.fleet.text import fleet_json
 from hbench.report.fleet.verdict import fleet_verdict
 from tests.support.report.made_fleet import summary_of
 from tests.support.report.made_plan import SIGMA_N, WEAR_N_M, plan_rows, write_plan

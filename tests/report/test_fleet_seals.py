@@ -13,7 +13,8 @@ from hbench.records import FleetRow
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.row import fleet_row
-from hbench.report.fleet.text import campaign_table, fleet_json, fleet_text
+from hbench.report.fleet.terminal import fleet_text
+from hbench.report.fleet.text import campaign_table, fleet_json
 from hbench.store.fleet.table import TABLE, cells_of, write_table
 from tests.support.analysis.drawn_seal import LARGE, MIDDLE_N_BAR, drawn_seal
 from tests.support.report.made_fleet import summary_of

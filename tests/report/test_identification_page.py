@@ -56,9 +56,8 @@ def verdict(found):
 def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, others):
     found = identified(law("tustin", 150.0), law("lugre", 10.0), law("leuven", other_n))
     error = "LuGre: it predicts friction in motion with an RMS error of 10.0 N"
-    scatter = "; the trials themselves scatter by 27.0 N."
-    simulated = f"On this simulated cylinder, use {error}{scatter} A real cylinder may need another"
-    assert verdict(found) == f"{simulated} law.{others}"
+    simulated = f"On this simulated cylinder, use {error}. The trials scatter by 27.0 N.{others}"
+    assert verdict(found) == f"{simulated} A real cylinder may need another law."
     measured = replace(found, provenance=replace(found.provenance, source="measured"), scatter={})
     assert verdict(measured) == f"Use {error}.{others}"
 
@@ -96,7 +95,7 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
     runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]
     words = verdict(replace(found, followed=tuple(runs)))
-    range_words = "It is verified for speeds up to 123 mm/s and loads of +500 and −5000 N."
+    range_words = "The law is verified for speeds up to 123 mm/s and loads of +500 and −5000 N."
     assert range_words in words
     determined = replace(identified(law("lugre", 10.0)), followed=tuple(runs))
     assert range_words in verdict(determined), "the range does not depend on what is undetermined"
@@ -114,7 +113,7 @@ def test_the_error_of_the_best_law_is_beside_the_measured_friction_and_the_instr
     assert "instruments" not in verdict(found)
     point = replace(small.curves[0].points[0], sigma_instruments_n=50.0)
     along = LawsAlongCurve(replace(small.curves[0], points=(point,)), np.array([0.01]), {})
-    common = "errors of the instruments, common to all runs, come on top: up to ±98 N (95 %)."
+    common = "Errors of the instruments, common to all runs, may shift friction by up to ±98 N (95"
     assert common in verdict(replace(found, steady=(along,)))
 
 
@@ -124,7 +123,6 @@ def test_the_errors_of_dynamic_and_static_laws_are_explained_beside_the_table():
     assert "Dynamic laws (LuGre)" in page and "static laws (Tustin, Marton and Lantos)" in page
     assert "RMS errors while the speed changes: 10.0 N against 110.0–116.0 N." in page
     assert "At constant speed</dt>" not in page  # no simulation oscillates
-    assert "does not show which of them suits a real cylinder" in page
     static = identified(law("tustin", 110.0), law("marton_lantos", 116.0))
     assert "Kinds of laws" not in identification_page(static, ())
 
@@ -134,14 +132,34 @@ def test_errors_at_speeds_where_a_simulation_oscillates_are_apart_from_the_other
     smooth, rough = (ModelErrors(n, 1e-4, 1e4, 1e4, 100) for n in (2.0, 40.0))
     parts = SteadyParts(smooth, rough, 30, (0.03, 0.06, 0.03))
     static = replace(law("pressure_based", 23.0), steady=parts)
+    assert "oscillates, in 3 of 30 parts" in ordinary_spaces(
+        identification_page(identified(static), ())
+    )
     found = identified(law("lugre", 3.0), static)
     page = ordinary_spaces(identification_page(found, ()))
     assert "oscillates, in 3 of 30 parts, at 30–60 mm/s: Pressure-based." in page
+    assert "In brackets: without the parts" in " ".join(identification_text(found).split())
     (summary,) = (table for table in identification_tables(found) if table.title == SUMMARY)
     assert [row[2] for row in summary.rows[:2]] == ["3.0", "23.0 (2.0)"]
     (errors,) = (table for table in identification_tables(found) if table.title == ERRORS)
     rows = {row[1]: row[2] for row in errors.rows if row[0] == "pressure_based"}
     assert rows["steady, smooth"] == "2.0" and rows["steady, oscillating"] == "40.0"
+
+
+def test_the_terminal_has_the_parameters_of_the_law_to_use_and_the_errors_of_all():
+    best, other = (
+        law(name, error, {key: FitParameter(86.0, 6.0, (73.0, 99.0), None, "N")})
+        for name, error, key in (("lugre", 3.0, "f_coulomb_n"), ("tustin", 50.0, "f_stiction_n"))
+    )
+    text = identification_text(identified(other, best))
+    assert "Coulomb force F_C" in text and "Static friction F_s" not in text
+    assert [line.split()[:2] for line in text.splitlines() if line.startswith("Tustin")] == [
+        ["Tustin", "50.0"]
+    ]
+    unverified = replace(identified(other, best), not_verified="no runs verify the laws")
+    laws = tuple(replace(each, errors={}) for each in (other, best))
+    text = identification_text(replace(unverified, laws=laws))
+    assert "Coulomb force F_C" in text and "Static friction F_s" in text
 
 
 def test_laws_are_listed_by_their_error_with_what_is_not_determined():

@@ -126,6 +126,17 @@ def test_a_narrow_table_says_that_it_has_more_columns_until_they_are_shown(brows
     assert browser.run(f"{short}.every(s => !s.classList.contains('more'))")
 
 
+def test_a_table_of_few_columns_is_as_wide_as_its_numbers(browser, pages):
+    browser.open(pages["diagnosis"])
+    browser.run("for (const one of document.querySelectorAll('details')) one.open = true")
+    shares = browser.run(
+        "[...document.querySelectorAll('table')].map(t => [t.tHead.rows[0].cells.length, "
+        "t.getBoundingClientRect().width / t.closest('section').clientWidth])"
+    )
+    assert min(share for columns, share in shares if columns <= 3) < 0.6
+    assert min(share for columns, share in shares if columns > 3) > 0.9
+
+
 def test_figures_are_inside_their_cards_and_a_wide_one_scrolls_on_a_phone(browser, pages):
     """A wide figure keeps its letters legible: it is wider than the screen, its page is not."""
     inside = (

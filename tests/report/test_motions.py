@@ -279,7 +279,7 @@ def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
     for numbers in (
         r"acceleration: 1 of 2 .*\+12\.0 N, p 0\.0040 \(seal A, 500 N, extend, 10 to 90 mm/s\)",
         r"steady: 0 of 1 ",
-        r"\+175\.90 \+- 0\.27 J\b.*\b2 cycles\b.*\b1 trial\b.* -17\.6 \+- 1\.9 N at -50, ",
+        r" 175\.90 \+- 0\.27 J\b.*\b2 cycles\b.*\b1 trial\b",
         r"steps: 2 .*\b65\.8 N, .*\b0\.3 s\b",
         r"leakage \(1 .* piston: 3\.60 \+- 0\.27 ml/min at 15\.0 bar$",
         r" piston side outwards: 0\.03 \+- 0\.57 ml/min at 45\.0 bar, .*\b0\b",

@@ -739,7 +739,7 @@ def test_a_breakaway_by_fits_that_are_not_determined_is_stated_with_them(small):
     page = ordinary_spaces(page_of(report_document(weak, ())))
     share = f"{tustin.determined} of {tustin.fits} Tustin fits determine all their parameters"
     assert (
-        "breakaway (by Tustin's law, not measured), extrapolated, all loads and directions; U up to"
+        "breakaway by Tustin's law, extrapolated, all loads and directions; U up to"
         in html.unescape(page)
     )
     assert (
@@ -766,3 +766,10 @@ def test_the_instruments_share_at_one_point_is_no_median(small):
     several = replace(found, quality=replace(found.quality, checks=(replace(check, of=2),)))
     page = ordinary_spaces(page_of(report_document(several, ())))
     assert "±21 % (95 %, median over all speeds and loads)" in page
+
+
+def test_notes_of_the_analysis_are_sentences(small):
+    notes = ("no fit for 1 of 1 curves", "The order is not known.")
+    sections = report_document(replace(small, notes=notes), ()).sections
+    (settings,) = (section for section in sections if section.anchor == "settings")
+    assert settings.parts[0].items == ("No fit for 1 of 1 curves.", "The order is not known.")

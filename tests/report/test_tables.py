@@ -25,8 +25,10 @@ from hbench.report.campaign.tables import (
 )
 from hbench.report.campaign.terminal import summary_text
 from hbench.report.first_sheet import about_rows
-from hbench.report.render.numbers import with_minus, without_powers
+from hbench.report.headline import headline_words
+from hbench.report.render.numbers import with_ends, with_minus, without_powers
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import plain
 from hbench.report.setting_words import value_words
 
 NUMBER = (int, float)
@@ -263,10 +265,10 @@ def test_the_summary_shows_the_intervals_of_trials_and_instruments(stribeck):
         return [re.split(r"  +", line)[3:6] for line in lines]
 
     head, found = cells(*points[:3])
-    assert head == ["friction N", "trials +- N", "U95 +- N"]
+    assert head == ["friction N", "trials alone +- N", "U +- N"]
     assert found[1:] == ["3.1 to 41 (2 of 3)", "67 (1 of 3)"]
     assert cells(*points[:2])[1][1:] == ["3.1 to 41", "67 (1 of 2)"]
-    assert cells(points[0]) == [["friction N", "trials +- N"], ["512.3", "3.1"]]
+    assert cells(points[0]) == [["friction N", "trials alone +- N"], ["512.3", "3.1"]]
     assert cells(*points[2:4])[0][1:2] == []  # nothing is known
 
 
@@ -276,7 +278,15 @@ def test_the_summary_names_counts_reasons_and_bounds_in_plain_ascii(stribeck):
     assert re.search(r"\b360 runs: 352 \w+, 8 \w+ \(2 off reference\b", text)
     assert "Tustin: F_C not determined, F_s " in text and "_n=" not in text
     assert "Next step: " in text and "[[" not in text
+    together = " ".join(text.split())
+    stiction = stribeck.curves[0].fits[0].parameters["f_stiction_n"]
+    assert f"F_s {plain(with_ends(stiction.value, *stiction.ci95))} N" in together
+    assert plain(headline_words(stribeck).replace("–", " to ")) in together
+    assert "PASS" not in text
+    assert "PASS by the last hbench accept. " in summary_text(stribeck, "PASS")
     assert max(map(len, text.splitlines())) <= 120
+    head = text.partition("\n\n")[0]
+    assert max(map(len, head.splitlines())) <= 104  # 100 letters, with ± spelled out
     assert len([line for line in text.splitlines() if line.startswith(("extend", "retract"))]) == 8
 
 

@@ -18,6 +18,7 @@ from hbench.records import (
 from hbench.records.diagnosis import FITTED
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.tables.effect_tables import ranking_table
 from hbench.report.diagnosis.tables.gap_tables import where_table
 from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
@@ -147,7 +148,7 @@ def test_deviations_barely_above_their_limits_and_their_common_place_are_in_the_
     )
     gaps = (first, second)
     lead = verdict_words(replace(compared, where=gaps, rest=gaps, regions=places))
-    assert "That is only 8 and 17 % above the limits that matter (before rounding)." in lead
+    assert "That is only about 8 and 20 % above the limits that matter." in lead
     assert "While retracting they deviate by 66 and 66 N RMS." in lead
     far = (first, replace(second, deviation=24.0))
     assert "above the limits" not in verdict_words(replace(compared, where=far, rest=far))
@@ -174,15 +175,33 @@ def test_a_significant_deviation_below_its_limit_and_one_within_the_noise_do_not
     assert "The flow to the load piston side agrees within the limits that matter." in text
 
 
+def test_a_size_far_below_a_typical_one_is_not_written_as_zero(compared):
+    small = replace(compared.ranking[0], score=1.1, explained=1.0, size=0.0004)
+    (row,) = ranking_table(replace(compared, ranking=(small,))).rows
+    assert "< 0.01 × typical" in row
+
+
+def test_a_deviation_above_its_limit_that_may_be_chance_is_not_left_out(compared):
+    """The row on the residuals names every quantity."""
+    chance = replace(compared.where[0], name="force_load", deviation=15.0, p_value=0.133)
+    text = summary(replace(compared, where=(compared.where[0], chance)))
+    words = "The force of the load cylinder deviates by 15 N RMS (matters above 12 N, p = 0.133)"
+    assert f"{words}; this may be chance." in ordinary_spaces(text)
+    sure = replace(chance, p_value=0.01)
+    assert "chance" not in summary(replace(compared, where=(compared.where[0], sure)))
+
+
 def test_a_share_that_suffices_and_a_score_that_does_not_are_explained_once(compared):
     weak = replace(compared.ranking[0], score=9.5, threshold=11.3, explained=0.35, size=1.0)
     why = "No effect explains the gaps. The best candidate, load_friction, explains 35 % (25 %)."
     text = " ".join(diagnosis_text(replace(compared, ranking=(weak,), why=why)).split())
-    assert "The best candidate" not in text and "No effect explains the gaps." in text
+    page = diagnosis_page(replace(compared, ranking=(weak,), why=why), ())
+    assert "The best candidate" not in page + text and "No effect explains the gaps." in page
     assert "35 % of the gap in the quantities that it changes; that share is large enough" in text
     assert "that chance is ruled out (score 9.5 nats, 11.3 needed)" in text
-    kept = replace(weak, score=20.0)  # it meets each criterion: another reason is in the sentence
-    assert "The best candidate" in diagnosis_text(replace(compared, ranking=(kept,), why=why))
+    refined = replace(weak, score=20.0)  # it meets each criterion of the search
+    text = summary(replace(compared, ranking=(refined,)))
+    assert "It is not named: refined together with the model's values, it is negligible" in text
 
 
 def test_what_several_deviations_have_in_common_is_inspected_first(compared):
@@ -275,9 +294,6 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     assert (
         " ".join(terminal.split()).count("my_bench.yaml shows added mass.") == 1
     )  # the file keeps its name
-    assert "Refitted values" in diagnosis_text(
-        replace(none, refitted=FACTOR, refit_priors=dict.fromkeys(FACTOR, 0.2))
-    )
     assert "9.50" not in text  # the verdict and the section on the gap have it
     assert "would show 1 of 3 known effects (2 tried, and rest time) at a typical" in text
     assert "They would not show added mass and rest time (not tried): these can be present." in text
@@ -324,7 +340,7 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "agrees with the measurement as far as it matters (it deviates from" in immaterial
     text = verdict(close, gap=1.9, deviation=19.0, p_value=0.3)
     assert "agrees" in text and "is not significant (p = 0.30)." in text
-    assert "times the repeatability; a correct model would by" in text
+    assert "times the repeatability, a correct model by 1.20 on average" in text
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
 
@@ -377,8 +393,8 @@ def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(comp
     text = ordinary_spaces(verdict_words(none))
     assert "the model agrees with the measurement. These runs give no reason to inspect" in text
     assert (
-        "In runs outside the fit the model deviates by 1.46 times the repeatability; a correct "
-        "model would by 2.18 on average, since its fitted values are uncertain."
+        "In runs outside the fit the model deviates by 1.46 times the repeatability, a correct "
+        "model by 2.18 on average, since its fitted values are uncertain."
     ) in text
     largest = (
         "The largest gap of a quantity in runs outside the fit is 2.79 in the flow to the load"

@@ -53,8 +53,31 @@ def test_sensors_whose_zero_errors_are_not_in_u_are_named(small, force, pressure
     curve = results.curves[0]
     points = tuple(replace(point, sigma_instruments_n=10.0) for point in curve.points)
     known = replace(results, curves=(replace(curve, points=points), *results.curves[1:]))
-    facts = dict(report_document(known, ()).sections[0].facts)
+    document = report_document(known, ())
+    facts = dict(document.sections[0].facts)
     assert zero_reserve(results) in facts["Uncertainty"]
+    later = [words for section in document.sections[1:] for words in section.paragraphs]
+    assert not any("no zero error" in words for words in later)  # once on the page
+
+
+def test_numbers_of_one_trial_which_have_no_u_have_no_reserve_of_it(small):
+    results = with_instruments(small, READING, SCALE)
+    names = ("friction_n", "breakaway_n", "efficiency")
+    series = tuple(
+        replace(
+            each,
+            **{
+                name: replace(number, u95=None)
+                for name in names
+                if (number := getattr(each, name)) is not None
+            },
+        )
+        for each in results.headline.series
+    )
+    single = replace(results, headline=replace(results.headline, series=series))
+    summary = report_document(single, ()).sections[0]
+    assert "no zero error" not in str(summary.facts)
+    assert summary.tables[0].title == "Results of each direction and load"
 
 
 def test_the_identity_states_what_the_tolerances_are_of(small):

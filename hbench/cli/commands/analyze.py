@@ -60,18 +60,19 @@ def report(
     Example: hbench report demo
     """
     from hbench import workflow
+    from hbench.store.campaign.stored_acceptance import stored_decision
 
     v = None if speed is None else speed_m_s(speed)
     results = workflow.report(campaign, fit, form=form.value, speed_m_s=v, monte_carlo=monte_carlo)
     typer.echo(f"{campaign / 'results' / f'report.{form.value}'}", err=True)
-    typer.echo(_result(results, as_json))
+    typer.echo(_result(results, as_json, stored_decision(campaign)))
 
 
-def _result(results: "Results", as_json: bool) -> str:
+def _result(results: "Results", as_json: bool, decision: str = "") -> str:
     from hbench.report.campaign.results_document import results_json
     from hbench.report.campaign.terminal import summary_text
 
-    return results_json(results) if as_json else summary_text(results)
+    return results_json(results) if as_json else summary_text(results, decision)
 
 
 def speed_m_s(text: str) -> float:

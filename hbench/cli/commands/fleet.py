@@ -74,7 +74,8 @@ def fleet(
         line.close()
     workflow.write_fleet(output, summary)
 
-    from hbench.report.fleet.text import fleet_json, fleet_text
+    from hbench.report.fleet.terminal import fleet_text
+    from hbench.report.fleet.text import fleet_json
 
     typer.echo(f"{output / 'fleet.html'}", err=True)
     typer.echo(fleet_json(summary) if as_json else fleet_text(summary))

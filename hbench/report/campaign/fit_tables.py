@@ -31,7 +31,7 @@ def fit_tables(results: Results) -> dict[str, Table]:
         rows: list[tuple[str | Cell, ...]] = []
         for columns, _, fit in chosen:
             known = {} if determines_none(fit) else fit.parameters
-            cells = [_parameter_cell(name, known.get(name)) for name in names]
+            cells = [parameter_cell(name, known.get(name)) for name in names]
             rows.append((*columns, *cells, _residual(fit), _verdict_cell(fit)))
         head = (*WHO, *heads, "RMS residual (N)", "Verdict")
         title = f"{law_words(law)}: fitted parameters"
@@ -229,7 +229,8 @@ def _parameter_head(name: str, unit: str) -> str:
     return f"{label} ({shown})"
 
 
-def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
+def parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
+    """Return a parameter with its 95 % interval, flagged where a bound or the fit decides it."""
     if parameter is None:
         return Cell(NONE)
     _, shown = label_and_unit(name, "1")

@@ -102,17 +102,12 @@ def _signed(value: float, half: float | None) -> str:
 def _of_loop(loop: Loop) -> str:
     text = (
         f"hysteresis ({series_words(loop.series)}, up to {short(1e3 * loop.v_top_m_s)} mm/s): "
-        f"{_signed(loop.area_j, loop.area_ci95_j)} J a cycle"
+        f"{with_interval(loop.area_j, loop.area_ci95_j).replace('±', '+-')} J of friction work a "
+        "cycle"
     )
     if loop.unit == "cycle":
         text += f" over {loop.cycles} cycles of 1 trial"
-    widths = [
-        f"{_signed(width.width_n, width.ci95_n)} N at {number(1e3 * width.v_m_s, 0)}"
-        for width in loop.widths
-        if abs(abs(width.v_m_s) - loop.v_top_m_s / 2) < 1e-9
-    ]
-    text += f"; width {', '.join(widths)} mm/s" if widths else ""
-    return f"{text} (+-: trials alone; width: |F| at rising less |F| at falling speed)"
+    return f"{text} (+-: trials alone)"
 
 
 def _of_levels(levels: tuple[Level, ...]) -> Iterator[str]:

@@ -152,15 +152,17 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     tables = (
         *titled(
             page_tables.band_table(results),
-            "Friction against pressure, with the intervals of the trials; half band: mean of both "
-            "magnitudes, middle: half of their difference",
+            "Friction against pressure, with the intervals of the trials",
         ),
         *titled(page_tables.trend_table(results), "Lines over pressure"),
         *titled(
             page_tables.balance_table(results), "Coulomb and viscous friction from both directions"
         ),
     )
-    return Section("Friction", () if drawings else (few,), drawings=drawings, tables=tables)
+    facts = (_HALF_BAND,) if results.bands else ()
+    return Section(
+        "Friction", () if drawings else (few,), drawings=drawings, tables=tables, facts=facts
+    )
 
 
 def _decided(results: Results, decision: Section) -> Section:
@@ -259,6 +261,10 @@ def _step_words(results: Results) -> str:
     return f"{_count(len(levels), 'level')} of {speeds} mm/s.{slowest}"
 
 
+_HALF_BAND = (
+    "Half band, middle",
+    "Mean of both directions' magnitudes, and half of their difference.",
+)
 _FOLDED = {"hysteresis": _loop_words, "steps": _step_words}  # by the section's name
 
 

@@ -10,6 +10,7 @@ from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
 from hbench.report.setting_words import key_words, section_words
 from hbench.report.zero_words import tolerance_words
+from hbench.sentences import capital
 
 _SIZES = ("bore", "rod", "stroke")
 _TEST = ("customer", "operator", "mounting", "place", "ambient")
@@ -59,10 +60,20 @@ def settings_section(results: Results, long_list: int) -> Section:
     notes: tuple[Section, ...] = ()
     if results.notes:
         title = f"Notes of the analysis ({len(results.notes)})"
-        notes = (Section(title, items=results.notes, folded=len(results.notes) > long_list),)
+        notes = (
+            Section(
+                title,
+                items=tuple(map(_sentence, results.notes)),
+                folded=len(results.notes) > long_list,
+            ),
+        )
     return Section(
         "Instruments and settings", facts=tuple(_facts(results)), parts=notes, anchor="settings"
     )
+
+
+def _sentence(note: str) -> str:
+    return f"{capital(note).rstrip('.')}."
 
 
 def _facts(results: Results) -> Iterator[tuple[str, str]]:

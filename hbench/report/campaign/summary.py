@@ -67,7 +67,13 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
     known = _instruments_known(results)
-    title = f"Results of each direction and load, with {'expanded uncertainty ' * known}U"
+    with_u = any(
+        number is not None and number.u95
+        for each in series
+        for number in (each.friction_n, each.breakaway_n, each.efficiency)
+    )
+    title = "Results of each direction and load"
+    title += f", with {'expanded uncertainty ' * known}U" if with_u else ""
     load_cell_n = _load_cell(results)
     table_of_series = _table(series, load_cell_n)
     tables = (replace(table_of_series, title=title),) if series else ()
@@ -76,7 +82,7 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     folded = (Section(heading, tables=tables, folded=True),) if len(series) > _LONG else ()
     parts = "[[uncertainty]]" if budget.rows else ""
     load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
-    zeros = zero_reserve(results) if known else ""
+    zeros = zero_reserve(results) if known and with_u else ""
     uncertainty = _uncertainty(series, parts, known)
     share = instruments_percent(results.quality) if _ONE_TRIAL.strip() in uncertainty else ""
     alone = f"The tolerances of the instruments alone give ±{share} %." if share else ""

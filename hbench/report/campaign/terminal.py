@@ -1,6 +1,6 @@
 """Results for a terminal: runs, reasons for rejection, and a line for each curve.
 
-Intervals are half-widths at 95 %: of the trials, and U95 of trials and instruments.
+Intervals are half-widths at 95 %: of the trials, and U of trials and instruments.
 """
 
 import re
@@ -10,28 +10,31 @@ from collections.abc import Sequence
 from hbench.records import KINDS, Curve, Fit, FitParameter, Results, WordTable
 from hbench.records.friction_laws import parameter_named
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.fit_tables import fits_verdict, label_and_unit, law_words
+from hbench.report.campaign.fit_tables import label_and_unit, law_words, parameter_cell
 from hbench.report.campaign.motion_rows import motion_lines
 from hbench.report.campaign.page_tables import balance_table, band_table, trend_table
 from hbench.report.campaign.quality.verdict import quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.campaign.table_columns import BALANCE, OF_DIRECTIONS
-from hbench.report.drift import drift_words
+from hbench.report.drift import drift_reserve, drift_words
+from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.next_step import next_step_words
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.numbers import significant, span, with_interval
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
 from hbench.report.render.word_tables import Table
-from hbench.units import from_si
 
 _REFERENCE = re.compile(r"; \[\[\w+\]\]")  # to a table of the page
 _ANCHOR = re.compile(r"\[\[\w+\]\]")
 
 
-def summary_text(results: Results) -> str:
-    """Return runs, reasons, the verdicts on data and fits, and a line for each curve."""
+def summary_text(results: Results, decision: str = "") -> str:
+    """Return runs, reasons, the page's verdict, and a line for each curve.
+
+    ``decision`` is that of the last acceptance, if there was one.
+    """
     accepted = sum(run.accepted for run in results.runs)
     reasons = ", ".join(
         f"{n} {code.replace('_', ' ')}" for code, n in reason_counts(results).most_common()
@@ -69,15 +72,15 @@ def summary_text(results: Results) -> str:
     moving = motion_lines(results.motions)
     bands = [line for each in _band_tables(results) for line in ("", *table_lines(each))]
     moving = ["", *moving] if moving else []
-    verdicts = (
-        line
-        for words in (
-            quality_verdict(results.quality),
-            fits_verdict(results),
-            _ANCHOR.sub("report.html", _REFERENCE.sub("", next_step_words(results))),
-        )
-        for line in wrapped(words)
+    drift = possible_drift_words(results)
+    verdict = (
+        f"{decision} by the last hbench accept." if decision else "",
+        headline_words(results),
+        quality_verdict(results.quality, stated=bool(drift)),
+        "" if drift else drift_reserve(results.drift),
+        _ANCHOR.sub("report.html", _REFERENCE.sub("", next_step_words(results))),
     )
+    verdicts = wrapped(" ".join(filter(None, verdict)).replace("–", " to "))
     paragraphs = [line for note in notes for line in wrapped(note)]
     lines = [head, *wrapped(counts), *verdicts, *table, *bands, *moving, *([""] if bands else [])]
     text = "\n".join([*lines, *paragraphs])
@@ -97,7 +100,7 @@ def _friction_words(curve: Curve) -> str:
 def _known_intervals(curves: Sequence[Curve]) -> dict[str, str]:
     """Return the headings of the intervals that any point has, with their fields."""
     points = [point for curve in curves for point in curve.points]
-    headings = {"trials +- N": "ci95_n", "U95 +- N": "u95_n"}
+    headings = {"trials alone +- N": "ci95_n", "U +- N": "u95_n"}
     return {
         heading: field
         for heading, field in headings.items()
@@ -158,5 +161,5 @@ def _parameter(name: str, parameter: FitParameter) -> str:
     _, unit = label_and_unit(name, parameter.unit)
     if parameter.at_bound or parameter.determination == "not determined":
         return f"{symbol} not determined"
-    value = f"{symbol} {significant(from_si(parameter.value, unit), 3)} {unit}"
+    value = f"{symbol} {parameter_cell(name, parameter).text} {unit}"
     return value if parameter.determination == "determined" else f"{value} (hardly determined)"

@@ -7,10 +7,9 @@ from hbench.report.comparison.verdict import drift_words
 
 _READ_U = (
     ("U", "Expanded uncertainty for a coverage probability of 95 %: of the trials, the instruments "
-     "and any significant drift within a campaign. It does not contain what changes when the "
-     "cylinder is mounted again."),
-    ("A, B", "Their U also contains the errors of the instruments that cancel in B − A. They are "
-     "rounded to their own U; B − A is computed from unrounded values."),
+     "and any significant drift within a campaign, without a new mounting of the cylinder. U of A "
+     "and of B also contains the errors of the instruments that cancel in B − A, which is computed "
+     "from unrounded values."),
 )  # fmt: skip
 _READ_TRIALS = (("± trials", "Half-width of the 95 % interval of the trials alone."),)
 _MEAN = (
@@ -20,9 +19,7 @@ _MEAN = (
 _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
      "trials do not exclude. Where it exceeds the difference less U, the verdict on friction and "
-     "on efficiency is \"may come from a drift\". It cancels in the mean over all curves, "
-     "whose times average to the middle of the campaign, if it is a straight line over time; a "
-     "warm-up is not."),
+     "on efficiency is “may come from a drift”."),
 )  # fmt: skip
 _UNKNOWN_DRIFT = (
     ("May come from a drift", "The part of a drift within the campaigns in this difference is not "
@@ -72,15 +69,6 @@ def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     facts = []
     if mean.p_value is not None:
         facts.append(("Mean over all curves", _MEAN))
-    if mean.speeds:
-        drift = " A drift may be part of these differences." if unseparated(differences) else ""
-        facts.append(
-            (
-                "By speed",
-                "B − A at each speed is a mean over all curves, with the 95 % interval of the "
-                f"trials.{drift}",
-            )
-        )
     if unseparated(differences) and mean.real and (words := drift_words(differences)):
         facts.append(("Drift", words))
     return tuple(facts)

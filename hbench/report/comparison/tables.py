@@ -129,8 +129,8 @@ def speeds_table(differences: CampaignDifferences) -> WordTable:
         (number(1e3 * each.v_m_s, 1), with_interval(each.value_n, each.ci95_n))
         for each in (mean.speeds if mean else ())
     )
-    title = "Friction (N): B − A at each speed, means over the curves"
-    return WordTable(title, ("Speed (mm/s)", "B − A ± trials"), rows)
+    title = "Friction (N): B − A at each speed, means over the curves with intervals of the trials"
+    return WordTable(title, ("Speed (mm/s)", "B − A (95 %)"), rows)
 
 
 def mean_verdict(differences: CampaignDifferences) -> str:

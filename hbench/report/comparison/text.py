@@ -82,9 +82,8 @@ def differences_text(differences: CampaignDifferences) -> str:
         if table.rows:
             lines += [*table_lines(table), ""]
     strokes = [SET_UP] if differences.bands else []
-    strokes += [f"A, B: {words}" for name, words in read_facts(differences) if name == "A, B"]
     facts = [fact for fact in mean_facts(differences) if fact[0] == "Drift"]
-    lines += _paragraphs(*facts)
+    lines += _paragraphs(*read_facts(differences), *facts)
     lines += wrapped(_counted("of fitted parameters", parameters)) if parameters else []
     lines += [line for note in (*strokes, *differences.notes) for line in wrapped(f"note: {note}")]
     return plain("\n".join(lines).rstrip())
@@ -167,7 +166,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Differences of mean friction and efficiency",
             tables=(friction, speeds_table(differences), efficiency),
-            facts=(*mean_facts(differences), *read_facts(differences), *drift_facts(differences)),
+            facts=(*read_facts(differences), *mean_facts(differences), *drift_facts(differences)),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),

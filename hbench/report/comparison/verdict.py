@@ -17,8 +17,8 @@ from hbench.report.render.numbers import (
 
 _FEW = 2  # curves that the verdict lists
 _MOUNTING = (
-    "Its uncertainty does not contain a new mounting of the cylinder: before acting on it, measure "
-    "one of the two again, mounted anew."
+    "The interval does not contain a new mounting: before acting on it, mount one of the two "
+    "cylinders again and repeat its measurement."
 )
 _REMEDY = "To compare single curves, measure both again with order: random in the schedule."
 
@@ -71,14 +71,12 @@ def _over_curves(differences: CampaignDifferences) -> str:
     share = f" ({significant(100 * abs(mean.value_n) / mean.a_n, 2)} %)" if mean.a_n > 0 else ""
     words = (
         f"Friction of {b} is {size} N{share} {way} than that of {a}, in the mean over all "
-        f"{mean.curves} curves"
+        f"{mean.curves} curves."
     )
     if unseparated(differences):
-        return (
-            f"{words}, provided that any drift within the campaigns was linear."
-            f"{_by_speed(mean, drift=True)}"
-        )
-    words += f".{_by_speed(mean, drift=False)}"
+        linear = "This assumes that any drift within the campaigns was linear."
+        return f"{words} {linear}{_by_speed(mean, drift=True)}"
+    words += _by_speed(mean, drift=False)
     if not real:
         return f"{words} The difference of no single curve is significant."
     sizes = alike([abs(each.value) for each in real])
@@ -99,10 +97,10 @@ def _by_speed(mean: MeanOfCurves, *, drift: bool) -> str:
     )
     if drift:
         return (
-            f" It seems to depend on speed, from {slow} to {fast}; a drift within the campaigns "
-            "may cause this."
+            f" The difference seems to depend on speed, from {slow} to {fast}, which such a drift "
+            "may cause."
         )
-    return f" It depends on speed, from {slow} to {fast}."
+    return f" The difference depends on speed, from {slow} to {fast}."
 
 
 def drift_words(differences: CampaignDifferences) -> str:

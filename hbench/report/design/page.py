@@ -39,7 +39,9 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     overview = tuple(each for each in drawn if each.section == SECTION)
     sections = []
     if overview:
-        sections.append(Section(TITLE, drawings=overview, facts=_facts(text.range_facts(design))))
+        sections.append(
+            Section(TITLE, drawings=overview, facts=_facts((("operating points", text.GRID),)))
+        )
     if proposal is not None:
         checks = (*proposal.margins, *proposal.closed_loop)
         sections += [

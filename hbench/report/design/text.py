@@ -24,8 +24,8 @@ from hbench.report.render.terminal_text import wrapped
 from hbench.units import from_si
 
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
-_GRID = (
-    "These points: both ends and the middle of the travel, both directions, three speeds up to "
+GRID = (
+    "both ends and the middle of the travel, both directions, three speeds up to "
     "half of limits.speed_max, and three loads against the motion up to 45 % of the supply "
     "pressure on the rod side of the test cylinder"
 )
@@ -197,7 +197,7 @@ def range_facts(design: Design) -> tuple[tuple[str, str], ...]:
         for unit, decimals in (("deg", 0) if "phase" in what else ("dB", 1),)
     ).replace(": ", " loop, ")
     everywhere = f"margins at all {design.points} operating points"
-    return ((everywhere, f"{ranges}. {_GRID}"),) if ranges else ()
+    return ((everywhere, f"{ranges}. These points: {GRID}"),) if ranges else ()
 
 
 def facts(design: Design) -> tuple[tuple[str, str], ...]:
@@ -269,11 +269,13 @@ def design_text(design: Design) -> str:
         verdict = f"verdict: {proposal_verdict(design.proposal, design)}"
     elif design.checks:
         verdict = f"verdict: {loops_verdict(design)}"
-    results = (_smallest_margins(design), *map(": ".join, (*range_facts(design), *facts(design))))
+    results = map(": ".join, (*range_facts(design), *facts(design)))
+    present = design.checks if design.proposal is None else ()
     lines = [
         design.bench,
         *wrapped(verdict),
         "",
+        *([*_check_table(present), ""] if present else []),
         *wrapped(f"operating point: {point_words(design)}"),
         "",
         *_table(LOOP_HEAD, loop_rows(design.loops, design.tick_s)),
@@ -290,20 +292,8 @@ def design_text(design: Design) -> str:
         lines += [*_table(LOOP_HEAD, loop_rows(proposal.loops, design.tick_s)), ""]
         checks = (*proposal.margins, *proposal.closed_loop)
         lines += _check_table(checks)
-    elif design.checks:
-        lines += ["", *_check_table(design.checks)]
     text = "\n".join(lines).replace("−", "-").replace("–", "-")
     return text.replace("≥", ">=").replace("≤", "<=").replace("∞", "inf")
-
-
-def _smallest_margins(design: Design) -> str:
-    board = [(loop.name, loop.merits[-1]) for loop in design.loops]
-    phase, of_phase = min((merits.phase_margin_deg, name) for name, merits in board)
-    gain, of_gain = min((gain_db(merits), name) for name, merits in board)
-    return (
-        f"smallest margins on the board at this operating point: {margin(phase, 0)} deg "
-        f"({of_phase}), {margin(gain, 1)} dB ({of_gain})"
-    )
 
 
 def _check_table(checks: Sequence[Check]) -> list[str]:

@@ -27,7 +27,7 @@ REFUSED = (
 FITTED_WITH = " With the {added}, the values are fitted again: model.yaml has those."
 RUNS = (
     "The gap of a single run includes its own scatter: a model with exact values has 1. The last "
-    "columns show the worst flow or force and signals of the run, at the last step. "
+    "columns show the flow or force and the signals with the largest gaps, for the final model. "
     "gaps_by_run.csv beside this page contains every run and signal."
 )
 NUMBERS = (

@@ -13,7 +13,7 @@ from hbench.report.diagnosis.names import (
     of_strokes,
     of_the_mass,
 )
-from hbench.report.diagnosis.sentences import predictions_words, reason_words
+from hbench.report.diagnosis.sentences import predictions_words, reason_words, refused_words
 from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
 from hbench.report.diagnosis.tables import effect_tables, gap_tables
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
@@ -146,7 +146,7 @@ def _refused(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
         return ()
     added = added_words(diagnosis)
     fitted = definitions.FITTED_WITH.format(added=added) if added and diagnosis.refitted else ""
-    words = diagnosis.refit_refused.replace("held-out runs", "runs outside the fit")
+    words = refused_words(diagnosis)
     return (("Refit refused", f"{words} {definitions.REFUSED.format(fitted=fitted)}"),)
 
 

@@ -16,7 +16,6 @@ from hbench.report.diagnosis.names import (
     share,
     value_words,
 )
-from hbench.report.diagnosis.words.candidate import too_small
 from hbench.report.diagnosis.words.coefficient import keys_as_words, parameter_text
 from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, MOST_SIGNALS
 from hbench.report.diagnosis.words.error import load_errors
@@ -103,10 +102,12 @@ def _ratio(nats: float) -> str:
 
 def reason_words(diagnosis: Diagnosis) -> str:
     """Return the reason for the verdict, without the candidate that ``best_candidate`` explains."""
-    unknown = diagnosis.verdict == "unknown" and diagnosis.ranking
-    if unknown and too_small(diagnosis.ranking[0]):
-        return keys_in_words(diagnosis.why.partition(" The best candidate, ")[0])
-    return keys_in_words(diagnosis.why)
+    return keys_in_words(diagnosis.why.partition(" The best candidate, ")[0])
+
+
+def refused_words(diagnosis: Diagnosis) -> str:
+    """Return why the refit without effects was refused; empty where it was not."""
+    return diagnosis.refit_refused.replace("held-out runs", "runs outside the fit")
 
 
 def worse_words(diagnosis: Diagnosis) -> str:

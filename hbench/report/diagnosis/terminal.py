@@ -1,9 +1,9 @@
-"""A diagnosis for a terminal: the paragraph and the answers of the page, then every table."""
+"""A diagnosis for a terminal: the paragraph and the answers of the page, then its main tables."""
 
 from hbench.records import Diagnosis
 from hbench.report.diagnosis.heading import title_words
-from hbench.report.diagnosis.names import in_words, keys_in_words, of_the_mass
-from hbench.report.diagnosis.sentences import reason_words
+from hbench.report.diagnosis.names import keys_in_words, of_the_mass
+from hbench.report.diagnosis.sentences import refused_words
 from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
 from hbench.report.diagnosis.text import diagnosis_tables, gap_line, in_page_words, law_lines
@@ -18,7 +18,7 @@ _LEFT_OUT = 5  # runs that the terminal lists
 
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
-    """Return the verdict, the answers, every table and the caveats."""
+    """Return the verdict, the answers, the main tables and the caveats; the page has the rest."""
     title = f"{title_words(diagnosis)} ({diagnosis.provenance.source}, verdict: "
     lead = of_the_mass(diagnosis, verdict_words(diagnosis))
     errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
@@ -26,9 +26,8 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
         "\n".join((f"{title}{diagnosis.verdict})", *wrapped(lead))),
         _paragraphs(*(f"{question}: {words}" for question, words in answers(diagnosis))),
         _paragraphs(gap_line(diagnosis)),
-        _paragraphs(reason_words(diagnosis)),
         _paragraphs(" ".join(filter(None, errors))),
-        _paragraphs(*effect_lines(diagnosis), *law_lines(diagnosis)),
+        _paragraphs(*law_lines(diagnosis)),
     ]
     tables = map(in_page_words, diagnosis_tables(diagnosis))
     blocks += ["\n".join(table_lines(table)) for table in tables]
@@ -42,20 +41,11 @@ def _paragraphs(*texts: str) -> str:
     return "\n".join(line for text in texts for line in wrapped(keys_in_words(text)))
 
 
-def effect_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Return for each effect whether it is the bench's or a sensor's, its law and its form."""
-    return tuple(
-        f"{capital(in_words(effect.name))} (of the {'sensors' if effect.of_sensor else 'bench'}): "
-        f"{effect.description}; form: {effect.shape or 'the textbook one'}."
-        for effect in diagnosis.effects
-    )
-
-
 def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return missing data, effects that were not tried and runs left out, a sentence each."""
     lines = [f"Missing for a better verdict: {item}" for item in diagnosis.missing]
     lines += map(capital, map(keys_as_words, not_tried_lines(diagnosis.not_tried)))
-    lines += [diagnosis.refit_refused] if diagnosis.refit_refused else []
+    lines += [refused_words(diagnosis)] if diagnosis.refit_refused else []
     if diagnosis.left_out:
         lines.append(f"Runs left out: {len(diagnosis.left_out)}")
         lines += [f"- {line}" for line in diagnosis.left_out[:_LEFT_OUT]]

@@ -7,7 +7,6 @@ from hbench.report.diagnosis.tables.effect_tables import (
     alternatives_table,
     effects_table,
     ranking_table,
-    refitted_table,
 )
 from hbench.report.diagnosis.tables.gap_tables import (
     errors_table,
@@ -16,13 +15,12 @@ from hbench.report.diagnosis.tables.gap_tables import (
     rest_table,
     where_table,
 )
-from hbench.report.diagnosis.tables.run_gaps import run_table
 from hbench.report.diagnosis.words.deviation import undecided_balance
 from hbench.report.diagnosis.words.error import load_errors
 from hbench.report.diagnosis.words.law import law_line
 from hbench.sentences import capital
 
-_FEW = 8  # candidates, and runs, that a terminal is shown
+_FEW = 5  # candidates that a terminal is shown
 
 
 def in_page_words(table: WordTable) -> WordTable:
@@ -79,7 +77,7 @@ def _most_in(diagnosis: Diagnosis) -> str:
 
 
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    """Return the tables that have rows, the answers first and the evidence after them."""
+    """Return the tables of a terminal that have rows, the answers first, then the evidence."""
     every = (
         candidates_table(diagnosis),
         *changes_tables(diagnosis),
@@ -89,10 +87,8 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
         alternatives_table(diagnosis),
         where_table(diagnosis),
         rest_table(diagnosis),
-        *gap_tables(diagnosis, diagnosis.gap_heldout, "runs outside the fit"),
-        run_table(diagnosis, _FEW),
+        *gap_tables(diagnosis, diagnosis.gap_heldout, "runs outside the fit")[:1],
         ranking_table(diagnosis, _FEW),
-        refitted_table(diagnosis),
     )
     return tuple(table for table in every if table.rows)
 

@@ -27,7 +27,6 @@ from hbench.report.diagnosis.words.coefficient import (
     coefficient_words,
     coefficients_words,
     description_words,
-    leak_alike,
     of_valves,
     only_coefficient,
     parts_present,
@@ -165,8 +164,7 @@ def _finding(effect: AddedEffect) -> str:
         missing = f"{capital(name)} may be missing in the model"
     value = only_coefficient(effect)
     words = f"{value}; 95 % interval" if value else parts_words(effect) or _parts(effect)
-    finding = f"{missing}: {description_words(effect)}{f' ({words})' if words else ''}."
-    return f"{finding} Leaking valves may look the same." if leak_alike(effect) else finding
+    return f"{missing}: {description_words(effect)}{f' ({words})' if words else ''}."
 
 
 def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
@@ -260,7 +258,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     doubtful = doubtful_values(diagnosis)
     yield doubtful or "These runs give no reason to inspect or to repair anything."
     yield undetectable(diagnosis)
-    yield "Those of next.yaml would show more." if diagnosis.next_schedule else ""
+    yield "The runs of next.yaml would show more." if diagnosis.next_schedule else ""
     yield "" if diagnosis.errors else total_words(diagnosis)
     yield largest_deviation_words(diagnosis)
 

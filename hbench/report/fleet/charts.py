@@ -13,10 +13,7 @@ from hbench.records import (
 )
 from hbench.report.conformity.text import check_words, limit_words
 from hbench.report.fleet.names import (
-    in_sentence,
     name_of,
-    of_change,
-    of_side,
     signed,
     working_speed,
 )
@@ -32,45 +29,12 @@ _AMOUNTS = {
 }
 
 
-def step_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield the steps of the mean, a sentence for each first campaign."""
-    steps: dict[str, list[str]] = {}
-    largest: dict[str, float] = {}
-    for chart in fleet.charts:
-        if chart.step is not None and chart.step.real:
-            scale, unit = chart.quantity.scale, chart.quantity.unit
-            name = f"{in_sentence(chart.quantity)}{of_side(chart.direction)}"
-            at = chart.step.name
-            size = step_size(chart.step, scale)
-            words = f"{name}, by {size} {of_change(unit)}"
-            steps.setdefault(at, []).append(words)
-            largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
-    for at, changes in steps.items():
-        yield (
-            f"From {at} on the mean has changed: {'; '.join(changes[:_NAMED])}"
-            f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''} "
-            f"(p at most {significant(largest[at], 2)})."
-        )
-
-
 def because_of_step(fleet: Fleet) -> str:
     """Return that limits are those before a step that campaigns are beyond; empty without one."""
     outside = [chart for chart in fleet.charts if chart.outside]
     if not any(chart.n_limits < chart.n for chart in outside):
         return ""
     return " of the campaigns before the change"
-
-
-def limit_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield the campaigns beyond the control limits, with the sides on which they are."""
-    beyond: dict[str, list[str]] = {}
-    for chart in fleet.charts:
-        for name in chart.outside:
-            beyond.setdefault(name, []).append(_side_of_limits(chart, name))
-    if beyond:
-        names = [f"{name} ({'; '.join(beyond[name])})" for name in in_order(beyond)]
-        which = named(tuple(names)[:_NAMED], len(beyond))
-        yield f"Campaigns beyond the control limits{because_of_step(fleet)}: {which}."
 
 
 def wear_sentences(fleet: Fleet) -> Iterator[str]:
@@ -196,13 +160,13 @@ def capability_notes(fleet: Fleet) -> Iterator[str]:
         stepped = any(chart.step is not None and chart.step.real for chart in fleet.charts)
         speed = working_speed(fleet)
         yield (
-            "Ppk is of the standard deviation s of all campaigns, Cpk of the standard deviation "
-            "s_w from one campaign to the next, which a step or a drift hardly increases."
+            "Ppk uses the standard deviation s of all campaigns, Cpk that from one campaign to the "
+            "next, s_w, which a step or a drift hardly increases."
             + (" As long as the mean changes, neither predicts later campaigns." * stepped)
         )
         yield (
-            "Values are those of the speeds and loads of the limits. The other numbers of this "
-            f"page are means over the loads at the working speed{f', {speed}' if speed else ''}."
+            "Values are those of the speeds and loads of the limits. The other numbers are means "
+            f"over the loads at the working speed{f', {speed}' if speed else ''}."
         )
     for name, reason in fleet.without_capability:
         yield f"No Ppk for the limit of {name}: {reason}."
@@ -234,15 +198,6 @@ def slope_unit(trend: WearTrend) -> str:
 def chart_words(chart: ControlChart) -> str:
     """Return what the chart's values are."""
     return "deviation from its cylinder's mean, plus the mean" if chart.of_cylinders else "value"
-
-
-def _side_of_limits(chart: ControlChart, name: str) -> str:
-    """Write of which number a campaign is beyond the limits, and on which side if it is drawn."""
-    number = f"{in_sentence(chart.quantity)}{of_side(chart.direction)}"
-    value = dict(zip(chart.names, chart.values, strict=True)).get(name)
-    if value is None:
-        return number
-    return f"{number}: {'above' if value > chart.centre else 'below'}"
 
 
 def in_order(names: Iterable[str]) -> tuple[str, ...]:

@@ -6,7 +6,6 @@ from hbench.records import FEWEST_CAMPAIGNS, ControlChart, Fleet, Spread, Trend,
 from hbench.report.conformity.text import check_words
 from hbench.report.fleet.charts import named, step_size
 from hbench.report.fleet.names import (
-    in_sentence,
     main_spreads,
     name_of,
     of_side,
@@ -19,10 +18,11 @@ from hbench.report.fleet.verdict import (
     change_words,
     decision_words,
     steady_spreads,
+    steady_trends,
     stepped_numbers,
 )
 from hbench.report.render.document import Tile
-from hbench.report.render.numbers import NONE, alike, half_width, significant
+from hbench.report.render.numbers import NONE, alike, significant
 from hbench.sentences import capital
 
 _RANGES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
@@ -60,9 +60,8 @@ def fleet_tiles(fleet: Fleet) -> Iterator[Tile]:
     if trends := steady_spreads(fleet):
         drifting = sum(trend.real for _, trend in trends)
         value, unit = f"{drifting} of {len(trends)}", "numbers with a drift"
-        most = f"; {unseen_drift(trends)}" if not drifting else ""
         others = "of those without a step" if stepped_numbers(fleet) else "over the campaigns"
-        yield Tile(value, unit, f"{others}{most}", "method-trends")
+        yield Tile(value, unit, others, "method-trends")
     if fleet.capabilities:
         least = min(fleet.capabilities, key=lambda each: each.ppk.value)
         words = check_words(least.requirement, least.series)
@@ -98,23 +97,6 @@ def _ranges(fleet: Fleet) -> Iterator[Tile]:
             yield Tile(value, spread.quantity.unit, caption, "method-spread")
 
 
-def unseen_drift(trends: list[tuple[Spread, Trend]]) -> str:
-    """Write the largest change, as a share of its median, that the trends do not exclude."""
-    shares = [
-        (max(abs(trend.low), abs(trend.high)) / abs(spread.median), spread, trend)
-        for spread, trend in trends
-        if spread.median
-    ]
-    if not shares:
-        return ""
-    share, spread, trend = max(shares, key=lambda each: each[0])
-    change = spread.quantity.scale * max(abs(trend.low), abs(trend.high))
-    size = f"{half_width(change)} {spread.quantity.unit}"
-    size += f" ({half_width(100 * share)} %)" if spread.quantity.unit != "%" else ""
-    number = f"{in_sentence(spread.quantity)}{of_side(spread.direction)}"
-    return f"up to {size} possible in {number}"
-
-
 def overview_table(fleet: Fleet) -> WordTable:
     """Return a row for each number: its middle, its spread, and its change over time."""
     charts = {(chart.quantity, chart.direction): chart for chart in fleet.charts}
@@ -144,6 +126,23 @@ def overview_table(fleet: Fleet) -> WordTable:
         tuple(head[i] for i in kept),
         tuple(tuple(row[i] for i in kept) for row in rows),
     )
+
+
+def interval_facts(fleet: Fleet) -> tuple[tuple[str, str], ...]:
+    """Explain a change whose interval does not contain 0 and that is not significant."""
+    apart = [
+        trend.p_holm
+        for trend in steady_trends(fleet)
+        if not trend.real and not trend.low <= 0 <= trend.high
+    ]
+    if not apart:
+        return ()
+    p = significant(min(apart), 2)
+    words = (
+        "Each interval is that of its number alone; significance is corrected for all trends that "
+        f"were tested (p = {p} where the interval does not contain 0)."
+    )
+    return (("Change over time", words),)
 
 
 def _change(spread: Spread, chart: ControlChart | None, trend: Trend | None) -> str:

@@ -18,7 +18,12 @@ from hbench.report.fleet.charts import (
 from hbench.report.fleet.figures import DISTRIBUTIONS
 from hbench.report.fleet.method import fleet_method
 from hbench.report.fleet.names import distinct_names, working_speed
-from hbench.report.fleet.overview import fleet_identity, fleet_tiles, overview_table
+from hbench.report.fleet.overview import (
+    fleet_identity,
+    fleet_tiles,
+    interval_facts,
+    overview_table,
+)
 from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
 from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
 from hbench.report.fleet.row import at_pressure, kind_difference, kind_parts
@@ -35,11 +40,9 @@ from hbench.report.fleet.verdict import (
     fleet_verdict,
     further_sentences,
     steady_spreads,
-    steady_trends,
 )
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import significant
 from hbench.report.render.word_tables import Cell, Table
 from hbench.sentences import capital
 
@@ -106,23 +109,6 @@ def _of_trends(fleet: Fleet, *, changed: bool) -> str:
     return words if changed else words.rpartition(" A number")[0]
 
 
-def _of_intervals(fleet: Fleet) -> tuple[tuple[str, str], ...]:
-    """Explain a change whose interval does not contain 0 and that is not significant."""
-    apart = [
-        trend.p_holm
-        for trend in steady_trends(fleet)
-        if not trend.real and not trend.low <= 0 <= trend.high
-    ]
-    if not apart:
-        return ()
-    p = significant(min(apart), 2)
-    words = (
-        "Each interval is that of its number alone; significance is corrected for all trends that "
-        f"were tested (p = {p} where the interval does not contain 0)."
-    )
-    return (("Change over time", words),)
-
-
 def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     left_out = "{} campaigns of this kind at other speeds are left out."
     remark = (left_out.format(fleet.other_speeds),) if fleet.other_speeds else ()
@@ -133,7 +119,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         items=tuple(further_sentences(fleet)),
         tiles=tuple(fleet_tiles(fleet)),
         tables=(*((overview,) if overview.rows else ()), *_protocols(fleet)),
-        facts=_of_intervals(fleet),
+        facts=interval_facts(fleet),
     )
     if fleet.outliers:
         yield _deviations(fleet)

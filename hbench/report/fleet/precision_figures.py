@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import DIRECTIONS, ControlChart, Fleet, Precision, Quantity, Side, WearTrend
 from hbench.report.campaign.series_words import TITLES
-from hbench.report.fleet.charts import chart_words, named
+from hbench.report.fleet.charts import chart_words
 from hbench.report.fleet.dates import set_dates
 from hbench.report.fleet.names import of_side, short_title
 from hbench.report.fleet.precision import source_words
@@ -34,11 +34,10 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
         yield _sketch("components", COMPONENTS, quantity, caption, figure)
     for chart in fleet.charts:
         name = _name(chart.quantity, chart.direction)
-        beyond = named(chart.outside, chart.beyond)
         caption = (
             f"Above: each point is a {chart_words(chart)}; lines: mean and mean ± 3 σ. Below: "
             "exponentially weighted moving average (EWMA) with its limits. Rings: beyond the "
-            f"limits (single values: {beyond}); squares: last point of another pattern."
+            "limits; squares: last point of another pattern."
         )
         if chart.step is not None and chart.step.real:
             caption += (

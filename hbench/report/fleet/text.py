@@ -1,4 +1,4 @@
-"""A fleet in words and numbers: tables for the terminal and the page, and as JSON."""
+"""Tables of a fleet for the terminal and the page, and the fleet as JSON."""
 
 import json
 import math
@@ -15,27 +15,15 @@ from hbench.records import (
     Trend,
     WordTable,
 )
-from hbench.report.fleet.charts import (
-    capability_notes,
-    capability_table,
-    chart_table,
-    signal_table,
-    step_table,
-    wear_table,
-)
 from hbench.report.fleet.names import (
     distinct_names,
     main_spreads,
     name_of,
     signed,
 )
-from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
 from hbench.report.fleet.row import kind_difference
 from hbench.report.fleet.verdict import (
     change_words,
-    decision_words,
-    finding_sentences,
-    fleet_verdict,
     steady_spreads,
 )
 from hbench.report.json_documents.values import json_value
@@ -46,59 +34,8 @@ from hbench.report.render.numbers import (
     significant,
     with_ends,
 )
-from hbench.report.render.terminal_table import table_lines
-from hbench.report.render.terminal_text import wrapped
 
 SCHEMA = "hbench.fleet/1"
-_PLAIN = str.maketrans(
-    {"±": "+-", "²": "^2", "σ": "s.d.", "×": "x", "λ": "lambda", "−": "-", "–": "-", "…": "..."}
-)
-_FEW = 5
-_MOST_ROWS = 50  # campaigns that are listed on a terminal
-
-
-def fleet_text(fleet: Fleet) -> str:
-    """Return the summary and the tables, for a terminal."""
-    failed = f", {fleet.failed} failed" if fleet.failed else ""
-    lines = [f"{fleet.campaigns} campaigns: {fleet.campaigns - fleet.failed} analysed{failed}"]
-    lines += wrapped(fleet_verdict(fleet))
-    lines += [f"  {count} failed: {reason}" for reason, count in fleet.reasons]
-    if len(fleet.protocols) > 1:
-        lines.append(
-            f"{fleet.compared} of the most frequent kind are evaluated: {fleet.protocols[0][0]}"
-        )
-    if fleet.other_speeds:
-        lines.append(f"{fleet.other_speeds} of them at other speeds are left out")
-    tables = (
-        *([campaign_table(fleet)] if len(fleet.rows) <= _MOST_ROWS else []),
-        spread_table(fleet),
-        trend_table(fleet),
-        worst_table(fleet, _FEW),
-        limits_table(fleet),
-        components_table(fleet),
-        capability_table(fleet),
-        chart_table(fleet),
-        signal_table(fleet),
-        step_table(fleet),
-        wear_table(fleet),
-    )
-    for table in tables:
-        if table.rows:
-            lines += ["", *table_lines(_plain(table))]
-    if fleet.decisions:
-        lines += ["", f"decisions of hbench accept: {decision_words(fleet)}"]
-    notes = [f"plan: {note}" for note in fleet.plan_notes]
-    notes += [*capability_notes(fleet), *limit_sentences(fleet), *finding_sentences(fleet)]
-    lines += ["", *(line for note in notes for line in wrapped(note))]
-    return "\n".join(lines).translate(_PLAIN)
-
-
-def _plain(table: WordTable) -> WordTable:
-    """Return a table in letters that every terminal has, before its columns are aligned."""
-    head, *rows = (
-        tuple(cell.translate(_PLAIN) for cell in row) for row in (table.head, *table.rows)
-    )
-    return WordTable(table.title, head, tuple(rows))
 
 
 def fleet_json(fleet: Fleet) -> str:

@@ -1,4 +1,4 @@
-"""Verdict of a fleet, and its findings: steps, outliers and drifts in sentences."""
+"""Verdict of a fleet, and its findings: outliers and drifts in sentences."""
 
 import math
 from collections.abc import Iterator
@@ -8,9 +8,7 @@ from hbench.report.fleet.charts import (
     CHECK_WHAT,
     because_of_step,
     in_order,
-    limit_sentences,
     named,
-    step_sentences,
     step_size,
     wear_sentences,
 )
@@ -32,7 +30,6 @@ from hbench.sentences import capital
 _LIMITS_ARE_NARROWER = (
     "A campaign beyond a control limit need not be an outlier: control limits are narrower."
 )
-_UNLESS_DRIFT = ", unless a drift within the campaigns differs between them"
 _NAMED = 3  # steps, outliers and drifts in a sentence
 
 
@@ -42,8 +39,6 @@ def fleet_verdict(fleet: Fleet) -> str:
     passed = fleet.decisions == (("PASS", fleet.campaigns),)
     changes = _changes(fleet)
     changed = "; ".join(f"{' and '.join(sizes)} changed from {at} on" for at, sizes in changes)
-    if changed and dict(fleet.weak_checks).get("drift", 0):
-        changed += _UNLESS_DRIFT
     if passed:
         but = f", but {changed}" if changed else ""
         sentences = [f"All {fleet.campaigns} campaigns have the decision PASS{but}."]
@@ -65,9 +60,9 @@ def fleet_verdict(fleet: Fleet) -> str:
     friction = () if changes else _friction_words(fleet)  # of two levels; the tiles have its range
     found = [
         *_change_words(changes),
+        *_drift_within(fleet, changes),
         *friction,
         *_conspicuous_words(fleet),
-        *_drift_within(fleet, changes),
     ]
     if passed and not (fleet.incomplete or poor or any(_to_be_checked(fleet))):
         few = f"; changes over time are tested from {FEWEST_CAMPAIGNS} campaigns on"
@@ -139,13 +134,15 @@ def _change_words(changes: list[tuple[str, dict[str, list[str]]]]) -> Iterator[s
 
 
 def _drift_within(fleet: Fleet, changes: list[tuple[str, dict[str, list[str]]]]) -> Iterator[str]:
-    """Yield that a drift within the campaigns may exceed a step, where their data allow one."""
+    """Yield that drifts within the campaigns may cause a step, where their data allow one."""
     count = dict(fleet.weak_checks).get("drift", 0)
     if changes and count:
         size = fleet.drift_possible
-        most = "" if size is None else f"; it is up to {math.ceil(100 * size)} % in the worst"
-        where = f"{'any' if count == fleet.compared else count} of {fleet.compared} campaigns"
-        yield f"A drift of friction is not excluded within {where}{most}."
+        most = "" if size is None else f" (up to {math.ceil(100 * size)} % in the worst)"
+        known = f"{count} of {fleet.compared} campaigns do not exclude one"
+        if count == fleet.compared:
+            known = f"none of the {count} campaigns excludes one"
+        yield f"Drifts within the campaigns may also cause this: {known}{most}."
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
@@ -169,14 +166,6 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
         yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
     elif any(suspect.deviations for suspect in fleet.worst):
         yield "No campaign is an outlier."
-
-
-def finding_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield steps, wear, outliers and drifts with their numbers."""
-    if fleet.spreads:
-        yield from step_sentences(fleet)
-        yield from limit_sentences(fleet)
-    yield from further_sentences(fleet)
 
 
 def further_sentences(fleet: Fleet) -> Iterator[str]:

@@ -4,14 +4,14 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from hbench.records import Identification, IdentifiedLaw, WordTable
+from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.records.identification import MEMORY_M
 from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.campaign.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
 from hbench.report.identification.ranking import best_law, ranked_laws
-from hbench.report.identification.remarks import interval_words, left_out_words
+from hbench.report.identification.remarks import interval_words, left_out_words, oscillation_words
 from hbench.report.identification.text import (
     ERRORS,
     HELD_OUT,
@@ -27,8 +27,7 @@ from hbench.report.identification.text import (
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike, span
-from hbench.sentences import listed
+from hbench.report.render.numbers import alike
 
 _SOURCE = (
     "Laws and verification profile",
@@ -38,7 +37,7 @@ _SOURCE = (
 _SUMMARY = (
     ("RMS error", "Root mean square of simulated less measured friction over the verification "
      "runs, which were not used for the identification. Each law was simulated in a model of the "
-     "bench, with the firmware in closed loop. At rest friction is the force that holds the "
+     "bench, with the firmware in closed loop. At rest, friction is the force that holds the "
      "piston, which laws of speed and pressure alone do not determine."),
     ("Start", f"The first {1e3 * MEMORY_M:.0f} mm of each run are not counted, as in the fits: "
      "there friction depends on how the piston came to rest before the log began."),
@@ -54,23 +53,15 @@ _HELD_OUT = ("RMS error of friction", "Along the motion of runs left out of the 
 _PARTS = (
     ("Steady", "The reference has been constant for 0.3 s. It is oscillating where simulated "
      "friction has more than three times the standard deviation of the measured one, else smooth."),
-    ("Rest", "The reference has been zero for 0.3 s; there friction is the force that holds the "
-     "piston. Laws of speed and pressure alone (Tustin, Marton and Lantos, pressure-based) do not "
-     "determine it."),
+    ("Rest", "The reference has been zero for 0.3 s."),
     ("Unsteady", "All other samples."),
 )  # fmt: skip
 _RANKED = "RMS error of friction, poorly determined parameters and plant file of each law"
 _STEADY = (
-    "Steady friction over speed, both as magnitudes; titles state the load and the pressure on the "
-    "rod side of the load cylinder. Tustin is one curve for all loads and directions. Marton and "
-    "Lantos is two tangents of such a curve, as in the source. They lie below it and below "
-    "the points, most at the switch velocity v_SW where they meet: do not use this plant file for "
-    "speeds near v_SW. hbench report fits the lines to the points instead. The other laws depend "
-    "on the chamber pressures."
-)
-_SIMULATED = (
-    "The simulated cylinder follows a friction law too, that of its bench or plant file. The order "
-    "of the laws does not show which of them suits a real cylinder."
+    "Titles state the load and the pressure on the rod side of the load cylinder. Tustin is one "
+    "curve for all loads and directions. Marton and Lantos is two tangents of such a curve, as in "
+    "the source; near the switch velocity v_SW, where they meet, they lie far below the points: do "
+    "not use this plant file there. The other laws depend on the chamber pressures."
 )
 _IN_NUMBERS = "Errors in numbers"
 _RAMP_ERRORS = "RMS errors of both Tustin laws"
@@ -97,10 +88,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     facts = (*_SUMMARY, *_DETERMINED) if with_errors else facts
     if identification.scatter:
         facts += (("Trials' scatter", _SCATTER.format(sizes=scatter_words(identification))),)
-    simulated = with_errors and identification.provenance.source == "simulated"
-    facts += (("Simulated", _SIMULATED),) if simulated else ()
-    notes = _about_errors(identification)
-    about = (Section("About the errors", facts=notes, folded=True),) if notes else ()
+    facts += _about_errors(identification)
     drawings = tuple(drawings)
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
     overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
@@ -113,7 +101,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     parameters = _of_each_law(tables[PARAMETERS], order) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
     sections = (
-        Section(SUMMARY, tables=summary, facts=facts, parts=about) if summary else Section(),
+        Section(SUMMARY, tables=summary, facts=facts) if summary else Section(),
         Section("Friction over speed", (_STEADY,) if steady else (), drawings=steady),
         Section(
             "Identified parameters",
@@ -182,36 +170,18 @@ def _about_errors(identification: Identification) -> tuple[tuple[str, str], ...]
         [law for law in verified if FRICTION_LAWS[law.law].dynamic is dynamic]
         for dynamic in (True, False)
     ]
+    words = oscillation_words(identification)
+    oscillations = (("At constant speed", words),) if words else ()
     if not all(kinds):
-        return ()
+        return oscillations
     unsteady = [error_range([law.errors["unsteady"].friction_n for law in laws]) for laws in kinds]
     names = [", ".join(law_words(law.law) for law in laws) for laws in kinds]
     words = (
-        f"Dynamic laws ({names[0]}) contain the deflection of the seals before they slide, and so "
-        f"the course of friction at a start or a reversal; static laws ({names[1]}) depend on "
-        f"speed and pressure alone. RMS errors while the speed changes: {unsteady[0]} N against "
-        f"{unsteady[1]} N."
+        f"Dynamic laws ({names[0]}) contain the deflection of the seals before they slide; static "
+        f"laws ({names[1]}) depend on speed and pressure alone. RMS errors while the speed "
+        f"changes: {unsteady[0]} N against {unsteady[1]} N."
     )
-    return (("Kinds of laws", words), *_oscillations(verified))
-
-
-def _oscillations(laws: Sequence[IdentifiedLaw]) -> tuple[tuple[str, str], ...]:
-    """State where the errors at constant speed leave out oscillations of the simulation."""
-    where: dict[str, list[str]] = {}
-    for law in laws:
-        if (steady := law.steady) is not None and steady.oscillating is not None:
-            speeds = span([1e3 * v for v in steady.speeds_m_s])
-            place = f"in {len(steady.speeds_m_s)} of {steady.parts} parts, at {speeds} mm/s"
-            where.setdefault(place, []).append(law_words(law.law))
-    if not where:
-        return ()
-    parts = "; ".join(f"{place}: {listed(names)}" for place, names in where.items())
-    words = (
-        f"In brackets: without the parts where the simulation oscillates, {parts}. Where friction "
-        "falls with "
-        "speed, a static law damps no oscillation; the measured motion does not oscillate there."
-    )
-    return (("At constant speed", words),)
+    return (*oscillations, ("Kinds of laws", words))
 
 
 def _ramp_words(identification: Identification) -> tuple[str, ...]:

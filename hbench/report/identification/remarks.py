@@ -2,7 +2,10 @@
 
 from hbench.records import Identification
 from hbench.records.numbers import NORMAL_95
-from hbench.report.render.numbers import half_width
+from hbench.report.campaign.fit_tables import law_words
+from hbench.report.identification.ranking import ranked_laws
+from hbench.report.render.numbers import half_width, span
+from hbench.sentences import listed
 
 
 def left_out_words(identification: Identification) -> list[str]:
@@ -35,4 +38,22 @@ def interval_words(identification: Identification) -> str:
     return (
         "Intervals contain the scatter of the runs alone, not the errors of the instruments. An "
         f"error of a sensor is common to all runs and shifts the parameters of all laws{size}."
+    )
+
+
+def oscillation_words(identification: Identification) -> str:
+    """State where the errors at constant speed leave out oscillations; empty without any."""
+    where: dict[str, list[str]] = {}
+    for law in ranked_laws(identification):
+        if (steady := law.steady) is not None and steady.oscillating is not None:
+            speeds = span([1e3 * v for v in steady.speeds_m_s])
+            place = f"in {len(steady.speeds_m_s)} of {steady.parts} parts, at {speeds} mm/s"
+            where.setdefault(place, []).append(law_words(law.law))
+    if not where:
+        return ""
+    parts = "; ".join(f"{place}: {listed(names)}" for place, names in where.items())
+    return (
+        f"In brackets: without the parts where the simulation oscillates, {parts}. Where friction "
+        "falls with speed, a static law damps no oscillation; the measured motion does not "
+        "oscillate there."
     )

@@ -1,23 +1,48 @@
-"""An identification for a terminal: the verdict first, then every table and the remarks."""
+"""An identification for a terminal: the verdict, the laws, and the parameters of the best one."""
+
+from dataclasses import replace
 
 from hbench.records import Identification
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import law_words
-from hbench.report.identification.remarks import interval_words, left_out_words
-from hbench.report.identification.text import identification_tables, reasons, with_law_names
+from hbench.report.identification.ranking import best_law
+from hbench.report.identification.remarks import interval_words, left_out_words, oscillation_words
+from hbench.report.identification.text import (
+    HELD_OUT,
+    PARAMETERS,
+    SUMMARY,
+    identification_tables,
+    reasons,
+    with_law_names,
+)
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
 
+_TABLES = (SUMMARY, HELD_OUT, PARAMETERS)
+
 
 def identification_text(identification: Identification) -> str:
-    """Return the law to use, every table in aligned columns, then the remarks."""
+    """Return the law to use, the errors of all laws, and what is known of the one to use.
+
+    Without such a law, the parameters of all. The page has the other tables and remarks.
+    """
+    best = best_law(identification)
+    others = {law.law for law in identification.laws if best and law.fit and law.law != best}
     verdict = wrapped(verdict_words(identification))
     blocks = ["\n".join(verdict)] if verdict else []
-    tables = map(with_law_names, identification_tables(identification))
-    blocks += ["\n".join(table_lines(table)) for table in tables]
+    for table in identification_tables(identification):
+        if table.title in _TABLES:
+            known = others if table.title == PARAMETERS else set()
+            rows = tuple(row for row in table.rows if row[0] not in known)
+            blocks.append("\n".join(table_lines(with_law_names(replace(table, rows=rows)))))
     remarks = [
-        *map(_remark, reasons(identification)),
+        *(
+            _remark(reason)
+            for reason in reasons(identification)
+            if reason.partition(":")[0] not in others
+        ),
+        *([f"At constant speed: {words}"] if (words := oscillation_words(identification)) else []),
         *_left_out(identification),
         interval_words(identification),
         *identification.notes,

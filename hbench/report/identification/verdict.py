@@ -21,6 +21,8 @@ from hbench.report.identification.text import (
 from hbench.report.render.numbers import half_width, number, significant
 from hbench.sentences import listed
 
+_ANOTHER = "A real cylinder may need another law."
+
 
 def verdict_words(identification: Identification) -> str:
     """Return the law to use, its error, what it can be relied on for, and those as good."""
@@ -31,8 +33,10 @@ def verdict_words(identification: Identification) -> str:
         return ""
     parts = (
         _closest(identification, best),
+        _scatter(identification),
         _reserve(identification, best),
         _as_good(identification, best),
+        _ANOTHER if _is_simulated(identification) else "",
     )
     return " ".join(filter(None, parts))
 
@@ -40,21 +44,29 @@ def verdict_words(identification: Identification) -> str:
 def _closest(identification: Identification, best: str) -> str:
     """Name the law to use with its error of friction in motion."""
     error = number(errors_in_motion(identification)[best], 1)
-    where, choice = "", ""
-    if identification.provenance.source == "simulated":
-        where, choice = "On this simulated cylinder, use ", " A real cylinder may need another law."
+    use = "On this simulated cylinder, use" if _is_simulated(identification) else "Use"
     return (
-        f"{where or 'Use '}{law_words(best)}: it predicts friction in motion with an RMS error of "
-        f"{error} N{_range(identification)}{_trials(identification)}"
-        f"{_instruments(identification)}.{choice}"
+        f"{use} {law_words(best)}: it predicts friction in motion with an RMS error of {error} N"
+        f"{_range(identification)}."
     )
 
 
-def _trials(identification: Identification) -> str:
-    """Return how far the trials scatter in motion; empty if unknown."""
-    if not identification.scatter:
-        return ""
-    return f"; the trials themselves scatter by {scatter_n(identification, IN_MOTION)} N"
+def _is_simulated(identification: Identification) -> bool:
+    return identification.provenance.source == "simulated"
+
+
+def _scatter(identification: Identification) -> str:
+    """Return how far the trials scatter in motion, and the errors of the instruments, if known.
+
+    The latter are common to all runs.
+    """
+    trials, half = "", instruments_n(identification)
+    if identification.scatter:
+        trials = f"The trials scatter by {scatter_n(identification, IN_MOTION)} N."
+    if half is None:
+        return trials
+    shift = f"may shift friction by up to ±{half_width(half)} N (95 %)"
+    return f"{trials} Errors of the instruments, common to all runs, {shift}.".strip()
 
 
 def _range(identification: Identification) -> str:
@@ -69,17 +81,6 @@ def _range(identification: Identification) -> str:
         return ""
     rms = float(np.sqrt(np.mean(np.concatenate(known) ** 2)))
     return f" at a measured friction of {significant(rms, 3)} N (RMS, both directions)"
-
-
-def _instruments(identification: Identification) -> str:
-    """State the errors of the instruments, which all runs have in common; empty if unknown."""
-    half = instruments_n(identification)
-    if half is None:
-        return ""
-    return (
-        f"; errors of the instruments, common to all runs, come on top: up to "
-        f"±{half_width(half)} N (95 %)"
-    )
 
 
 def _as_good(identification: Identification, best: str) -> str:
@@ -106,7 +107,7 @@ def _reserve(identification: Identification, best: str) -> str:
     if verified := _verified_range(identification):
         others = _other_loads(identification)
         never = f", not for loads of {_load_words(others)}" if others else ""
-        parts.append(f"It is verified for {verified}{never}.")
+        parts.append(f"The law is verified for {verified}{never}.")
     if unknown := undetermined_words(fits[best]) if best in fits else []:
         parts.append(
             f"These runs do not determine its {listed(unknown)}: do not rely on motions that "

@@ -2,7 +2,7 @@
 
 import re
 from base64 import b64encode
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import sha256
@@ -151,10 +151,17 @@ class _Numbers:
         self.figures = self.tables = 0
         self.name_of: dict[str, str] = {}
 
-    def numbered(self, section: Section, title: str) -> Section:
+    def numbered(
+        self, section: Section, title: str, written: Mapping[str, int] | None = None
+    ) -> Section:
+        """Return a section with numbered figures and tables.
+
+        A caption is written out once in a section and its parts; one in a folded part may not be
+        seen, so no figure outside of that part refers to it. ``written`` are captions before it.
+        """
         title = _COUNT.sub("", section.title) or title
         drawings, tables, first = [], [], self.tables + 1
-        captions: dict[str, int] = {}  # a caption is written out once in a section
+        captions = dict(written or {})
         for drawing in section.drawings:
             self.figures += 1
             with_caption = captions.setdefault(drawing.caption, self.figures)
@@ -176,8 +183,12 @@ class _Numbers:
             if not printed and part.title:
                 name = f"“{_COUNT.sub('', part.title)}” on the page"
                 self.name_of.setdefault(anchor(part), name)
-            counted = self.numbered(part, title)
+            first_figure = self.figures + 1
+            counted = self.numbered(part, title, captions)
             parts += [counted] if printed else []
+            if part.folded is None:
+                for i, drawing in enumerate(part.drawings):
+                    captions.setdefault(drawing.caption, first_figure + i)
         if section.title:
             name = f"Table {first}" if self.tables >= first else f"“{section.title}”"
             self.name_of.setdefault(anchor(section), name)

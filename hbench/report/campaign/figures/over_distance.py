@@ -38,10 +38,13 @@ def over_distance(results: Results) -> dict[str, Figure]:
             line = trend.intercept + trend.slope * x
             axes.plot(x, line * from_si(1.0, unit), color=look["color"], lw=1.0, label=f"_{label}")
         axes.set_ylabel(f"{name} ({unit})")
-        low, high = axes.get_ylim()
-        axes.set_ylim(low, high + _LEGEND_LINE * len(trends) * (high - low))
-        axes.legend(fontsize=8, frameon=True, edgecolor="#9ca3af", loc="upper left")
+        if len(groups) > 1:
+            low, high = axes.get_ylim()
+            axes.set_ylim(low, high + _LEGEND_LINE * len(trends) * (high - low))
+            axes.legend(fontsize=8, frameon=True, edgecolor="#9ca3af", loc="upper left")
     panels[-1].set_xlabel("Distance travelled (m)")
     style.head(panels[0], "Over the distance", results)
+    if len(groups) == 1:
+        style.legend_above(figure, panels[0], columns=2)
     style.read_as(figure, "One point for each run or cycle; lines: straight, by least squares.")
     return {"": figure}

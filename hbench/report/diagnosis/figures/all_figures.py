@@ -93,15 +93,9 @@ _OPEN_LOOP = (
     "as simulated under the measured drive force from its first sample. Nothing corrects this "
     "motion. Right: simulated less measured; points: means over 0.16 s."
 )
-_SHRUNK = (
-    " Each signal is shown in the run outside the fit in which what is added to the model reduces "
-    "its gap most."
-)
-_LARGEST = " Each signal is shown in the run outside the fit in which its gap is largest."
-_NONE_SHRANK = (
-    " What is added to the model reduces the gap of no signal; each is shown in the run outside "
-    "the fit in which its gap is largest."
-)
+_ONE_RUN = " Each signal is shown in one run outside the fit."
+_SHRUNK = f"{_ONE_RUN} What is added to the model reduces its gap there."
+_NONE_SHRANK = f"{_ONE_RUN} What is added to the model reduces the gap of none."
 _RANKING = (
     "Score of each candidate by cross-validation (each fifth of the operating points predicted "
     "from the others), and the share of the gap beyond the repeatability that it explains in the "
@@ -177,7 +171,7 @@ def _overlay_caption(diagnosis: Diagnosis) -> str:
 
 def _chosen(diagnosis: Diagnosis) -> str:
     if "after" not in steps_of(diagnosis):
-        return _LARGEST
+        return _ONE_RUN
     return _SHRUNK if all(each.shrank for each in diagnosis.overlays) else _NONE_SHRANK
 
 

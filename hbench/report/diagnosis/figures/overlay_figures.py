@@ -18,12 +18,25 @@ _LABEL_LINE = 12  # letters of a line beside a row
 
 
 def overlay_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
-    """Draw each run's signals, and beside each the errors of the simulations."""
-    runs = dict.fromkeys(overlay.run for overlay in diagnosis.overlays)
+    """Draw each run's signals, and beside each the errors of the simulations.
+
+    Where nothing was added to the model, a signal that it reproduces within the repeatability is
+    left out.
+    """
+    shown = [overlay for overlay in diagnosis.overlays if _deviates(diagnosis, overlay)]
     return {
-        run: _run(diagnosis, run, [overlay for overlay in diagnosis.overlays if overlay.run == run])
-        for run in runs
+        run: _run(diagnosis, run, [overlay for overlay in shown if overlay.run == run])
+        for run in dict.fromkeys(overlay.run for overlay in shown)
     }
+
+
+def _deviates(diagnosis: Diagnosis, overlay: Overlay) -> bool:
+    """Return whether a signal's gap in its run exceeds the repeatability, or is not known."""
+    if "after" in steps_of(diagnosis):
+        return True
+    gaps = {each.plan.run: each.gap.signals for each in diagnosis.gap_runs}
+    gap = gaps.get(overlay.run, {}).get(overlay.signal)
+    return gap is None or (gap.before if diagnosis.refit_refused else gap.refitted) > 1
 
 
 def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:

@@ -77,6 +77,10 @@ def refitted_table(diagnosis: Diagnosis) -> WordTable:
     return WordTable(title, head, rows)
 
 
+def _size(size: float) -> str:
+    return "< 0.01" if size < 0.01 else number(size, 2)
+
+
 def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
     return tuple(
         (
@@ -86,7 +90,7 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
             *(
                 (
                     share(candidate.explained),
-                    f"{number(candidate.size, 2)} × typical",
+                    f"{_size(candidate.size)} × typical",
                     ", ".join(too_small(candidate)) or NONE,
                 )
                 if candidate.score > _NO_GAIN

@@ -166,8 +166,9 @@ def advice(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     if too_small_words(diagnosis, effect):
         return _TOO_SMALL
     own = [each for each in diagnosis.effects if each.name == effect.name]
-    gaps = [text for each in own for text in (gap_words(each), alike_words(each))]
-    parts = (f"Inspect {words}." if words else "", *gaps, effect.repair)
+    alike = " ".join(filter(None, map(alike_words, own)))
+    inspect = f"{'Then inspect' if alike else 'Inspect'} {words}." if words else ""
+    parts = (alike, inspect, *map(gap_words, own), effect.repair)
     return " ".join(filter(None, parts))
 
 
@@ -184,7 +185,7 @@ def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     if parts := _first_parts(_inspections(diagnosis, matters)):
         first = ", then ".join(parts)
         if any(map(leak_alike, matters)):
-            return f"First check the valves for leakage; then inspect {first}."
+            return f"First check the valves, whose leakage may look the same; then inspect {first}."
         return f"{'Inspect first' if parts[1:] else 'Next, inspect'} {first}."
     return " ".join(practice[each.name].repair for each in matters if each.name in practice)
 

@@ -37,6 +37,11 @@ def best_candidate(diagnosis: Diagnosis) -> str:
         return ""
     best = diagnosis.ranking[0]
     reasons = _not_named(best)
+    if not reasons and diagnosis.verdict == "unknown":
+        reasons = [
+            "refined together with the model's values, it is negligible or does not reduce the gap "
+            "of runs outside the fit"
+        ]
     why = f" It is not named: {listed(reasons)}." if reasons else ""
     needs = f" It would need {coefficients}." if (coefficients := _coefficients(best)) else ""
     enough = (

@@ -231,8 +231,8 @@ def alike_words(effect: AddedEffect) -> str:
     if not leak_alike(effect):
         return ""
     return (
-        "Both cylinders leak alike, and leaking valves may look the same in these runs: check the "
-        "valves for leakage first."
+        "First check the valves for leakage: both cylinders leak alike, and leaking valves may "
+        "look the same in these runs."
     )
 
 

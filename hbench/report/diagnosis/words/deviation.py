@@ -229,7 +229,7 @@ def largest_gap(diagnosis: Diagnosis) -> str:
         return ""
     largest, expected = (gap_number(gap) for gap in (gaps[name].refitted, gaps[name].floor))
     every = [gap_number(gap.gap) for gap in diagnosis.where if gap.name == name]
-    rule = f" Over all runs, which decide, it is {every[0]}." if every else ""
+    rule = f" Over all runs, which decide, its gap is {every[0]}." if every else ""
     return (
         f"The largest gap of a quantity in runs outside the fit is {largest} in "
         f"{in_sentence(name)} ({expected} expected of a correct model).{rule}"

@@ -13,7 +13,7 @@ from hbench.report.diagnosis.names import (
     in_sentence,
     in_unit,
 )
-from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, exceeding
+from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, deviations, exceeding
 from hbench.report.diagnosis.words.place import rms_words, worst_places
 from hbench.report.diagnosis.words.refit import refit_increases, unexplained
 from hbench.report.render.numbers import p_equation, significant
@@ -70,19 +70,24 @@ def limits_words(diagnosis: Diagnosis) -> str:
     ):
         return ""
     excess = [100 * (gap.deviation / gap.material - 1) for gap in gaps]
-    percents = listed([significant(percent, 1 if percent < 10 else 2) for percent in excess])
+    percents = listed([f"{float(f'{percent:.1g}'):.0f}" for percent in excess])
     limits = "limits that matter" if gaps[1:] else "limit that matters"
-    return f"That is only {percents} % above the {limits} (before rounding)."
+    return f"That is only about {percents} % above the {limits}."
 
 
 def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
-    """Return which quantities are below their limits where some deviate; empty where none is."""
-    deviating = {gap.name for gap in (*gaps, *exceeding(diagnosis.where))}
+    """Return what is known of the other quantities where some deviate; empty without others."""
+    large = [gap for gap in exceeding(diagnosis.where) if gap.name not in {g.name for g in gaps}]
+    deviating = {gap.name for gap in (*gaps, *large)}
     below = [gap for gap in diagnosis.where if gap.name not in deviating]
     noise = [gap.name for gap in below if not gap.deviation > 0]
     significantly = [gap for gap in below if _below_limit(gap)]
     agreeing = [gap.name for gap in below if gap.name not in noise and gap not in significantly]
-    sentences = [_below_limit_words(diagnosis, gap) for gap in significantly]
+    by_chance = [gap for gap in large if not gap.p_value < SIGNIFICANT_P]
+    sentences = []
+    if by_chance:
+        sentences.append(f"{capital(deviations(by_chance, probable=True))}; this may be chance.")
+    sentences += [_below_limit_words(diagnosis, gap) for gap in significantly]
     if agreeing:
         verb = "agrees" if len(agreeing) == 1 else "agree"
         sentences.append(
