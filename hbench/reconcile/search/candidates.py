@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from hbench.model.effects.catalogue import EFFECTS, lookalikes
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
 from hbench.reconcile.evidence import Comparison, CrossValidation
@@ -172,9 +173,21 @@ class CandidateEvaluator(Refits):
         values = self._own_values(with_effect, name)
         squares = self._squares(with_effect, values)
         share = 0.0
-        if holds_in_steady_motion(model, before, after, squares):
+        if not is_constant_force(name) or self._shows_in_steady_motion(model, joined[:-1], name):
             share = explained_share(name, model, before, after, squares)
         return self._candidate(name, gain, share, values, "full")
+
+    def _shows_in_steady_motion(
+        self, model: LinearisedModel, added: Sequence[str], name: str
+    ) -> bool:
+        """Return whether an effect gains in steady motion alone, with nuisances fitted to it.
+
+        Where offsets within their tolerance explain the same there, what remains are starts and
+        reversals, in which another law of friction does as much.
+        """
+        steady = np.flatnonzero([kind in STEADY for _, kind in model.data.groups])
+        gains = self._comparison(model, added, name).gains(within=steady)[1]
+        return float(gains.sum()) > CRITERIA.score
 
     def _squares(
         self, model: LinearisedModel, values: Mapping[CoefficientKey, float]
@@ -204,22 +217,9 @@ class CandidateEvaluator(Refits):
         return Candidate(name, gain, share, size, parameters, tried, CRITERIA.score)
 
 
-def holds_in_steady_motion(
-    model: LinearisedModel, before: CrossValidation, after: CrossValidation, squares: np.ndarray
-) -> bool:
-    """Return whether an effect that acts most in steady motion also gains there.
-
-    What acts in all motion and improves starts and reversals alone makes up for another law of
-    friction in these. Where more than half of the effect's own ``squares`` (g,), in the noise, are
-    those of steady motion and of levels, a quarter of its gain must be.
-    """
-    steady = np.array([kind in STEADY for _, kind in model.data.groups])
-    noise = before.windows * before.noise
-    acts = before.points * np.divide(squares, noise, out=np.zeros_like(squares), where=noise > 0)
-    gains = after.gains_over(before)[0]
-    if acts[steady].sum() <= acts[~steady].sum():
-        return True
-    return bool(gains[steady].sum() >= CRITERIA.explained * gains.sum())
+def is_constant_force(name: str) -> bool:
+    """Return whether an effect of the bench is in steady motion what an offset of the cell is."""
+    return not EFFECTS[name].of_sensor and "load_cell_offset" in lookalikes(name)
 
 
 def explained_share(
