@@ -8,7 +8,6 @@ from hbench.report.campaign.quality.verdict import quality_count
 from hbench.report.campaign.reasons import aborted_words
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.drift import possible_words
-from hbench.report.render.document import Tile
 from hbench.report.render.numbers import (
     alike,
     half_width,
@@ -19,6 +18,7 @@ from hbench.report.render.numbers import (
     span_with_intervals,
     with_interval,
 )
+from hbench.report.render.word_tables import Tile
 from hbench.sentences import listed
 from hbench.units import from_si
 

@@ -185,7 +185,7 @@ def test_a_deviation_above_its_limit_that_may_be_chance_is_not_left_out(compared
     """The row on the residuals names every quantity."""
     chance = replace(compared.where[0], name="force_load", deviation=15.0, p_value=0.133)
     text = summary(replace(compared, where=(compared.where[0], chance)))
-    words = "The force of the load cylinder deviates by 15 N RMS (matters above 12 N, p = 0.133)"
+    words = "The force of the load cylinder deviates by 15 N RMS (matters above 12 N, p = 0.13)"
     assert f"{words}; this may be chance." in ordinary_spaces(text)
     sure = replace(chance, p_value=0.01)
     assert "chance" not in summary(replace(compared, where=(compared.where[0], sure)))

@@ -21,8 +21,8 @@ from hbench.report.fleet.verdict import (
     steady_trends,
     stepped_numbers,
 )
-from hbench.report.render.document import Tile
 from hbench.report.render.numbers import NONE, alike, significant
+from hbench.report.render.word_tables import Tile
 from hbench.sentences import capital
 
 _RANGES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")

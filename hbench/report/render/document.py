@@ -18,7 +18,7 @@ from hbench.report.render.inline_svg import inline
 from hbench.report.render.numbers import unit_kept
 from hbench.report.render.style import DARK
 from hbench.report.render.symbols import pieces
-from hbench.report.render.word_tables import Cell, Table
+from hbench.report.render.word_tables import Cell, Table, Tile
 
 _NUMBER = re.compile(
     r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?( \((\d[\d.]*|none)\))?"
@@ -40,16 +40,6 @@ _PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
 _LONG_FLAG = 18  # letters of a flag that is not broken
 _MENU = 4  # sections with a title: a shorter page needs no menu
-
-
-@dataclass(frozen=True)
-class Tile:
-    """Headline number at the top of a page."""
-
-    value: str
-    unit: str
-    more: str = ""
-    how: str = ""  # anchor of the method that computes it
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Tables of text whose cells can carry a flag."""
+"""Tables and headline numbers, in words and numbers as they are shown."""
 
 from dataclasses import dataclass, replace
 
@@ -27,3 +27,13 @@ class Table:
 def titled(table: Table, title: str) -> tuple[Table, ...]:
     """Return a table with a title; nothing where it has no rows."""
     return (replace(table, title=title),) if table.rows else ()
+
+
+@dataclass(frozen=True)
+class Tile:
+    """Headline number at the top of a page."""
+
+    value: str
+    unit: str
+    more: str = ""
+    how: str = ""  # anchor of the method that computes it
