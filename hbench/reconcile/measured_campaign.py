@@ -18,6 +18,7 @@ from hbench.reconcile.learned.table import Table, empty_table, is_mode, mode_of
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import (
     BALANCES,
+    FORCES,
     BalanceModel,
     balance_model,
     balance_values,
@@ -123,13 +124,28 @@ class MeasuredCampaign:
         A ``reference`` gives all but the residuals.
         """
         model = self.balance_model(hypothesis)
-        values = _values(self.logs, model)
+        values = self._values(self.logs, model)
         if reference is not None:
             return replace(reference, difference=values)
         residuals = log_map(self._windows, BALANCES, values, rounding_error(model))
         material = self.material * self._ranges(model) / residuals.scatter[0]
         levels = tuple(self._levels(model, residuals))
         return replace(residuals, levels=levels, material=material)
+
+    @property
+    def compares_rest(self) -> bool:
+        """Whether forces are compared at rest, where friction is what holds the piston."""
+        return False
+
+    def _values(self, logs: Sequence[Session], model: BalanceModel) -> np.ndarray:
+        return self._without_rest(_values(logs, model))
+
+    def _without_rest(self, values: np.ndarray) -> np.ndarray:
+        """Return values (w, c) that are nan where they are not compared because of rest."""
+        if not self.compares_rest:
+            resting = np.concatenate([log.resting for log in self.logs])
+            values[np.ix_(resting, np.isin(BALANCES, FORCES))] = np.nan
+        return values
 
     def _ranges(self, model: BalanceModel) -> np.ndarray:
         """Return the largest magnitude (c,) of what each balance is made of."""
@@ -161,10 +177,10 @@ class MeasuredCampaign:
         """Yield a level of friction for each run and cylinder."""
         edges = np.flatnonzero(np.diff(residuals.run)) + 1
         starts = [0, *edges.tolist(), len(residuals.run)]
-        dry = dry_friction(self.smoothed_sessions, model)
+        dry = self._without_rest(dry_friction(self.smoothed_sessions, model))
         with np.errstate(invalid="ignore"):
             change = np.nan_to_num(_LEVEL_SCATTER * dry / residuals.scatter)
-        for balance in (BALANCES.index(name) for name in ("force_test", "force_load")):
+        for balance in (BALANCES.index(name) for name in FORCES):
             for start, stop in zip(starts[:-1], starts[1:], strict=True):
                 windows = slice(start, stop)
                 yield RunLevel(windows, balance, change[windows, balance], 1.0)
@@ -188,7 +204,7 @@ class MeasuredCampaign:
         for i in dict.fromkeys(mode_of(name)[0] for name in wanted if is_mode(name)):
             modes |= table_columns(hypothesis.tables[i], i, self.smoothed_sessions, coarse)
         before = {
-            each.step_s: _values(self.smoothed_sessions, each)
+            each.step_s: self._values(self.smoothed_sessions, each)
             for each in (coarse, *([model] if _LAGS.intersection(wanted) else []))
         }
         columns = map_on_threads(lambda name: self._column(hypothesis, name, before), differences)
@@ -222,7 +238,7 @@ class MeasuredCampaign:
         model = self.balance_model(at_step)
         if name not in _LAGS:
             model = replace(model, step_s=_COLUMN_STEP_S)
-        change = (before[model.step_s] - _values(self.smoothed_sessions, model)) / share
+        change = (before[model.step_s] - self._values(self.smoothed_sessions, model)) / share
         if name.startswith("/") or is_disturbance(name):
             return change
         touched = np.isin(BALANCES, EFFECTS[name.partition(".")[0]].balances)

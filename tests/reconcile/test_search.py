@@ -482,7 +482,8 @@ def test_an_asymmetry_must_show_in_steady_motion_beyond_the_offsets(beyond, show
     model = LinearisedModel(
         Hypothesis(), lacking(np.zeros(points))[0].gap_map, {}, data, tight, wide
     )
-    search = search_of(("direction_asymmetry",))
+    fitted = SimpleNamespace(tolerances={("load_cell_offset", "force"): 1.0})
+    search = CampaignSearch(fitted, np.arange(points), ("direction_asymmetry",))
     assert is_constant_force("direction_asymmetry") and not is_constant_force("load_friction")
     assert search.score_of(model, (), "direction_asymmetry", None)[0] > CRITERIA.score
     assert search._shows_in_steady_motion(model, (), "direction_asymmetry") == shows

@@ -40,7 +40,7 @@ def campaign(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=HALF_BANDS)
 def seal(request, campaign):
-    return request.param, diagnosed_strokes(campaign, MODEL, request.param)
+    return request.param, diagnosed_strokes(campaign, MODEL, request.param, ["u_t_v"])
 
 
 def test_friction_of_the_seal_that_grows_with_pressure_is_named_for_both_seals(seal):
@@ -91,7 +91,7 @@ def test_one_seal_alone_does_not_tell_guides_from_seal(campaign, tmp_path):
     """The reruns' cylinder has another bore, so no other series of it tells."""
     model = tmp_path / "model.yaml"
     model.write_text(MODEL.read_text().replace("piston_diameter: 25.0", "piston_diameter: 25.7"))
-    found = diagnosed_strokes(campaign, model, "O-ring 25.7 mm")
+    found = diagnosed_strokes(campaign, model, "O-ring 25.7 mm", ["u_t_v"])
     assert found.verdict == "ambiguous" and not found.effects
     assert {each.name for each in found.ranking} == {"seal_pressure_friction", "load_friction"}
     one, other = found.ranking
@@ -101,8 +101,8 @@ def test_one_seal_alone_does_not_tell_guides_from_seal(campaign, tmp_path):
 
 def test_a_series_must_be_told_and_its_cylinder_be_the_models(campaign):
     with pytest.raises(ConfigError, match="'O-ring', 'NAPN'"):
-        diagnosed_strokes(campaign, MODEL, None)
+        diagnosed_strokes(campaign, MODEL, None, ["u_t_v"])
     with pytest.raises(ConfigError, match=r"4\.909 cm\^2.*5\.187 cm\^2"):
-        diagnosed_strokes(campaign, MODEL, "O-ring 25.7 mm")
+        diagnosed_strokes(campaign, MODEL, "O-ring 25.7 mm", ["u_t_v"])
     with pytest.raises(ConfigError, match="'PTFE'"):
-        diagnosed_strokes(campaign, MODEL, "PTFE")
+        diagnosed_strokes(campaign, MODEL, "PTFE", ["u_t_v"])

@@ -67,9 +67,8 @@ BALANCE_UNITS = {
     "supply": "Pa",
 }
 BALANCES = tuple(BALANCE_UNITS)
-FLOWS = BALANCES[:4]
+FLOWS, FORCES = BALANCES[:4], BALANCES[4:6]
 _SUPPLY = 6  # index of the supply pressure among the driving signals
-_FORCES = slice(4, 6)
 _WITH_LAWS = slice(6)  # flows and forces; the others are linear in the signals
 CHAMBERS = PRESSURES[:4]
 _TEST_FORCES = ("p_tp_pa", "p_tr_pa", "f_applied_n")
@@ -214,7 +213,6 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
     compared = _compared(session, model)[session.run_of_window]
     compared[:, _WITH_LAWS] &= ~session.oscillating[:, None]
     compared[:, : len(FLOWS)] &= ~session.cavitating
-    compared[:, _FORCES] &= ~session.resting[:, None]
     return np.where(compared, values, np.nan)
 
 

@@ -68,6 +68,11 @@ class MeasuredMotion(MeasuredCampaign):
         """The driven mass is that of the test cylinder."""
         return ("test",)
 
+    @property
+    def compares_rest(self) -> bool:
+        """The force of a drive at rest is compared: it shows the drive's offset."""
+        return True
+
     def balance_model(self, hypothesis: Hypothesis) -> BalanceModel:
         """Return the balances' model of a hypothesis."""
         plant = hypothesis.plant(self.plant)

@@ -172,9 +172,9 @@ class CandidateEvaluator(Refits):
         gain = float(after.gains_over(before)[0].sum())
         values = self._own_values(with_effect, name)
         squares = self._squares(with_effect, values)
-        share = 0.0
-        if not is_constant_force(name) or self._shows_in_steady_motion(model, joined[:-1], name):
-            share = explained_share(name, model, before, after, squares)
+        share = explained_share(name, model, before, after, squares)
+        if is_constant_force(name) and not self._shows_in_steady_motion(model, joined[:-1], name):
+            share = 0.0
         return self._candidate(name, gain, share, values, "full")
 
     def _shows_in_steady_motion(
@@ -183,8 +183,10 @@ class CandidateEvaluator(Refits):
         """Return whether an effect gains in steady motion alone, with nuisances fitted to it.
 
         Where offsets within their tolerance explain the same there, what remains are starts and
-        reversals, in which another law of friction does as much.
+        reversals, in which another law of friction does as much. True where no offset is fitted.
         """
+        if ("load_cell_offset", "force") not in self.measured.tolerances:
+            return True
         steady = np.flatnonzero([kind in STEADY for _, kind in model.data.groups])
         gains = self._comparison(model, added, name).gains(within=steady)[1]
         return float(gains.sum()) > CRITERIA.score
