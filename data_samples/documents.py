@@ -84,11 +84,12 @@ def acceptance_and_certificate(folder: Path) -> None:
     content = yaml.safe_load((CONFIGS / "certificate.yaml").read_text())
     content["specimen"]["serial"] = "HC-0007"
     content["limits"] = str(CONFIGS / "acceptance-limits.yaml")
+    content["issued"] = date(2026, 1, 6)
     file = folder / "certificate.yaml"
     file.write_text(yaml.safe_dump(content, allow_unicode=True))
     for suffix in ("pdf", "xml"):
         with redirect_stderr(io.StringIO()):
-            workflow.certify(campaign, file, DOCUMENTS / f"certificate.{suffix}", date(2026, 1, 6))
+            workflow.certify(campaign, file, DOCUMENTS / f"certificate.{suffix}")
 
 
 def fleet_station_and_comparison(folder: Path) -> None:
