@@ -8,7 +8,7 @@ from hbench.config.bench import Plant, plant_sections
 from hbench.config.files.loading import read_yaml, validate
 from hbench.errors import ConfigError
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
-from hbench.reconcile.measured.balances import FLOWS, channels_missing
+from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, channels_missing
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.reconcile.simulated_runs import simulator
 from hbench.records import Diagnosis, Run
@@ -30,7 +30,7 @@ def no_flows_without(runs: Sequence[Run], model_file: Path) -> tuple[str, ...]:
     """
     known = FLOWS if "valve" in read_yaml(model_file) else FLOWS[-1:]
     missing = [channels_missing(run, balance) for run in runs for balance in known]
-    return min(missing, key=len, default=())
+    return min(missing, key=len, default=CHANNELS_OF[known[0]])
 
 
 def diagnosed(

@@ -100,8 +100,9 @@ def test_one_seal_alone_does_not_tell_guides_from_seal(campaign, tmp_path):
 
 
 def test_a_series_must_be_told_and_its_cylinder_be_the_models(campaign):
-    with pytest.raises(ConfigError, match="'O-ring', 'NAPN'"):
+    with pytest.raises(ConfigError, match="'O-ring', 'NAPN'") as caught:
         diagnosed_strokes(campaign, MODEL, None, ["u_t_v"])
+    assert caught.value.hint.startswith("Without u_t_v flows are not known")
     with pytest.raises(ConfigError, match=r"4\.909 cm\^2.*5\.187 cm\^2"):
         diagnosed_strokes(campaign, MODEL, "O-ring 25.7 mm", ["u_t_v"])
     with pytest.raises(ConfigError, match="'PTFE'"):
