@@ -114,11 +114,11 @@ def with_laws(search: CampaignSearch, result: SearchResult, held_out: np.ndarray
     final, laws = LawSearch(search.measured, search, names, held_out).run(result.final)
     if not laws:
         return result
-    if gone := search.within_tolerance(final, names):
+    if gone := search.no_longer_errors(final, names):
         others = tuple(name for name in names if name not in gone)
-        without = search.without(result.final, gone, others) if others else result.refitted
-        vanished = (*result.vanished, *gone)
-        return with_laws(search, replace(result, final=without, vanished=vanished), held_out)
+        without = search.without(result.final, list(gone), others) if others else result.refitted
+        result = replace(result, final=without, dismissed={**result.dismissed, **gone})
+        return with_laws(search, result, held_out)
     return replace(result, final=final, laws=laws, unlearned=result.final)
 
 

@@ -20,6 +20,8 @@ from hbench.records import FitParameter
 from hbench.records.diagnosis import LEAST_EXPLAINED, UNEXPLAINED_GAP
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
+_REFUTED = "it does not reduce the gap of runs outside the fit"
+_MINOR = "it leaves most of the gap of runs outside the fit"
 # Nuisances that a file may omit, as it would contain them.
 _DEFAULTS = {"bristle_stiffness": f"{LuGre.model_fields['bristle_stiffness'].default:g} N/m"}
 
@@ -43,9 +45,11 @@ def without_unconfirmed(
         ]
         if not removed:
             break
-        refuted = tuple(
-            name for name in removed if name in minor or gaps[name][0] > UNEXPLAINED_GAP
-        )
+        refuted = {
+            name: _MINOR if name in minor else _REFUTED
+            for name in removed
+            if name in minor or gaps[name][0] > UNEXPLAINED_GAP
+        }
         doubtful = [name for name in removed if name not in refuted]
         unconfirmed |= dict.fromkeys(doubtful, Unconfirmed(result.final, kept))
         others = tuple(name for name in kept if name not in removed)
@@ -54,7 +58,7 @@ def without_unconfirmed(
             result,
             final=without,
             unconfirmed=dict(unconfirmed),
-            vanished=(*result.vanished, *refuted),
+            dismissed={**result.dismissed, **refuted},
         )
     return result
 

@@ -40,14 +40,12 @@ class SearchResult:
     laws: tuple[LawFound, ...] = ()  # learned, in the final model
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
     unconfirmed: Mapping[str, Unconfirmed] = field(default_factory=dict)  # not in the final model
-    # Added and left out again: too small, within its tolerance beside the laws, not needed by the
-    # refined model, or refuted by held-out runs.
-    vanished: tuple[str, ...] = ()
+    dismissed: Mapping[str, str] = field(default_factory=dict)  # added, then not named: why
 
     @property
     def names(self) -> tuple[str, ...]:
         """The effects that were added and not dropped, in order."""
-        return tuple(name for name in added_names(self.steps) if name not in self.vanished)
+        return tuple(name for name in added_names(self.steps) if name not in self.dismissed)
 
     @property
     def additions(self) -> tuple[SearchStep, ...]:

@@ -74,11 +74,8 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
                 reason += (
                     f" It is too small to be named: {size} of a typical size, {needed} needed."
                 )
-            elif best.name in result.vanished:
-                reason += (
-                    " It is not named: refitted, it is too small, within its tolerance, not "
-                    "distinguishable from 0, or leaves most of the gap of runs outside the fit."
-                )
+            elif best.name in result.dismissed:
+                reason += f" It is not named: refitted, {result.dismissed[best.name]}."
         return "unknown", reason + unnamed
     return "none", NO_RESIDUALS
 

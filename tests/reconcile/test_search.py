@@ -108,7 +108,8 @@ def test_an_effect_of_which_refinement_leaves_nothing_is_not_named():
         },
         search=Refined,
     )
-    assert found.vanished == ("supply_droop",) and found.names == ("internal_leakage",)
+    assert found.names == ("internal_leakage",) and set(found.dismissed) == {"supply_droop"}
+    assert found.dismissed["supply_droop"].startswith("it is too small: ")
     assert set(found.final.hypothesis.effects) & set(CANDIDATES) == {"internal_leakage"}
 
 
@@ -136,7 +137,12 @@ def test_an_effect_that_may_be_zero_stays_if_it_is_needed(monkeypatch, lost, bef
     leak = {"internal_leakage": {"load": "5e-3 l/min/bar"}}
     found, _, _ = searched(leak, candidates=("internal_leakage",), search=Losing)
     assert found.names == (("internal_leakage",) if stays else ())
-    assert found.vanished == (() if stays else ("internal_leakage",))
+    reasons = (
+        []
+        if stays
+        else ["it is not distinguishable from 0, and the model without it is about as good"]
+    )
+    assert list(found.dismissed.values()) == reasons
 
 
 def test_an_effect_that_is_dropped_and_added_again_is_one_addition():

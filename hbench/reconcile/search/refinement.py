@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hbench.analysis.rounding import distinct_texts
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
 from hbench.reconcile.estimates import fit_coefficients
@@ -35,30 +36,36 @@ class EffectRefinement(CandidateEvaluator):
 
     def refined_and_named(
         self, model: LinearisedModel, names: tuple[str, ...]
-    ) -> tuple[LinearisedModel, tuple[str, ...]]:
-        """Return the refined model, and the effects that are now too small to be named, if any.
+    ) -> tuple[LinearisedModel, dict[str, str]]:
+        """Return the refined model, and the effects that it does not need, each with the reason.
 
         They are left out one at a time, the last added first: of two alike, each may be 0 beside
         the other, and not both.
         """
-        vanished: tuple[str, ...] = ()
+        dismissed: dict[str, str] = {}
         while names:
             self.stage(f"refining {', '.join(names)}")
             refined = self.refined(model, names)
-            gone = [name for name in names if not self._remains(refined, names, name)][-1:]
-            if not gone:
-                return refined, vanished
-            names = tuple(name for name in names if name not in gone)
-            model, vanished = self.without(refined, gone, names), (*vanished, *gone)
-        return model, vanished
+            reasons = self._not_needed(refined, names, names)
+            if not reasons:
+                return refined, dismissed
+            last, reason = reasons.popitem()
+            names = tuple(name for name in names if name != last)
+            model, dismissed = self.without(refined, [last], names), dismissed | {last: reason}
+        return model, dismissed
 
-    def within_tolerance(self, model: LinearisedModel, names: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the errors of sensors among the effects of a model that are no longer effects."""
-        tolerated = self._tolerated(names)
-        return tuple(name for name in tolerated if not self._remains(model, names, name))
+    def no_longer_errors(self, model: LinearisedModel, names: tuple[str, ...]) -> dict[str, str]:
+        """Return the errors of sensors that a model does not need, each with the reason."""
+        return self._not_needed(model, names, self._tolerated(names))
 
-    def _remains(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
-        """Return whether one of the effects of a refined model is large enough, and needed.
+    def _not_needed(
+        self, model: LinearisedModel, names: tuple[str, ...], which: Iterable[str]
+    ) -> dict[str, str]:
+        reasons = {name: self._why_not_needed(model, names, name) for name in which}
+        return {name: reason for name, reason in reasons.items() if reason}
+
+    def _why_not_needed(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> str:
+        """Return why a refined model does not need one of its effects; empty where it does.
 
         Its size is that of the model or of the linear fit about it, which the diagnosis states: the
         smaller.
@@ -67,9 +74,14 @@ class EffectRefinement(CandidateEvaluator):
         fitted = self._values(model, name, estimates.chosen, estimates.beta)
         both = (self._own_values(model, name), fitted)
         sizes = [self._candidate(name, 0.0, 0.0, each, "full").size for each in both]
+        if min(sizes) == 0.0 and self._tolerated([name]):
+            return "it is within its tolerance"
         if min(sizes) < CRITERIA.size:
-            return False
-        return not estimates.may_be_zero(name) or self._is_needed(model, names, name)
+            size, needed = distinct_texts(min(sizes), CRITERIA.size)
+            return f"it is too small: {size} of a typical size, {needed} needed"
+        if estimates.may_be_zero(name) and not self._is_needed(model, names, name):
+            return "it is not distinguishable from 0, and the model without it is about as good"
+        return ""
 
     def _is_needed(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
         """Return whether the refitted model without one of its effects is clearly worse.
