@@ -9,7 +9,7 @@ from hbench.config.bench import parse_plant
 from hbench.model.cylinders import extending_volumes
 from hbench.model.plant import initial_state
 from hbench.reconcile.measured import along as measured_along
-from hbench.reconcile.measured.along import STEP_S, Starts, along, single_start
+from hbench.reconcile.measured.along import STEP_S, along, single_start
 from hbench.reconcile.measured.balances import (
     BALANCES,
     FLOWS,
@@ -17,6 +17,7 @@ from hbench.reconcile.measured.balances import (
     balance_values,
     channels_missing,
 )
+from hbench.reconcile.measured.integration import Starts
 from hbench.reconcile.measured.session import sessions
 from tests.support.pump import PUMP
 from tests.support.reconcile.exact_logs import RECORD_S, logged, record_means, smooth_strokes

@@ -49,8 +49,9 @@ from hbench.model.sensors import (
     sensor_parameters,
 )
 from hbench.model.states import P_TP, P_TR
-from hbench.reconcile.measured.along import STEP_S, AlongLog, Starts, along
+from hbench.reconcile.measured.along import STEP_S, AlongLog, along
 from hbench.reconcile.measured.disturbances import Ripples
+from hbench.reconcile.measured.integration import Starts
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
 from hbench.reconcile.measured.weak import sampling
