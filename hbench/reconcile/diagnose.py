@@ -117,7 +117,7 @@ def with_laws(search: CampaignSearch, result: SearchResult, held_out: np.ndarray
     if gone := search.no_longer_errors(final, names):
         others = tuple(name for name in names if name not in gone)
         without = search.without(result.final, list(gone), others) if others else result.refitted
-        result = replace(result, final=without, dismissed={**result.dismissed, **gone})
+        result = replace(result, final=without, ruled_out={**result.ruled_out, **gone})
         return with_laws(search, result, held_out)
     return replace(result, final=final, laws=laws, unlearned=result.final)
 
@@ -183,6 +183,7 @@ def assembled(
         overlays=overlaid,
         heldout_runs=tuple(run.plan.run for run in runs if point_of(run.plan) in held_out_points),
         not_tried=dict(not_tried),
+        ruled_out=dict(result.ruled_out),
         missing=missing,
         left_out=left_out,
         revised=sections,

@@ -65,7 +65,7 @@ class MeasuredCampaign:
         """Limits [SI] of the coefficients that are nuisances within them."""
         pressure = max(np.max(log.channels[name]) for log in self.logs for name in PRESSURES)
         force = max(np.abs(log.channels["f_applied_n"]).max() for log in self.logs)
-        return tolerances(self.instruments, float(pressure), float(force))
+        return tolerances(self.plant, self.instruments, float(pressure), float(force))
 
     @cached_property
     def drifts(self) -> Mapping[str, float]:

@@ -15,6 +15,7 @@ from hbench.config.bench import Plant
 from hbench.config.scaling import value_paths
 from hbench.config.sensors import Instrument, Instruments
 from hbench.errors import ConfigError
+from hbench.model.effects.catalogue import read_effects
 from hbench.reconcile.hypothesis import CoefficientKey
 from hbench.units import from_si, to_si
 
@@ -89,15 +90,18 @@ def nuisance_value(plant: Any, path: str) -> float:
 
 
 def tolerances(
-    instruments: Instruments | None, largest_pa: float, largest_n: float
+    plant: Any, instruments: Instruments | None, largest_pa: float, largest_n: float
 ) -> dict[CoefficientKey, float]:
     """Return the limits [SI] of coefficients that no bench is free of.
+
+    Those of a valve's gain and null are shares of its size, which the plant's effects may state.
 
     ``largest_pa`` and ``largest_n`` are the largest readings: where a tolerance is of the reading,
     an offset may be as large as there. Without instruments 1 % of the largest reading is assumed.
     """
+    stated = read_effects(plant.effects).get("valve_trim", {})
     limits = {
-        ("valve_trim", f"{kind}_{valve}"): limit
+        ("valve_trim", f"{kind}_{valve}"): limit * (1.0 + stated.get(f"gain_{valve}", 0.0))
         for valve in ("test", "load_1", "load_2")
         for kind, limit in _EACH_VALVE.items()
     } | {("valve_trim", kind): limit for kind, limit in _VALVE.items()}

@@ -58,7 +58,7 @@ def without_unconfirmed(
             result,
             final=without,
             unconfirmed=dict(unconfirmed),
-            dismissed={**result.dismissed, **refuted},
+            ruled_out={**result.ruled_out, **refuted},
         )
     return result
 

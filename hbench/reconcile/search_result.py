@@ -40,12 +40,12 @@ class SearchResult:
     laws: tuple[LawFound, ...] = ()  # learned, in the final model
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
     unconfirmed: Mapping[str, Unconfirmed] = field(default_factory=dict)  # not in the final model
-    dismissed: Mapping[str, str] = field(default_factory=dict)  # added, then not named: why
+    ruled_out: Mapping[str, str] = field(default_factory=dict)  # added, then not named: why
 
     @property
     def names(self) -> tuple[str, ...]:
         """The effects that were added and not dropped, in order."""
-        return tuple(name for name in added_names(self.steps) if name not in self.dismissed)
+        return tuple(name for name in added_names(self.steps) if name not in self.ruled_out)
 
     @property
     def additions(self) -> tuple[SearchStep, ...]:

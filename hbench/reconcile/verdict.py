@@ -74,8 +74,8 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
                 reason += (
                     f" It is too small to be named: {size} of a typical size, {needed} needed."
                 )
-            elif best.name in result.dismissed:
-                reason += f" It is not named: refitted, {result.dismissed[best.name]}."
+            elif best.name in result.ruled_out:
+                reason += f" It is not named: refined, {result.ruled_out[best.name]}."
         return "unknown", reason + unnamed
     return "none", NO_RESIDUALS
 

@@ -314,6 +314,8 @@ class Diagnosis:
     heldout_runs: tuple[str, ...] = ()
     # Effects that these data do not determine, with the reason.
     not_tried: dict[str, str] = field(default_factory=dict)
+    # Candidates with a sufficient score that are not named, with the reason.
+    ruled_out: dict[str, str] = field(default_factory=dict)
     missing: tuple[str, ...] = ()  # data that would improve the verdict
     left_out: tuple[str, ...] = ()  # runs left out, each with its reason
     revised: dict[str, Any] = field(default_factory=dict)  # the revised model's file

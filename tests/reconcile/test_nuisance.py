@@ -1,6 +1,7 @@
 """Nuisance parameters: paths of factors on a plant, and tolerances of coefficients."""
 
 from math import sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,6 +25,8 @@ from hbench.reconcile.nuisance import (
 )
 from tests.support.reconcile.rounds import plant_of
 
+PLANT = SimpleNamespace(effects={})
+
 
 def test_every_path_is_one_of_a_plant_file(bench):
     paths = set(FACTORS)
@@ -45,7 +48,7 @@ def test_a_mistyped_path_is_an_error_and_no_missing_nuisance(bench, monkeypatch,
 
 def test_the_zero_tolerances_are_offsets_in_bar_and_newtons():
     """1 % of the largest readings, 200 bar and 5 kN, where no instruments are stated."""
-    zeros = zero_tolerances(tolerances(None, 200e5, 5e3))
+    zeros = zero_tolerances(tolerances(PLANT, None, 200e5, 5e3))
     assert zeros.pop("f_applied") == pytest.approx(50.0)
     assert zeros == pytest.approx(dict.fromkeys(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), 2.0))
     assert zero_tolerances({}) == {}
@@ -99,7 +102,7 @@ def test_an_offset_is_as_large_as_the_tolerance_at_full_scale_or_at_the_largest_
     of, pressure, force
 ):
     """120 bar and 4 kN are the largest readings; a gain is off by the tolerance in both cases."""
-    found = tolerances(instruments(of, of), 120e5, 4e3)
+    found = tolerances(PLANT, instruments(of, of), 120e5, 4e3)
     for name in PRESSURES:
         assert found["pressure_offset", name] == pytest.approx(pressure)
         assert found["pressure_gain", name] == pytest.approx(0.005)
@@ -108,14 +111,14 @@ def test_an_offset_is_as_large_as_the_tolerance_at_full_scale_or_at_the_largest_
 
 
 def test_force_and_pressure_may_be_specified_differently():
-    found = tolerances(instruments("reading", "full_scale"), 120e5, 4e3)
+    found = tolerances(PLANT, instruments("reading", "full_scale"), 120e5, 4e3)
     assert found["load_cell_offset", "force"] == pytest.approx(40.0)
     assert found["pressure_offset", "p_s"] == pytest.approx(1.25e5)
 
 
 def test_without_instruments_one_per_cent_of_the_largest_reading_is_assumed():
-    found = tolerances(None, 120e5, 4e3)
-    assert found.keys() == tolerances(instruments("reading", "reading"), 1.0, 1.0).keys()
+    found = tolerances(PLANT, None, 120e5, 4e3)
+    assert found.keys() == tolerances(PLANT, instruments("reading", "reading"), 1.0, 1.0).keys()
     assert found["pressure_offset", "p_s"] == pytest.approx(1.2e5)
     assert found["load_cell_offset", "force"] == pytest.approx(40.0)
     assert found["pressure_gain", "p_tp"] == found["load_cell_gain", "error"] == 0.01
@@ -126,9 +129,18 @@ def test_without_instruments_one_per_cent_of_the_largest_reading_is_assumed():
     assert 0.5 + found["valve_trim", "exponent"] == pytest.approx(0.6)
 
 
+def test_the_tolerances_of_a_valve_are_shares_of_its_size():
+    """Load valves 150 % larger than the test valve: 10 % of their gain, 2 % of their stroke."""
+    stated = SimpleNamespace(effects={"valve_trim": {"gain_load_1": 1.5, "gain_load_2": 1.5}})
+    found = tolerances(stated, None, 120e5, 4e3)
+    for valve, size in {"test": 1.0, "load_1": 2.5, "load_2": 2.5}.items():
+        assert found["valve_trim", f"gain_{valve}"] == pytest.approx(0.1 * size)
+        assert found["valve_trim", f"null_{valve}"] == pytest.approx(0.2 * size)
+
+
 def test_a_tolerance_is_of_every_coefficient_that_an_effect_of_it_switches_on():
     """A key that no row has would never be fitted; a half of one would be an effect."""
-    found = tolerances(instruments("reading", "full_scale"), 120e5, 4e3)
+    found = tolerances(PLANT, instruments("reading", "full_scale"), 120e5, 4e3)
     for name in {effect for effect, _ in found}:
         assert {which for which in found if which[0] == name} == set(effect_coefficients(name))
     assert BACKGROUND <= {effect for effect, _ in found} <= set(EFFECTS)

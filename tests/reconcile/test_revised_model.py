@@ -94,7 +94,7 @@ def test_the_revised_model_has_the_effects_that_held_out_runs_confirm(
 def test_an_effect_that_leaves_a_large_gap_outside_the_fit_is_not_named():
     """5.0 times the repeatability without it, and 5.5 with it: another effect is missing."""
     result, refitted, _ = confirmed(1.9, 5.0, 5.5)
-    assert result.names == ("added_mass",) and list(result.dismissed) == ["supply_droop"]
+    assert result.names == ("added_mass",) and list(result.ruled_out) == ["supply_droop"]
     assert not result.confirmed and result.final is refitted
 
 
@@ -115,6 +115,6 @@ def test_what_leaves_most_of_a_significant_gap_is_not_named(left, named):
     search = SimpleNamespace(without=None)
     result = without_unconfirmed(search, SearchResult(None, refitted, steps, final), np.array([1]))
     assert (result.names == ("added_mass",)) == named
-    assert (list(result.dismissed) == ["added_mass"]) != named
+    assert (list(result.ruled_out) == ["added_mass"]) != named
     agreeing = SearchResult(None, refitted, steps, model_with(3.5, left))
     assert without_unconfirmed(search, agreeing, np.array([1])).names == ("added_mass",)

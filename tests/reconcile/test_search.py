@@ -108,8 +108,8 @@ def test_an_effect_of_which_refinement_leaves_nothing_is_not_named():
         },
         search=Refined,
     )
-    assert found.names == ("internal_leakage",) and set(found.dismissed) == {"supply_droop"}
-    assert found.dismissed["supply_droop"].startswith("it is too small: ")
+    assert found.names == ("internal_leakage",) and set(found.ruled_out) == {"supply_droop"}
+    assert found.ruled_out["supply_droop"].startswith("it is too small: ")
     assert set(found.final.hypothesis.effects) & set(CANDIDATES) == {"internal_leakage"}
 
 
@@ -142,7 +142,7 @@ def test_an_effect_that_may_be_zero_stays_if_it_is_needed(monkeypatch, lost, bef
         if stays
         else ["it is not distinguishable from 0, and the model without it is about as good"]
     )
-    assert list(found.dismissed.values()) == reasons
+    assert list(found.ruled_out.values()) == reasons
 
 
 def test_an_effect_that_is_dropped_and_added_again_is_one_addition():

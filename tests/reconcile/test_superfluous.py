@@ -83,8 +83,8 @@ def test_an_effect_whose_loss_makes_the_model_worse_stays_though_it_has_no_score
     assert rivals.without_superfluous(start, names) == (start, ())
 
 
-@pytest.mark.parametrize(("zero_alone", "dismissed"), [(False, ("b",)), (True, ("b", "a"))])
-def test_of_two_that_may_each_be_0_beside_the_other_the_first_stays(zero_alone, dismissed):
+@pytest.mark.parametrize(("zero_alone", "ruled_out"), [(False, ("b",)), (True, ("b", "a"))])
+def test_of_two_that_may_each_be_0_beside_the_other_the_first_stays(zero_alone, ruled_out):
     class Refined(Search):
         def refined(self, model, names):
             return model
@@ -94,8 +94,8 @@ def test_of_two_that_may_each_be_0_beside_the_other_the_first_stays(zero_alone, 
 
     made = Refined(SimpleNamespace(start=Hypothesis()), None, ())
     found, gone = made.refined_and_named(model("a", "b"), ("a", "b"))
-    assert gone == dict.fromkeys(dismissed, "it may be 0")
-    assert set(found.hypothesis.effects) == {"a", "b"} - set(dismissed)
+    assert gone == dict.fromkeys(ruled_out, "it may be 0")
+    assert set(found.hypothesis.effects) == {"a", "b"} - set(ruled_out)
 
 
 @pytest.mark.parametrize(

@@ -56,7 +56,7 @@ def test_friction_of_the_seal_that_grows_with_pressure_is_named_for_both_seals(s
 
 
 def test_guides_are_ruled_out_as_they_would_rub_alike_with_either_seal(seal):
-    assert "standard errors" in seal[1].not_tried["load_friction"]
+    assert "standard errors" in seal[1].ruled_out["load_friction"]
 
 
 def test_the_error_shrinks_at_pressures_left_out_of_the_fit(seal):

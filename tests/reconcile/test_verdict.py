@@ -109,11 +109,11 @@ def test_the_best_candidate_is_that_without_any_effect_also_if_too_little_of_it_
     rest = EvaluatedCandidate(OTHER, None), EvaluatedCandidate(LEAK, None)
     steps = (*found(("internal_leakage", ())).steps, SearchStep(None, rest, None, ()))
     result = SearchResult(
-        None, None, steps, None, dismissed={"internal_leakage": "it is too small"}
+        None, None, steps, None, ruled_out={"internal_leakage": "it is too small"}
     )
     verdict, why = decide_verdict(result, (LACKS,))
     assert verdict == "unknown" and "best candidate, internal_leakage, explains 90 %" in why
-    assert "not named: refitted, it is too small." in why and "external_leakage" not in why
+    assert "not named: refined, it is too small." in why and "external_leakage" not in why
 
 
 def test_a_size_just_below_the_limit_is_written_apart_from_it():

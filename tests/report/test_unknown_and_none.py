@@ -13,6 +13,7 @@ from hbench.records import (
     GapTable,
     Overlay,
     Region,
+    ResidualMap,
     Separability,
 )
 from hbench.records.diagnosis import FITTED
@@ -200,16 +201,19 @@ def test_a_share_that_suffices_and_a_score_that_does_not_are_explained_once(comp
     assert "35 % of the gap in the quantities that it changes; that share is large enough" in text
     assert "that chance is ruled out (score 9.5 nats, 11.3 needed)" in text
     refined = replace(weak, score=20.0)  # it meets each criterion of the search
-    text = summary(replace(compared, ranking=(refined,)))
-    assert "It is not named: refined together with the model's values, it is negligible" in text
+    reason = {"load_friction": "it leaves most of the gap of runs outside the fit"}
+    text = summary(replace(compared, ranking=(refined,), ruled_out=reason))
+    assert f"It is not named: refined with the model's values, {reason['load_friction']}." in text
 
 
 def test_what_several_deviations_have_in_common_is_inspected_first(compared):
     first = compared.where[0]
 
-    def start(*names):
+    def start(*names, residuals=None):
         rest = tuple(replace(first, name=name) for name in names)
-        found = replace(compared, where=rest, rest=rest)
+        found = replace(
+            compared, where=rest, rest=rest, residuals_after=residuals or ResidualMap.empty()
+        )
         return ordinary_spaces(f"{verdict_words(found)} {summary(found)}")
 
     flows = ("flow_tr", "flow_tp", "flow_lp", "flow_lr")
@@ -219,6 +223,13 @@ def test_what_several_deviations_have_in_common_is_inspected_first(compared):
     assert "First inspect the load cell." in cell
     assert "The force of the test cylinder and the force of the load cylinder depend on it." in cell
     assert "First inspect the bore and the piston seal of the load" in start("flow_lr", "flow_lp")
+    forces = "force_load", "force_test"
+    opposite = replace(
+        ResidualMap.empty(), names=forces, value=np.array([[-9.0, 9.0], [8.0, -7.0]])
+    )
+    assert "First inspect the load cell." in start(*forces, residuals=opposite)
+    alike = replace(opposite, value=np.abs(opposite.value))  # which no error of a load cell causes
+    assert "the load cell." not in start(*forces, residuals=alike)
 
 
 def test_a_limit_that_two_deviations_share_is_written_once(compared):

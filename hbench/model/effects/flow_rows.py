@@ -5,6 +5,7 @@ from hbench.model.effects import flows, friction
 from hbench.model.effects.rows import FLOWS, FORCES, Effect, Separation
 
 _VALVES = ("test", "load_1", "load_2")
+_GAIN = Coefficient("%", 5, -95, 900)  # valves of a twentieth to ten times the size
 _SHARES = {side: Coefficient("%", 5, -50, 50) for side in ("test", "load")}
 _LEAK = Coefficient("l/min/bar", 3e-3, 0, 1)
 _LINEAR = Coefficient("1", 0, 0.3, 3, 1)  # exponent
@@ -13,7 +14,7 @@ ROWS = {
     "valve_trim": Effect(
         description="each valve has a gain and a null of its own",
         coefficients={
-            **{f"gain_{valve}": Coefficient("%", 5, -50, 50) for valve in _VALVES},
+            **{f"gain_{valve}": _GAIN for valve in _VALVES},
             **{f"null_{valve}": Coefficient("V", 0.05, -2, 2) for valve in _VALVES},
             "curvature": Coefficient("1/V", 0.005, -0.1, 0.1),
             "small": Coefficient("%", 5, -50, 50),

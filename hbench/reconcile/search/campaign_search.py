@@ -85,8 +85,8 @@ class CampaignSearch(EffectRefinement):
                 break
             current, dropped = self.without_superfluous(with_effect, added_names([*steps, step]))
             steps.append(replace(step, dropped=dropped))
-        final, dismissed = self.refined_and_named(current, added_names(steps))
-        return SearchResult(given, refitted, tuple(steps), final, refused, dismissed=dismissed)
+        final, ruled_out = self.refined_and_named(current, added_names(steps))
+        return SearchResult(given, refitted, tuple(steps), final, refused, ruled_out=ruled_out)
 
     def _refitted(self) -> tuple[LinearisedModel, LinearisedModel, str]:
         """Return the given and the refitted model; if not better, the given one and the reason.

@@ -42,17 +42,17 @@ class EffectRefinement(CandidateEvaluator):
         They are left out one at a time, the last added first: of two alike, each may be 0 beside
         the other, and not both.
         """
-        dismissed: dict[str, str] = {}
+        ruled_out: dict[str, str] = {}
         while names:
             self.stage(f"refining {', '.join(names)}")
             refined = self.refined(model, names)
             reasons = self._not_needed(refined, names, names)
             if not reasons:
-                return refined, dismissed
+                return refined, ruled_out
             last, reason = reasons.popitem()
             names = tuple(name for name in names if name != last)
-            model, dismissed = self.without(refined, [last], names), dismissed | {last: reason}
-        return model, dismissed
+            model, ruled_out = self.without(refined, [last], names), ruled_out | {last: reason}
+        return model, ruled_out
 
     def no_longer_errors(self, model: LinearisedModel, names: tuple[str, ...]) -> dict[str, str]:
         """Return the errors of sensors that a model does not need, each with the reason."""

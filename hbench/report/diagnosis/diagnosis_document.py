@@ -44,7 +44,7 @@ LAYOUTS: Layouts = {
         "gap": {"heldout": "gap_heldout", "train": "gap_train", "runs": "gap_runs"},
         **keys("ranking", "threshold", "refitted", "refit_priors"),
         "refit_refused": NullIfEmpty("refit_refused"),
-        **keys("regions", "regions_after", "heldout_runs", "not_tried"),
+        **keys("regions", "regions_after", "heldout_runs", "not_tried", "ruled_out"),
         **keys("missing", "left_out", "notes", "unnamed", "separability", "errors"),
         **keys("held_out_loads", "zero_tolerances"),
     },

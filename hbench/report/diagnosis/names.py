@@ -114,10 +114,11 @@ BORES = {
     "flow_lr": "the bore and the piston seal of the load cylinder",
 }
 # Parts that several balances have in common: the one to inspect first where all of them deviate.
+# An error of the part changes each balance with a sign of its own.
 COMMON_PARTS = {
-    ("flow_tp", "flow_tr", "flow_lp", "flow_lr"): "the position transducer",
-    ("flow_lp", "flow_lr"): BORES["flow_lp"],
-    ("force_test", "force_load"): "the load cell",
+    "the position transducer": {"flow_tp": 1, "flow_tr": -1, "flow_lp": -1, "flow_lr": 1},
+    BORES["flow_lp"]: {"flow_lp": 1, "flow_lr": -1},
+    "the load cell": {"force_test": 1, "force_load": -1},
 }
 # Metering edge of each chamber while the piston extends, and while it retracts.
 EDGES = {

@@ -86,9 +86,9 @@ def ruled_out_words(diagnosis: Diagnosis) -> str:
     """Return which candidates explain enough and are ruled out by other data; empty for none."""
     return " ".join(
         f"{title(each.name)} would explain {share(each.explained)} of the gap too, but is ruled "
-        f"out: {keys_as_words(diagnosis.not_tried[each.name])}."
+        f"out: {keys_as_words(diagnosis.ruled_out[each.name])}."
         for each in diagnosis.ranking
-        if each.name in diagnosis.not_tried and each.score > each.threshold
+        if each.name in diagnosis.ruled_out and each.score > each.threshold
     )
 
 

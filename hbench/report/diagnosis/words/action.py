@@ -1,7 +1,10 @@
 """What to do next in words: what to measure, and what to inspect."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
 
 from hbench.records import (
     KINDS,
@@ -279,9 +282,9 @@ def _first_part(diagnosis: Diagnosis, gap: Gap) -> str:
 def _start(diagnosis: Diagnosis, gap: Gap) -> tuple[str, str]:
     """Return the part of the bench to inspect first for a gap, and a sentence on why that one."""
     deviating = {each.name for each in diagnosis.rest}
-    for names, common in COMMON_PARTS.items():
-        if gap.name in names and deviating.issuperset(names):
-            return common, f"{capital(all_in_sentence(names))} depend on it."
+    for common, signs in COMMON_PARTS.items():
+        if gap.name in signs and deviating.issuperset(signs) and _deviate_so(diagnosis, signs):
+            return common, f"{capital(all_in_sentence(list(signs)))} depend on it."
     part = _first_part(diagnosis, gap)
     alike = [each.name for each in unexplained(diagnosis) if _first_part(diagnosis, each) == part]
     if part and alike[1:] and not refit_increases(diagnosis).keys() & alike:
@@ -303,6 +306,14 @@ def _start(diagnosis: Diagnosis, gap: Gap) -> tuple[str, str]:
             f"meters it, and by {low} while the edge to {other} does."
         )
     return part, f"{most}."
+
+
+def _deviate_so(diagnosis: Diagnosis, signs: Mapping[str, int]) -> bool:
+    """Return whether the residuals of no two balances contradict the signs of one cause."""
+    residuals = diagnosis.residuals_after
+    every = dict(zip(residuals.names, residuals.value.T, strict=True))
+    turned = [sign * every[name] for name, sign in signs.items() if name in every]
+    return all(np.nansum(one * other) >= 0 for one, other in combinations(turned, 2))
 
 
 def further_inspections(diagnosis: Diagnosis) -> Iterator[str]:

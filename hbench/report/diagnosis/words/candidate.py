@@ -37,11 +37,8 @@ def best_candidate(diagnosis: Diagnosis) -> str:
         return ""
     best = diagnosis.ranking[0]
     reasons = _not_named(best)
-    if not reasons and diagnosis.verdict == "unknown":
-        reasons = [
-            "refined together with the model's values, it is negligible or does not reduce the gap "
-            "of runs outside the fit"
-        ]
+    if not reasons and best.name in diagnosis.ruled_out:
+        reasons = [f"refined with the model's values, {diagnosis.ruled_out[best.name]}"]
     why = f" It is not named: {listed(reasons)}." if reasons else ""
     needs = f" It would need {coefficients}." if (coefficients := _coefficients(best)) else ""
     enough = (
