@@ -37,6 +37,7 @@ BY_NAME += (
     "refit_priors",
     "gaps",
     "not_tried",
+    "ruled_out",
     "next_schedule",
     "zero_tolerances",
     "also",

@@ -188,12 +188,14 @@ def _refuse_areas(
     left = moving.force_n - columns @ fit
     covariance, _ = covariance_over_runs(columns, left, moving.run)
     (piston, rod), se = fit[:2] / size[:2], np.sqrt(np.diag(covariance)[:2]) / size[:2]
+    if not np.isfinite(se).all():
+        return
     own = _own_part(columns, 0), _own_part(columns, 1)
-    if not np.isfinite(se).all() or min(own) < _LEAST_OWN:
-        return  # friction may follow the pressures
     clear = _CLEAR * np.linalg.norm(left)
     if piston < -_SIGMAS * se[0] and rod < -_SIGMAS * se[1] and -rod * size[1] * own[1] > clear:
         raise _negative_areas(name, piston, rod, rod_m2 / piston_m2)
+    if min(own) < _LEAST_OWN:
+        return  # friction may follow the pressures
     if piston < max(_LEAST_SHARE, _SIGMAS * se[0]):
         return  # the force does not follow the pressures
     if abs(rod - piston) * size[1] * own[1] < clear:
