@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.parameters import PlantParameters
 from hbench.reconcile.estimates import ParameterEstimates
@@ -99,7 +100,7 @@ def _at_point(
     measured: MeasuredCampaign, point: WorkingPoint, hypothesis: Hypothesis, name: str
 ) -> _Quantities:
     model, without = _with_and_without(measured, hypothesis, name)
-    missing = steady_balances(point, without) - steady_balances(point, model)
+    missing = _less(steady_balances(point, without), steady_balances(point, model))
     readings = {channel: np.array([getattr(point, f)]) for channel, f in READINGS.items()}
     v = np.array([point.v_m_s])
     return dict(_quantities(name, missing[None], readings, v, (model, without)))
@@ -108,13 +109,19 @@ def _at_point(
 def _along_logs(
     measured: MeasuredCampaign, windows: GapMap, hypothesis: Hypothesis, name: str
 ) -> _Quantities:
-    missing = (
-        measured.gap_map(without_effect(hypothesis, name), windows).difference
-        - measured.gap_map(hypothesis, windows).difference
+    missing = _less(
+        measured.gap_map(without_effect(hypothesis, name), windows).difference,
+        measured.gap_map(hypothesis, windows).difference,
     )
     readings = {channel: window_means(measured.logs, f) for channel, f in READINGS.items()}
     models = _with_and_without(measured, hypothesis, name)
     return dict(_quantities(name, missing, readings, windows.v_m_s, models))
+
+
+def _less(without: np.ndarray, with_effect: np.ndarray) -> np.ndarray:
+    """Return the difference of two evaluations; 0 where they differ by rounding alone."""
+    same = np.isclose(without, with_effect, rtol=ROUNDING, atol=0.0)
+    return np.where(same, 0.0, without - with_effect)
 
 
 def _with_and_without(

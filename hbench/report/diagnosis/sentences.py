@@ -31,6 +31,7 @@ _DEAD_VOLUMES = {
     "flow_lr": "load_cylinder.dead_volume_rod",
 }  # values of the model file, by the balance of their chamber
 _MASSES = "moving_mass."  # values of the model file that weighing gives
+_CATALOGUED = ("valve.", "oil.", "supply.")  # values that data sheets state
 _DOUBTFUL = 1.5  # assumed standard deviations
 _MOST_FACTORS = 3  # refitted values in a sentence
 
@@ -204,10 +205,11 @@ def refit_words(diagnosis: Diagnosis) -> str:
 
 
 def doubtful_values(diagnosis: Diagnosis) -> str:
-    """Return the volumes and masses that the refit moves far beyond their assumed accuracy.
+    """Return the values of the model that the refit moves far beyond their assumed accuracy.
 
-    Empty without any. They are known from drawings and by weighing. If such a value is right in
-    the model file, the refit has changed it in place of an effect that the model does not contain.
+    Empty without any. Volumes and masses are known from drawings and by weighing; of valves, oil
+    and supply a value counts that is at its bound. If such a value is right in the model file, the
+    refit has changed it in place of an effect that the model does not contain.
     Where flows to chambers are unexplained, these are the dead volumes there, which are then a hint
     from one assumed standard deviation.
     """
@@ -218,16 +220,21 @@ def doubtful_values(diagnosis: Diagnosis) -> str:
     parts = [
         f"{value_words(path)} {parameter_text(factor)}"
         for path, factor in _changed_values(diagnosis).items()
-        if path.startswith(_MASSES) or path in _DEAD_VOLUMES.values()
-        if _priors_off(diagnosis, path) > _DOUBTFUL
+        if _is_doubtful(diagnosis, path)
     ]
     if not parts:
         return ""
     return (
-        "Check these values of the model file with drawings or by weighing. The refit multiplies "
-        f"them by a factor: {'; '.join(parts)}. If the file is right, an effect is missing in the "
-        "model."
+        "Check these values of the model file by drawings, data sheets or weighing. The refit "
+        f"multiplies them by a factor: {'; '.join(parts)}. If the file is right, an effect is "
+        "missing in the model."
     )
+
+
+def _is_doubtful(diagnosis: Diagnosis, path: str) -> bool:
+    if path.startswith(_MASSES) or path in _DEAD_VOLUMES.values():
+        return _priors_off(diagnosis, path) > _DOUBTFUL
+    return path.startswith(_CATALOGUED) and diagnosis.refitted[path].at_bound is not None
 
 
 def _volume_hint(diagnosis: Diagnosis) -> str:

@@ -266,14 +266,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.refitted and not diagnosis.refit_refused:
-        total = diagnosis.gap_heldout.total
-        yield (
-            _ACTION,
-            "Keep the model as given: runs outside the fit deviate from it no more than from a "
-            "correct one."
-            if total.before <= total.floor
-            else "Use model.yaml, which has the refitted values.",
-        )
+        yield _ACTION, _model_to_use(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis) if hint(diagnosis) else ""
     yield _REFIT, refit_words(diagnosis)
@@ -287,6 +280,18 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _RESIDUALS, residual_words(diagnosis, list(names))
     yield _RESIDUALS, significant_gaps(diagnosis.where)
     yield _RESIDUALS, largest_gap(diagnosis)
+
+
+def _model_to_use(diagnosis: Diagnosis) -> str:
+    total = diagnosis.gap_heldout.total
+    if total.before <= total.floor:
+        return (
+            "Keep the model as given: runs outside the fit deviate from it no more than from a "
+            "correct one."
+        )
+    if doubtful_values(diagnosis):
+        return "Use model.yaml, which has the refitted values, once those to check are plausible."
+    return "Use model.yaml, which has the refitted values."
 
 
 def _insufficient(diagnosis: Diagnosis) -> Iterator[Answer]:
