@@ -20,6 +20,7 @@ from hbench.records import (
     ResidualMap,
     Rival,
 )
+from hbench.sentences import plural
 
 _PLACES = 501  # along the measured positions
 
@@ -110,6 +111,14 @@ def fitted_shape(name: str, hypothesis: Hypothesis) -> str:
     return ", ".join(key for _, key in shape_coefficients(name) if key in coefficients)
 
 
+def _left_out_first(left_out: Sequence[str]) -> str:
+    """Return what to do about runs that are left out, before others are measured."""
+    if not left_out:
+        return ""
+    runs = plural(len(left_out), "a run is", f"{len(left_out)} runs are")
+    return f"First see why {runs} left out. "
+
+
 def insufficient_data_diagnosis(
     task: ModelledData, missing: tuple[str, ...], left_out: tuple[str, ...], advice: str = ""
 ) -> Diagnosis:
@@ -122,7 +131,7 @@ def insufficient_data_diagnosis(
         model=task.model,
         verdict="unknown",
         why=f"The data do not suffice to name an effect. Missing: {missing[0]}.",
-        next_experiment=f"Measure {missing[0]}. {advice}".rstrip(),
+        next_experiment=f"{_left_out_first(left_out)}Measure {missing[0]}. {advice}".rstrip(),
         not_tried=dict.fromkeys(EFFECTS, "too few runs"),
         missing=missing,
         left_out=left_out,

@@ -206,6 +206,18 @@ def test_exchanged_pressures_and_a_turned_force_are_told_apart(runs, model):
     assert "f_applied_n scale: -1" in error.hint
 
 
+def test_a_position_that_counts_from_the_other_end_is_refused(runs, model):
+    turned = [replace(run, x_m=model.par.test.stroke_m - run.x_m) for run in runs]
+    error = refused(turned, model)
+    assert error.message.startswith("u_t_v: valve T is commanded against the motion")
+    assert error.hint.startswith("x_m is 0 at the retracted end")
+    commands = ("u_t_v", "u_l1_v", "u_l2_v")
+    both = [replace(run, **{name: -getattr(run, name) for name in commands}) for run in turned]
+    error = refused(both, model)
+    assert error.message.startswith("friction of both cylinders has the direction of the motion")
+    assert error.hint.startswith("x_m is 0 at the retracted end")
+
+
 def test_commands_beyond_the_limit_of_their_valve_are_refused(runs, model):
     in_ma = [replace(run, u_l2_v=20 + 0.8 * run.u_l2_v) for run in runs]
     error = refused(in_ma, model)

@@ -8,6 +8,7 @@ windows of motion far from a reversal:
 - **Commands.** The oil that the motion needs flows into a chamber while the command of its valve
   empties it, and the further the faster the motion: the null of a valve alone may exceed the small
   command of a slow one. Or the command is beyond the valve's limit most of the time.
+- **Friction** that drives both cylinders: the position counts from the other end.
 - **Areas.** The applied force is A_p P_p - A_r P_r less friction (2.12) and inertia, at the load
   cylinder plus friction. A fit of the areas with friction, a mass and an offset gives their ratio.
   Friction is dry, viscous and in proportion to each pressure, so strokes in both directions are
@@ -26,6 +27,7 @@ import numpy as np
 
 from hbench.analysis.statistics.intervals import covariance_over_runs
 from hbench.errors import DataError
+from hbench.model.cylinders import pressure_force
 from hbench.model.parameters import CylinderParameters
 from hbench.reconcile.measured.balances import BalanceModel, driving_signals
 from hbench.reconcile.measured.session import COMMANDS, Session
@@ -43,6 +45,13 @@ _LEAST_SHARE = 0.5  # of the piston's area by the fit
 _LEAST_OWN = 0.05  # part of a pressure that neither friction nor the other pressure explains
 _CLEAR = 3.0  # times the force that the fit leaves: what a wrong area must explain, at least
 _FEEDS = {"u_t_v": ("T", 1), "u_l1_v": ("L1", 1), "u_l2_v": ("L2", -1)}  # sign of v it drives
+
+
+_VISIBLE = 0.01  # of the applied force: load cells have such errors
+_TURNED_HINT = (
+    "x_m is 0 at the retracted end and rises while the test cylinder extends: a sensor that counts "
+    "from the other end needs scale: -1, and the stroke as offset, in the import map."
+)
 
 
 @dataclass(frozen=True)
@@ -66,6 +75,7 @@ def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     if wrong := dict(_wrong_commands(moving)):
         raise DataError("; ".join(wrong.values()), _command_hint(list(wrong)))
     p_tp, p_tr, p_lp, p_lr = moving.pressures_pa
+    _refuse_driving_friction(moving, model)
     _refuse_areas("test_cylinder", model.par.test, p_tp, p_tr, moving)
     _refuse_areas("load_cylinder", model.par.load, p_lp, p_lr, moving)
 
@@ -151,7 +161,38 @@ def _falls(u: np.ndarray, sense: int, moving: _Moving) -> bool:
     return bool(fit[0] < -_SIGMAS * np.sqrt(covariance[0, 0]))
 
 
+def _refuse_driving_friction(moving: _Moving, model: BalanceModel) -> None:
+    """Raise ``DataError`` where the friction of both cylinders has the direction of the motion.
+
+    An error of the load cell raises the friction of one cylinder and lowers that of the other.
+    Offsets cancel in half the difference of both directions.
+    """
+    v, (p_tp, p_tr, p_lp, p_lr) = moving.v_m_s, moving.pressures_pa
+    test, load = (
+        pressure_force(p_p, p_r, cylinder)
+        for p_p, p_r, cylinder in ((p_tp, p_tr, model.par.test), (p_lp, p_lr, model.par.load))
+    )
+    forces = test - moving.force_n, moving.force_n - load  # against extension
+    extends = v > 0
+    if min(extends.sum(), (~extends).sum()) < _FEWEST or not (moving.force_n.any() and load.any()):
+        return
+    columns = np.column_stack([np.sign(v), np.ones_like(v)])
+    levels = []
+    for force in forces:
+        fit = np.linalg.lstsq(columns, force, rcond=None)[0]
+        covariance, _ = covariance_over_runs(columns, force - columns @ fit, moving.run)
+        levels.append(fit[0] + _SIGMAS * np.sqrt(covariance[0, 0]))
+    if max(levels) < -_VISIBLE * np.sqrt(np.mean(moving.force_n**2)):
+        raise DataError(
+            f"friction of both cylinders has the direction of the motion ({levels[0]:.3g} N at the "
+            f"test cylinder, {levels[1]:.3g} N at the load cylinder, or more)",
+            _TURNED_HINT,
+        )
+
+
 def _command_hint(names: Sequence[str]) -> str:
+    if len(names) == len(_FEEDS):
+        return f"{_TURNED_HINT} Otherwise the commands have the other sign: give them scale: -1."
     if set(names) == {"u_l1_v", "u_l2_v"}:
         return (
             "Exchange the columns of u_l1_v (feeds the rod side of the load cylinder) and u_l2_v "

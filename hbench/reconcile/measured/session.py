@@ -149,6 +149,11 @@ def averaged(run: Run) -> Run:
         width = usual * max(1, int(_RECORD_S / usual + 1e-6))
         if width == usual:
             return run
+    if run.t_s[-1] - run.t_s[0] < 2 * width:
+        raise DataError(
+            f"run {run.plan.run}: lasts {run.t_s[-1] - run.t_s[0]:.3g} s, with a sample every "
+            f"{usual:.3g} s (two records of {width:.2g} s are required): check the unit of the time"
+        )
     longest, limit = steps.max(), 3 * width
     if longest > limit:
         raise DataError(

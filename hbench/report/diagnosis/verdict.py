@@ -47,7 +47,7 @@ from hbench.report.diagnosis.words.unexplained import (
     narrowing_words,
     unexplained_words,
 )
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:
@@ -266,6 +266,10 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
 def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     if not diagnosis.where:
         yield "These runs do not suffice to find a missing effect."
+        if diagnosis.left_out:
+            count = len(diagnosis.left_out)
+            runs = plural(count, "A run is", f"{count} runs are")
+            yield f"{runs} left out: {diagnosis.left_out[0]}."
         yield f"Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return
     finding, *place = unexplained_words(diagnosis)
