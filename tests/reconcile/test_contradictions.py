@@ -13,6 +13,7 @@ from hbench.config.bench import parse_plant
 from hbench.errors import DataError
 from hbench.reconcile.measured.balances import balance_model
 from hbench.reconcile.measured.contradictions import refuse_contradictions
+from hbench.reconcile.measured.moving_windows import moving_windows
 from hbench.reconcile.measured.session import sessions
 from hbench.records import Run, RunPlan
 from tests.support.reconcile.exact_logs import SPECIMEN
@@ -216,6 +217,21 @@ def test_a_position_that_counts_from_the_other_end_is_refused(runs, model):
     error = refused(both, model)
     assert error.message.startswith("friction of both cylinders has the direction of the motion")
     assert error.hint.startswith("x_m is 0 at the retracted end")
+
+
+def test_a_command_of_another_scale_is_refused_and_a_wrong_guess_of_the_gain_is_not(runs, model):
+    moving = moving_windows(sessions(runs), model)
+    share = np.median(moving.by_law_m3_s[:2] / moving.needed_m3_s[:2])
+    fitting = with_test_valve(runs, 1 / share)
+    for factor in (0.5, 1.0, 2.0):
+        refuse_contradictions(sessions(with_test_valve(fitting, factor)), model)
+    for factor, said in ((0.1, "0.1 times"), (10.0, "10 times")):
+        limit = model.par.valve._replace(limit_v=100.0)
+        error = refused(
+            with_test_valve(fitting, factor), replace(model, par=model.par._replace(valve=limit))
+        )
+        assert error.message.startswith("u_t_v: the flows of valve T") and said in error.message
+        assert "scale of u_t_v" in error.hint and "valve.gain" in error.hint
 
 
 def test_commands_beyond_the_limit_of_their_valve_are_refused(runs, model):

@@ -1,0 +1,137 @@
+"""Forces that contradict pressures and motion.
+
+- **Friction** that drives both cylinders: the position counts from the other end. An error of the
+  load cell raises the friction of one cylinder and lowers that of the other.
+- **Areas.** The applied force is A_p P_p - A_r P_r less friction (2.12) and inertia, at the load
+  cylinder plus friction. A fit of the areas with friction, a mass and an offset gives their ratio.
+  Friction is dry, viscous and in proportion to each pressure, so strokes in both directions are
+  needed: in one alone, friction that grows with a pressure is like an area. So are pressures that
+  differ between the directions alone. What the pressure on the rod side does and friction does not
+  must also exceed several times what the fit leaves: friction of another law may do as much. An
+  error of the load cell's gain changes both areas alike, so the ratio is free of it. Where both
+  areas come out negative, the pressures are exchanged, or the force has the wrong sign.
+"""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from hbench.analysis.statistics.intervals import covariance_over_runs
+from hbench.errors import DataError
+from hbench.model.cylinders import pressure_force
+from hbench.model.parameters import CylinderParameters, PlantParameters
+from hbench.reconcile.measured.command_checks import TURNED_HINT
+from hbench.reconcile.measured.moving_windows import FEWEST, SIGMAS, Moving
+
+_AREAS = 0.08  # relative error of the areas' ratio; 11 % or more to the next rod of ISO 3320
+_LEAST_SHARE = 0.5  # of the piston's area by the fit
+_LEAST_OWN = 0.05  # part of a pressure that neither friction nor the other pressure explains
+_CLEAR = 3.0  # times the force that the fit leaves: what a wrong area must explain, at least
+_VISIBLE = 0.01  # of the applied force: load cells have such errors
+
+
+def refuse_driving_friction(moving: Moving, par: PlantParameters) -> None:
+    """Raise ``DataError`` where the friction of both cylinders has the direction of the motion.
+
+    Offsets cancel in half the difference of both directions.
+    """
+    v, (p_tp, p_tr, p_lp, p_lr) = moving.v_m_s, moving.pressures_pa
+    test, load = (
+        pressure_force(p_p, p_r, cylinder)
+        for p_p, p_r, cylinder in ((p_tp, p_tr, par.test), (p_lp, p_lr, par.load))
+    )
+    forces = test - moving.force_n, moving.force_n - load  # against extension
+    extends = v > 0
+    if min(extends.sum(), (~extends).sum()) < FEWEST or not (moving.force_n.any() and load.any()):
+        return
+    columns = np.column_stack([np.sign(v), np.ones_like(v)])
+    levels = []
+    for force in forces:
+        fit = np.linalg.lstsq(columns, force, rcond=None)[0]
+        covariance, _ = covariance_over_runs(columns, force - columns @ fit, moving.run)
+        levels.append(fit[0] + SIGMAS * np.sqrt(covariance[0, 0]))
+    if max(levels) < -_VISIBLE * np.sqrt(np.mean(moving.force_n**2)):
+        raise DataError(
+            f"friction of both cylinders has the direction of the motion ({levels[0]:.3g} N at the "
+            f"test cylinder, {levels[1]:.3g} N at the load cylinder, or more)",
+            TURNED_HINT,
+        )
+
+
+def refuse_areas(
+    name: str,
+    cylinder: CylinderParameters,
+    p_p: np.ndarray,
+    p_r: np.ndarray,
+    moving: Moving,
+) -> None:
+    """Raise ``DataError`` for areas that do not fit.
+
+    The standard error of the ratio leaves out the correlation of both areas.
+    """
+    v, piston_m2, rod_m2 = moving.v_m_s, cylinder.area_piston_m2, cylinder.area_rod_m2
+    way = np.sign(v)
+    friction = way, v, way * p_p, way * p_r
+    inertia = moving.a_m_s2, np.ones_like(v)
+    columns = np.column_stack([p_p * piston_m2, -p_r * rod_m2, *friction, *inertia])
+    size = np.linalg.norm(columns, axis=0)
+    if min(np.sum(way > 0), np.sum(way < 0)) < FEWEST or not size.all():
+        return
+    columns = columns / size
+    fit = np.linalg.lstsq(columns, moving.force_n, rcond=None)[0]
+    left = moving.force_n - columns @ fit
+    covariance, _ = covariance_over_runs(columns, left, moving.run)
+    (piston, rod), se = fit[:2] / size[:2], np.sqrt(np.diag(covariance)[:2]) / size[:2]
+    if not np.isfinite(se).all():
+        return
+    own = _own_part(columns, 0), _own_part(columns, 1)
+    clear = _CLEAR * np.linalg.norm(left)
+    if piston < -SIGMAS * se[0] and rod < -SIGMAS * se[1] and -rod * size[1] * own[1] > clear:
+        raise _negative_areas(name, piston, rod, rod_m2 / piston_m2)
+    if min(own) < _LEAST_OWN:
+        return  # friction may follow the pressures
+    if piston < max(_LEAST_SHARE, SIGMAS * se[0]):
+        return  # the force does not follow the pressures
+    if abs(rod - piston) * size[1] * own[1] < clear:
+        return  # friction of another law may do the same
+    off, error = rod / piston - 1, np.hypot(*se) / piston
+    if abs(off) > max(_AREAS, SIGMAS * error):
+        given, found = rod_m2 / piston_m2, rod_m2 / piston_m2 * (1 + off)
+        raise DataError(
+            f"{name}: pressures and force give a ratio of rod side to piston side area of "
+            f"{found:.3f}, the model file {given:.3f} ({100 * off:+.0f} %, limit: "
+            f"{100 * _AREAS:.0f} %){_fitting_rod(piston_m2, found)}",
+            "Correct the cylinder's diameters in the model file, or the scale of a pressure in the "
+            "import map.",
+        )
+
+
+def _negative_areas(name: str, piston: float, rod: float, ratio: float) -> DataError:
+    """Return the error for areas by the fit that are negative, in shares of the model file's."""
+    side = name.removesuffix("_cylinder")
+    exchanged = abs(np.log(rod / piston) + 2 * np.log(ratio)) < abs(np.log(rod / piston))
+    p_p, p_r = ("p_tp_pa", "p_tr_pa") if side == "test" else ("p_lp_pa", "p_lr_pa")
+    return DataError(
+        f"{name}: the force falls where {p_p} rises, and rises with {p_r} (areas by a fit: "
+        f"{100 * piston:.0f} and {100 * rod:.0f} % of the model file's)",
+        f"Exchange the columns of {p_p} and {p_r} in the import map."
+        if exchanged
+        else "Give f_applied_n scale: -1 in the import map: positive, it opposes extension.",
+    )
+
+
+def _own_part(columns: np.ndarray, which: int) -> float:
+    """Return the length of a column (n,) of length 1 that the others (n, p - 1) leave over."""
+    others = np.delete(columns, which, axis=1)
+    left = columns[:, which] - others @ np.linalg.lstsq(others, columns[:, which], rcond=None)[0]
+    return float(np.linalg.norm(left))
+
+
+def _fitting_rod(piston_m2: float, ratio: float) -> str:
+    """Return which rod would have an area ratio; empty for a ratio that no rod has."""
+    if not 0 < ratio < 1:
+        return ""
+    bore_mm = 1e3 * sqrt(4 * piston_m2 / pi)
+    return (
+        f"; with the bore of {bore_mm:.4g} mm a rod of {bore_mm * sqrt(1 - ratio):.3g} mm would fit"
+    )
