@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
-from hbench.reconcile.gaps.log_map import between_runs
+from hbench.reconcile.gaps.log_map import between_runs, like_runs
 from hbench.reconcile.products import Block, ColumnProducts, Products
 from hbench.records.diagnosis import REST_M_S
 
@@ -246,20 +246,20 @@ def _without_noise(
     with np.errstate(divide="ignore", invalid="ignore"):
         chance = white * np.sqrt(2 / counts.sum(axis=0).reshape(shape))
     first = np.unique(residuals.run, return_index=True)[1]
-    point_of_run = residuals.point[first]
-    least = np.tile(_between(values, residuals.run, point_of_run)[:, None], len(GROUPS))
+    trials = like_runs(residuals.run, residuals.point[first], residuals.v_m_s)
+    least = np.tile(_between(values, residuals.run, trials)[:, None], len(GROUPS))
     run_of_level = residuals.run[[level.windows.start for level in residuals.levels]]
-    least[:, LEVEL] = _between(levels, run_of_level, point_of_run)
+    least[:, LEVEL] = _between(levels, run_of_level, trials)
     least = np.where([is_change(kind) for kind in GROUPS], white, least)
     least += np.nan_to_num(chance, posinf=0.0)
     return squares - counts * white.ravel(), counts * least.ravel()
 
 
-def _between(rows: _Rows, run: np.ndarray, point_of_run: np.ndarray) -> np.ndarray:
-    """Return the variance (c,) of the residuals' means between the runs of an operating point."""
+def _between(rows: _Rows, run: np.ndarray, trials: np.ndarray) -> np.ndarray:
+    """Return the variance (c,) of the residuals' means between runs of the same ``trials`` (r,)."""
     deviations = np.column_stack([matrix[:, 0] for matrix in rows.matrices])
     deviations = np.where(rows.usable, deviations, np.nan)
-    return np.nan_to_num(between_runs(deviations, run, point_of_run))
+    return np.nan_to_num(between_runs(deviations, run, trials))
 
 
 def _take_out(rows: np.ndarray, level: RunLevel) -> np.ndarray:

@@ -115,7 +115,7 @@ def test_friction_that_saturates_with_pressure_is_named_with_the_seals_law(of_tw
     assert effect.name == "seal_pressure_friction"
     secant = (saturating(120, 120)(60) - saturating(120, 120)(10)) / 50
     assert effect.parameters["test_piston"].value == pytest.approx(secant, rel=0.2)
-    assert "load_friction" in found.not_tried
+    assert "load_friction" in found.ruled_out
     band = found.gap_heldout.balances["force_band"]
     assert band.after < 0.5 * band.refitted
     assert not found.alternatives
@@ -191,7 +191,7 @@ def test_a_middle_that_changes_within_the_stroke_is_no_gain(gain):
     tilted = diagnosed(one=strokes(lambda bar: 42.0, gain=gain, tilt=0.8 * (gain - 1)))
     assert not tilted.effects and not tilted.alternatives
     assert tilted.verdict == "unknown" and [gap.name for gap in tilted.rest] == ["force_middle"]
-    assert "within a stroke" in tilted.not_tried["load_cell_gain"]
+    assert "within a stroke" in tilted.ruled_out["load_cell_gain"]
     level = diagnosed(one=strokes(lambda bar: 42.0, gain=gain, tilt=0.2 * (gain - 1)))
     assert [effect.name for effect in level.effects] == ["load_cell_gain"]
 

@@ -81,7 +81,7 @@ def test_a_second_seal_decides_and_held_out_loads_confirm_the_name():
     assert found.verdict == "named"
     (effect,) = found.effects
     assert effect.name == "seal_pressure_friction"
-    assert "standard errors" in found.not_tried["load_friction"]
+    assert "standard errors" in found.ruled_out["load_friction"]
     slope = np.polyfit(LOADS_N, half_bands(soft), 1)[0] * 1e5 * AREAS.area_piston_m2  # N/bar
     assert effect.parameters["test_piston"].value == pytest.approx(slope, rel=0.1)
     (band,) = found.gap_heldout.balances.values()

@@ -6,6 +6,9 @@ averaged over the trials. The scatter of a balance is that of a single window:
     s^2 = variance of a window for itself
           + variance of the runs' means between the trials of an operating point
 
+Runs of an operating point that do not move alike, as under random steps, are no trials here: the
+model's error differs between them and would raise the scatter by which it is judged.
+
 The first is the smaller of two estimates, of the median run, as a gap is in some runs only: half
 the mean of (r_i - r_(i+2))^2 within a run, windows that share no sample, and the same between the
 windows of two trials, less their mean. Each contains more than noise where the other does not: what
@@ -23,9 +26,10 @@ from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.records import Gap
-from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
+from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P, UNEXPLAINED_GAP
 
 _APART = 2  # windows
+_ALIKE = 0.8  # correlation of the velocities of two trials
 _DEPENDENT = 0.1  # share of the largest function of the motion: a smaller one shows little alone
 
 
@@ -47,8 +51,9 @@ def log_map(
     """Return the map of the residuals ``values`` (w, c); ``resolution`` (c,) is their rounding."""
     keys = tuple(dict.fromkeys(windows.points))
     point_of_run = np.array([keys.index(point) for point in windows.points])
-    noise = _noise(values, windows.run, point_of_run) + resolution**2
-    scatter = np.sqrt(noise + between_runs(values, windows.run, point_of_run))
+    trials = like_runs(windows.run, point_of_run, windows.v_m_s)
+    noise = _noise(values, windows.run, trials) + resolution**2
+    scatter = np.sqrt(noise + between_runs(values, windows.run, trials))
     scatter = np.where(scatter > 0, scatter, np.nan)
     return GapMap(
         names=names,
@@ -66,15 +71,38 @@ def log_map(
     )
 
 
-def _noise(values: np.ndarray, run: np.ndarray, point_of_run: np.ndarray) -> np.ndarray:
+def like_runs(run: np.ndarray, point_of_run: np.ndarray, v_m_s: np.ndarray) -> np.ndarray:
+    """Return an index (r,) that is the same for runs of an operating point that move alike.
+
+    ``v_m_s`` (w,) is at the windows of the runs ``run`` (w,). The first run of a point is that with
+    which the others are compared.
+    """
+    moving = np.where(np.abs(v_m_s) > REST_M_S, v_m_s, 0.0)
+    motions = np.split(moving, np.flatnonzero(np.diff(run)) + 1)
+    groups = np.arange(len(point_of_run))
+    for point in np.unique(point_of_run):
+        first, *others = np.flatnonzero(point_of_run == point)
+        for other in others:
+            if _move_alike(motions[first], motions[other]):
+                groups[other] = first
+    return groups
+
+
+def _move_alike(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether two velocities are alike, one of them shifted in time."""
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return size == 0.0 or float(np.correlate(one, other, "full").max()) > _ALIKE * size
+
+
+def _noise(values: np.ndarray, run: np.ndarray, trials_of_run: np.ndarray) -> np.ndarray:
     """Return the variance (c,) that a window has for itself; see above."""
     runs = np.split(values, np.flatnonzero(np.diff(run)) + 1)
     inside = [
         0.5 * column_means((own[_APART:] - own[:-_APART]) ** 2) for own in runs if len(own) > _APART
     ]
     between = []
-    for point in np.unique(point_of_run):
-        trials = [runs[i] for i in np.flatnonzero(point_of_run == point)]
+    for each in np.unique(trials_of_run):
+        trials = [runs[i] for i in np.flatnonzero(trials_of_run == each)]
         for first, second in pairwise(trials):
             m = min(len(first), len(second))
             difference = first[:m] - second[:m]
@@ -193,14 +221,19 @@ def _p_values(residuals: GapMap) -> np.ndarray:
 def _trials(residuals: GapMap) -> np.ndarray:
     """Return the number (w,) of the trial that each window belongs to.
 
-    A trial is a run. Where an operating point has one run, its halves are taken as trials.
+    A trial is a run. Where an operating point has one run, its halves are taken as trials: the
+    earlier and the later windows of each direction.
     """
     run = np.unique(residuals.run, return_inverse=True)[1]
-    first, count = np.unique(run, return_index=True, return_counts=True)[1:]
+    first = np.unique(run, return_index=True)[1]
     point_of_run = residuals.point[first]
     alone = (np.bincount(point_of_run) == 1)[point_of_run]
-    later = np.arange(len(run)) >= (first + (count + 1) // 2)[run]
-    return 2 * run + (later & alone[run])
+    later = np.zeros(len(run), bool)
+    for each in np.flatnonzero(alone):
+        for extends in (False, True):
+            own = np.flatnonzero((run == each) & ((residuals.v_m_s > 0) == extends))
+            later[own[(len(own) + 1) // 2 :]] = True
+    return 2 * run + later
 
 
 def _moments(residuals: GapMap, own: np.ndarray, trial: np.ndarray) -> np.ndarray:

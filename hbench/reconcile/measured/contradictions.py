@@ -11,6 +11,8 @@ reversal:
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from hbench.errors import DataError
 from hbench.reconcile.measured.balances import BalanceModel
 from hbench.reconcile.measured.command_checks import refuse_commands
@@ -18,12 +20,14 @@ from hbench.reconcile.measured.force_checks import refuse_areas, refuse_driving_
 from hbench.reconcile.measured.moving_windows import moving_windows
 from hbench.reconcile.measured.session import Session
 
+_SUPPLY = 0.25  # relative deviation of the median: a source that droops falls by less
 _OUTSIDE = 0.05  # of the stroke: the zero of a position sensor may be off by so much
 
 
 def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     """Raise ``DataError`` where positions, commands or forces contradict the logs or the model."""
     _refuse_positions(logs, model.par.test.stroke_m)
+    _refuse_supply(logs, model.par.supply.pressure_pa)
     moving = moving_windows(logs, model)
     refuse_commands(moving, model.par.valve.limit_v)
     refuse_driving_friction(moving, model.par)
@@ -42,4 +46,19 @@ def _refuse_positions(logs: Sequence[Session], stroke_m: float) -> None:
             f"cylinder in the model file is {1e3 * stroke_m:.4g} mm",
             "Correct test_cylinder.stroke in the model file, or the offset and scale of x_m in the "
             "import map: 0 is the retracted end.",
+        )
+
+
+def _refuse_supply(logs: Sequence[Session], given_pa: float) -> None:
+    """Raise ``DataError`` for a supply pressure that is not the model file's."""
+    measured = [log.channels["p_s_pa"] for log in logs if log.measured["p_s_pa"].any()]
+    if not measured:
+        return
+    usual_pa = float(np.median(np.concatenate(measured)))
+    if abs(usual_pa / given_pa - 1) > _SUPPLY:
+        raise DataError(
+            f"p_s_pa: {usual_pa / 1e5:.4g} bar in the median, supply.pressure in the model file is "
+            f"{given_pa / 1e5:.4g} bar ({100 * (usual_pa / given_pa - 1):+.0f} %, limit: "
+            f"{100 * _SUPPLY:.0f} %)",
+            "Correct supply.pressure in the model file, or the unit of p_s_pa in the import map.",
         )

@@ -2,6 +2,8 @@
 
 - **Friction** that drives both cylinders: the position counts from the other end. An error of the
   load cell raises the friction of one cylinder and lowers that of the other.
+- **Scale.** The areas by the fit are both several times those of the model file, or a part of them:
+  the force has another unit.
 - **Areas.** The applied force is A_p P_p - A_r P_r less friction (2.12) and inertia, at the load
   cylinder plus friction. A fit of the areas with friction, a mass and an offset gives their ratio.
   Friction is dry, viscous and in proportion to each pressure, so strokes in both directions are
@@ -26,6 +28,7 @@ from hbench.reconcile.measured.moving_windows import FEWEST, SIGMAS, Moving
 _AREAS = 0.08  # relative error of the areas' ratio; 11 % or more to the next rod of ISO 3320
 _LEAST_SHARE = 0.5  # of the piston's area by the fit
 _LEAST_OWN = 0.05  # part of a pressure that neither friction nor the other pressure explains
+_SCALE = 2.0  # times both areas
 _CLEAR = 3.0  # times the force that the fit leaves: what a wrong area must explain, at least
 _VISIBLE = 0.01  # of the applied force: load cells have such errors
 
@@ -88,6 +91,13 @@ def refuse_areas(
     clear = _CLEAR * np.linalg.norm(left)
     if piston < -SIGMAS * se[0] and rod < -SIGMAS * se[1] and -rod * size[1] * own[1] > clear:
         raise _negative_areas(name, piston, rod, rod_m2 / piston_m2)
+    sure = piston > SIGMAS * se[0] and rod > SIGMAS * se[1]
+    if sure and rod * size[1] * own[1] > clear and not 1 / _SCALE < sqrt(piston * rod) < _SCALE:
+        raise DataError(
+            f"{name}: f_applied_n is {sqrt(piston * rod):.2g} times the forces of the pressures "
+            f"(areas by a fit: {100 * piston:.0f} and {100 * rod:.0f} % of the model file's)",
+            "Correct the unit or scale of f_applied_n, or of the pressures, in the import map.",
+        )
     if min(own) < _LEAST_OWN:
         return  # friction may follow the pressures
     if piston < max(_LEAST_SHARE, SIGMAS * se[0]):

@@ -73,14 +73,25 @@ class EffectRefinement(CandidateEvaluator):
         estimates = fit_coefficients(self.measured.plant, model, names, self.train)
         fitted = self._values(model, name, estimates.chosen, estimates.beta)
         both = (self._own_values(model, name), fitted)
-        sizes = [self._candidate(name, 0.0, 0.0, each, "full").size for each in both]
+        sizes = [self._candidate(model, name, 0.0, 0.0, each, "full").size for each in both]
         if min(sizes) == 0.0 and self._tolerated([name]):
             return "it is within its tolerance"
         if min(sizes) < CRITERIA.size:
             size, needed = distinct_texts(min(sizes), CRITERIA.size)
             return f"it is too small: {size} of a typical size, {needed} needed"
+        if at := self._at_bound(model, name):
+            return f"{at} is at its bound, where the law is no longer that of the effect"
         if estimates.may_be_zero(name) and not self._is_needed(model, names, name):
             return "it is not distinguishable from 0, and the model without it is about as good"
+        return ""
+
+    def _at_bound(self, model: LinearisedModel, name: str) -> str:
+        """Return a coefficient of an effect that is as large as the catalogue allows, if any is."""
+        for (_, key), value in self._own_values(model, name).items():
+            row = EFFECTS[name].coefficients[key]
+            bounds = [each for each in (row.low, row.high) if each != row.default]
+            if row.typical and any(np.isclose(value, row.to_si(b), atol=0.0) for b in bounds):
+                return key
         return ""
 
     def _is_needed(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> bool:
