@@ -11,7 +11,8 @@ import yaml
 
 from hbench import workflow
 from hbench.store.campaign.folder import load_campaign
-from tests.support.analysis.plain_analysis import plain_pipeline
+from hbench.workflow.fleet import FleetTask, analyzed
+from tests.support.analysis.plain_analysis import intervals_and_held_out_errors, plain_pipeline
 from tests.support.rig_campaign import measure_on_rig
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -42,14 +43,32 @@ def best(function):
     return min(times), result
 
 
+@pytest.mark.filterwarnings("ignore:Bound reached:UserWarning", "ignore:rel_change:UserWarning")
 def test_analyze_is_faster_than_a_plain_pipeline_and_finds_the_same_friction(campaign):
-    """CPU time, without start-up. ``analyze`` also screens, selects and judges the fits."""
+    """CPU time, without start-up; ``analyze`` also screens, and has the budget of uncertainty.
+
+    The same fits have the intervals and the held-out errors of ``analyze``'s.
+    """
     ours, results = best(lambda: workflow.analyze(campaign))
     plain, points = best(lambda: plain_pipeline(campaign))
+    more, fits = best(lambda: intervals_and_held_out_errors(points))
+    same = plain + more
     print(f"\nanalyze {ours:.2f} s, plain pandas and lmfit {plain:.2f} s: {plain / ours:.2f} times")
+    print(f"pandas and lmfit with the same fits {same:.2f} s: {same / ours:.2f} times")
     found = [point.friction_n for curve in results.curves for point in curve.points]
     np.testing.assert_allclose(np.sort(found), np.sort(points.friction), atol=5.0)
-    assert ours < 0.7 * plain
+    assert len(fits) == sum(len(curve.fits) for curve in results.curves)
+    assert ours < 0.6 * plain
+    assert ours < 0.4 * same
+
+
+def test_a_campaign_of_a_fleet_takes_less_time_than_a_plain_pipeline(campaign):
+    """CPU time of one more campaign, in a process that has started."""
+    ours, done = best(lambda: analyzed(FleetTask(str(campaign), None)))
+    plain, _ = best(lambda: plain_pipeline(campaign))
+    print(f"\na campaign of a fleet {ours:.2f} s, plain pandas and lmfit {plain:.2f} s")
+    assert not done.row.failed
+    assert ours < 0.6 * plain
 
 
 def test_memory_does_not_grow_with_the_number_of_runs(campaign):

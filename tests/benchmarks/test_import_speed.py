@@ -81,13 +81,13 @@ def compare(folder, out):
 def test_an_import_takes_less_time_than_pandas_to_read_and_write(logs, tmp_path):
     import_folder(warm := logs(1, 10_000), tmp_path / "first", warm / "map.yaml", {}, AT)
     ours, read, write = compare(logs(4, 500_000), tmp_path / "out")
-    assert ours < read + write
+    assert ours < 0.8 * (read + write)
 
 
 @pytest.mark.slow
 def test_forty_files_of_a_megabyte(logs, tmp_path):
     ours, read, write = compare(logs(40, 1_000_000), tmp_path / "out")
-    assert ours < read + write
+    assert ours < 0.8 * (read + write)
 
 
 def test_an_import_of_matlab_files_takes_less_time_than_scipy_and_pandas(logs, tmp_path):
@@ -117,7 +117,7 @@ def test_an_import_of_matlab_files_takes_less_time_than_scipy_and_pandas(logs, t
     print(
         f"\nimport of {megabytes:.1f} MB of MATLAB files: {ours:.2f} s, {ours / theirs:.2f} times"
     )
-    assert ours < theirs
+    assert ours < 0.8 * theirs
 
 
 def test_memory_does_not_grow_with_the_number_of_files(logs, tmp_path):

@@ -9,8 +9,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from hbench.records import ScreenedRun
 
@@ -37,9 +35,18 @@ def sizes_and_sets(setup: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, in
     """
     setups, row = np.unique(setup, return_inverse=True)
     points, column = np.unique(point, return_inverse=True)
-    count = len(setups) + len(points)
-    links = coo_array((np.ones(len(row)), (row, len(setups) + column)), shape=(count, count))
-    return np.bincount(row), int(connected_components(links, directed=False)[0])
+    return np.bincount(row), _linked_sets(row, column, len(setups), len(points))
+
+
+def _linked_sets(setup: np.ndarray, point: np.ndarray, setups: int, points: int) -> int:
+    """Return the number of sets of points that set-ups link; both (n,) count from 0."""
+    lowest = np.arange(points)  # of the points in the set of each, as far as it is known
+    while True:
+        before, of_setup = lowest.copy(), np.full(setups, points)
+        np.minimum.at(of_setup, setup, lowest[point])
+        np.minimum.at(lowest, point, of_setup[setup])
+        if np.array_equal(lowest, before):
+            return len(np.unique(lowest))
 
 
 def means_of_setups(values: np.ndarray, setup: np.ndarray) -> np.ndarray:

@@ -57,21 +57,34 @@ class PlainRows:
         Raises ``ValueError`` if a cell is not a number. Each number is that of Python's ``float``,
         which also reads a few more notations.
         """
-        text = before = "\n".join(("", *self._lines, ""))
-        if (mark := self._separator) is not None:
-            twice = mark + mark  # replaced twice, since one of three marks is left
-            for empty in (twice, twice, f"\n{mark}", f"{mark}\n"):
-                text = text.replace(empty, f"{empty[0]}nan{empty[1]}")
+        lines = self._lines
         if decimal != ".":
-            text = with_points(text, decimal)
+            lines = with_points("\n".join(lines), decimal).split("\n")
+        try:
+            return self._columns(lines, positions)
+        except ValueError:
+            if self._separator is None:
+                raise
+        return self._columns(_with_nan(lines, self._separator), positions)
+
+    def _columns(self, lines: Sequence[str], positions: Sequence[int]) -> np.ndarray:
         return np.loadtxt(
-            self._lines if text is before else text.split("\n")[1:-1],
+            lines,
             delimiter=self._separator,
             usecols=positions,
             comments=None,
             ndmin=2,
             unpack=True,
         )
+
+
+def _with_nan(lines: Sequence[str], separator: str) -> list[str]:
+    """Return lines with "nan" in their empty cells."""
+    text = "\n".join(("", *lines, ""))
+    twice = separator + separator  # replaced twice, since one of three separators is left
+    for empty in (twice, twice, f"\n{separator}", f"{separator}\n"):
+        text = text.replace(empty, f"{empty[0]}nan{empty[1]}")
+    return text.split("\n")[1:-1]
 
 
 def with_points(text: str, decimal: str) -> str:

@@ -49,18 +49,9 @@ def plain_pipeline(folder):
     points["ci95"] = 4.303 * points.s / np.sqrt(points.n)
     points["efficiency"] = points.f_applied / points.f_test
 
-    def tustin(v, f_coulomb_n, f_stiction_n, v_stribeck_m_s, b_viscous_n_s_m):
-        e = np.exp(-v / v_stribeck_m_s)
-        return f_coulomb_n + (f_stiction_n - f_coulomb_n) * e + b_viscous_n_s_m * v
-
-    model, fits = lmfit.Model(tustin), []
+    fits = []
     for key, curve in points.groupby(["direction", "f_load_n"]):
-        parameters = model.make_params(
-            f_coulomb_n=200, f_stiction_n=500, v_stribeck_m_s=0.07, b_viscous_n_s_m=2000
-        )
-        for name in parameters:
-            low, high = getattr(TABLE_6_1, name)
-            parameters[name].set(min=low, max=high)
+        model, parameters = tustin_model()
         friction = curve.friction.abs().to_numpy()
         fit = model.fit(friction, parameters, v=curve.v.abs().to_numpy())
         fits.append({"curve": key, **fit.best_values})
@@ -70,6 +61,53 @@ def plain_pipeline(folder):
     points.to_csv(out / "curves.csv")
     pd.DataFrame(fits).to_csv(out / "fits.csv")
     return points
+
+
+def tustin(v, f_coulomb_n, f_stiction_n, v_stribeck_m_s, b_viscous_n_s_m):
+    e = np.exp(-v / v_stribeck_m_s)
+    return f_coulomb_n + (f_stiction_n - f_coulomb_n) * e + b_viscous_n_s_m * v
+
+
+def two_lines(v, intercept_n, low_n_s_m, high_n_s_m, v_switch_m_s):
+    low = np.minimum(v, v_switch_m_s)
+    return intercept_n + low_n_s_m * low + high_n_s_m * (v - low)
+
+
+def tustin_model():
+    model = lmfit.Model(tustin)
+    parameters = model.make_params(
+        f_coulomb_n=200, f_stiction_n=500, v_stribeck_m_s=0.07, b_viscous_n_s_m=2000
+    )
+    for name in parameters:
+        low, high = getattr(TABLE_6_1, name)
+        parameters[name].set(min=low, max=high)
+    return model, parameters
+
+
+def two_lines_model(speeds):
+    model = lmfit.Model(two_lines)
+    parameters = model.make_params(
+        intercept_n=500, low_n_s_m=-2000, high_n_s_m=2000, v_switch_m_s=0.07
+    )
+    parameters["v_switch_m_s"].set(min=speeds[1], max=speeds[-2])
+    return model, parameters
+
+
+def intervals_and_held_out_errors(points):
+    """The profile intervals of two laws of each curve, and their errors at held-out speeds."""
+    found = []
+    for key, curve in points.groupby(["direction", "f_load_n"]):
+        curve = curve.assign(v=curve.v.abs(), friction=curve.friction.abs()).sort_values("v")
+        v, friction = curve.v.to_numpy(), curve.friction.to_numpy()
+        for model, parameters in (tustin_model(), two_lines_model(v)):
+            fit = model.fit(friction, parameters, v=v)
+            intervals, errors = fit.conf_interval(sigmas=[0.95]), []
+            for out in range(1, len(v) - 1):
+                others = np.arange(len(v)) != out
+                refit = model.fit(friction[others], fit.params, v=v[others])
+                errors.append(refit.eval(v=v[out]) - friction[out])
+            found.append((key, intervals, errors))
+    return found
 
 
 def load_yaml(path):
