@@ -73,6 +73,26 @@ def test_noise_neither_hides_the_peak_nor_shifts_it_by_much():
     assert np.std(found.trials_n) < 12.0
 
 
+@pytest.mark.parametrize("rate_hz, noise_n", [(200.0, 6.0), (200.0, 19.0), (500.0, 19.0)])
+def test_noise_of_a_slow_push_is_not_taken_as_its_peak(rate_hz, noise_n):
+    """Among hundreds of samples of a slow push, noise falls by more than 5 standard deviations."""
+    found = []
+    for seed in range(100):
+        t = np.arange(0.0, 5.3, 1 / rate_hz)
+        friction = np.where(t < 4.3, 100.0 * np.clip(t - 1.0, 0.0, None), 230.0)
+        friction += 100.0 * np.exp(-np.abs(t - 4.3) / 0.03) * (t >= 4.3)
+        friction += noise_n * np.random.default_rng(seed).standard_normal(len(t))
+        run = push(330.0)
+        p_tp = (LOAD + friction + 20e5 * SPECIMEN.area_rod_m2) / SPECIMEN.area_piston_m2
+        f_applied, p_tr = np.full(len(t), LOAD), np.full(len(t), 20e5)
+        run = replace(
+            run, t_s=t, x_m=0.2 + 0 * t, p_tp_pa=p_tp, p_tr_pa=p_tr, f_applied_n=f_applied
+        )
+        found.append(breakaways(accepted(run), None)[0].breakaway_n)
+    assert np.mean(found) == pytest.approx(330.0, abs=5.0)
+    assert min(found) > 0.93 * 330.0 and max(found) < 1.07 * 330.0
+
+
 @pytest.mark.parametrize("friction", [np.arange(100.0), np.zeros(50), -np.arange(50.0), np.ones(3)])
 def test_without_a_maximum_there_is_no_breakaway(friction):
     assert first_peak(friction) is None
@@ -82,7 +102,7 @@ def test_humps_of_the_loop_as_the_push_begins_do_not_count():
     t = np.linspace(0.0, 1.0, 101)
     friction = 400 * t + 60 * np.sin(40 * t) * np.exp(-8 * t)
     friction[90:] = 200.0
-    assert first_peak(friction) == 89
+    assert first_peak(friction).at == 89
 
 
 def test_a_push_that_did_not_move_the_piston_is_rejected_with_what_it_should_have_done():
