@@ -355,6 +355,25 @@ def test_volts_angles_and_sample_numbers_are_asked_for_or_taken_as_what_they_are
     assert rules["series"][0]["cylinder"] == {"displacement": "??? cm^3"}
 
 
+def test_names_of_signals_before_conversion_ask_for_their_scale(logs):
+    run = there_and_back(0.05, 1000.0)
+    columns = {
+        "t_ms": 1e3 * run["t_s"],
+        "x_counts": np.round(2e5 * run["x_m"]),
+        "pA_mA": 4 + 16 * run["p_tp_pa"] / 16e6,
+        "pB (mA)": 4 + 16 * run["p_tr_pa"] / 16e6,
+        "F_mV": run["f_applied_n"] / 1e3,
+    }
+    pd.DataFrame(columns).to_csv(logs / "a.csv", index=False)
+    assert parse_yaml(suggest_map(logs).text)["columns"] == {
+        "t_s": {"column": "t_ms", "unit": "ms"},
+        "x_m": {"column": "x_counts", "unit": "mm", "scale": "???"},
+        "p_tp_pa": {"column": "pA_mA", "unit": "bar", "scale": "???"},
+        "p_tr_pa": {"column": "pB (mA)", "unit": "bar", "scale": "???"},
+        "f_applied_n": {"column": "F_mV", "unit": "N", "scale": "???"},
+    }
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_any_table_gives_a_map_or_a_clear_refusal(logs, seed):
     rng = np.random.default_rng(seed)
