@@ -16,6 +16,7 @@ from hbench.analysis.fitting.fit import unfitted_curves
 from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed, overdue
+from hbench.analysis.screening.log_steps import with_common_steps
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.screening.zero_check import (
     checked_zeros,
@@ -189,7 +190,7 @@ def derive(
 
     latest = campaign.latest
     parts = [latest[first : first + _AT_ONCE] for first in range(0, len(latest), _AT_ONCE)]
-    screened = tuple(chain.from_iterable(map_forked(screened_part, parts)))
+    screened = with_common_steps(chain.from_iterable(map_forked(screened_part, parts)))
     if not screened:
         raise DataError(
             f"{campaign.folder}: contains no runs", "Continue it with `hbench run --resume`."
