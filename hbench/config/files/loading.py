@@ -52,6 +52,7 @@ _MESSAGES = {  # of pydantic's error types, in the terms of YAML
     "bool_type": "must be true or false",
     "literal_error": "must be {expected}",
     "union_tag_invalid": "must be one of {expected_tags}",
+    "too_short": "has {actual_length} entries; limit at least {min_length}",
 }
 
 
@@ -180,6 +181,9 @@ def _explain(
 ) -> str:
     key = ".".join(_keys(fault, data))
     if fault["type"] == "extra_forbidden":
+        last = str(fault["loc"][-1])
+        if last[:1].isdigit() and fault["input"] is None:  # {bore: 50,5 mm} has the key '5 mm'
+            return f"unknown key '{key}': a comma ends the value before it; write a decimal point"
         right = meant.get(fault["loc"])
         if right:
             return f"unknown key '{key}'; did you mean '{right[-1]}'?"
