@@ -36,7 +36,7 @@ from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.analysis.uncertainty.monte_carlo import checked_by_monte_carlo
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
-from hbench.errors import DataError
+from hbench.errors import ConfigError, DataError
 from hbench.experiment.staged_plan import planned_runs
 from hbench.parallel.forked import map_forked
 from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun, ZeroCheck
@@ -90,7 +90,7 @@ def report(
 
     results = derive(load_campaign(folder), _fitting(fit_file), monte_carlo=monte_carlo)
     if speed_m_s is not None:
-        results = at_working_speed(results, speed_m_s)
+        results = _at_measured_speed(results, speed_m_s)
     drawings = draw_all(results, png=form == "pdf")
     reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
     name = printable(folder.resolve().name)
@@ -121,6 +121,22 @@ def _pdf(document: "Document") -> bytes:
 
 def _fitting(path: Path | None) -> Fitting:
     return _DEFAULT_FITTING if path is None else parse_fitting(read_yaml(path), str(path))
+
+
+def _at_measured_speed(results: Results, speed_m_s: float) -> Results:
+    """Return ``results`` at a working speed. Raises ``ConfigError`` if it was not measured."""
+    steady = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
+    measured = sorted(
+        {f"{1e3 * abs(p.v_m_s):.3g}" for each in steady for p in each.points}, key=float
+    )
+    results = at_working_speed(results, speed_m_s)
+    if measured and all(each.friction_n is None for each in results.headline.series):
+        raise ConfigError(
+            f"--speed: nothing was measured within {100 * results.headline.v_tolerance:g} % of "
+            f"{1e3 * speed_m_s:g} mm/s",
+            f"Give one of the measured speeds: {', '.join(measured)} mm/s.",
+        )
+    return results
 
 
 def calibrated_runs(campaign: StoredCampaign) -> Iterator[Run]:
