@@ -355,6 +355,19 @@ def test_volts_angles_and_sample_numbers_are_asked_for_or_taken_as_what_they_are
     assert rules["series"][0]["cylinder"] == {"displacement": "??? cm^3"}
 
 
+def test_a_force_beside_columns_without_names_is_not_that_of_a_drive(logs):
+    """Two unknown columns may be the pressures, which the map then asks for."""
+    for load in (1000.0, 2000.0):
+        run = there_and_back(0.05, load)
+        names = ("t_s", "x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")
+        rows = np.stack([run[name] for name in names], axis=1) * [1, 1e3, 1e-5, 1e-5, 1]
+        np.savetxt(logs / f"{load:.0f}N_1.csv", rows, "%.5f", ",")
+    suggested = suggest_map(logs).text
+    columns = parse_yaml(suggested)["columns"]
+    assert columns["f_applied_n"] == {"column": 5, "unit": "N"} and "f_drive_n" not in columns
+    assert "??? mm" in suggested and '# p_tp_pa: {column: "???", unit: bar}' in suggested
+
+
 def test_names_of_signals_before_conversion_ask_for_their_scale(logs):
     run = there_and_back(0.05, 1000.0)
     columns = {
