@@ -57,6 +57,12 @@ def test_breakaway_is_the_peak_before_the_piston_slides(sign):
     assert found.f_applied_n == sign * LOAD and found.runs == ("0001", "0002", "0003")
 
 
+def test_the_rate_of_a_push_that_no_plan_states_is_not_known():
+    run = push(640.0)
+    (found,) = breakaways(accepted(replace(run, plan=replace(run.plan, force_rate_n_s=None))), None)
+    assert found.rate_n_s is None and found.breakaway_n == pytest.approx(640.0, abs=5.0)
+
+
 def test_sliding_friction_above_the_peak_is_not_breakaway():
     """The pressures go on rising, and with them the friction of the seals."""
     run = push(500.0)

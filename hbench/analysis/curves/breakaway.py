@@ -149,7 +149,7 @@ def _mean(
         series=Series(plan.label, *load),
         direction=plan.direction,
         dwell_s=plan.dwell_s,
-        rate_n_s=abs(plan.force_rate_n_s or 0.0),
+        rate_n_s=None if plan.force_rate_n_s is None else abs(plan.force_rate_n_s),
         breakaway_n=mean.friction_n,
         ci95_n=point.ci95_n,
         u95_n=point.u95_n,
