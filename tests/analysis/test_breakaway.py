@@ -10,9 +10,11 @@ from hbench.analysis.curves.breakaway import breakaways, dwell_laws
 from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.summary.completeness import completeness
+from hbench.analysis.summary.quality import quality
 from hbench.config.schedule import Screening
 from hbench.records import Motion, Run, RunPlan, ScreenedRun, Segment, Specimen
 from hbench.report.campaign.quality.completeness import short_point_table
+from hbench.report.campaign.quality.verdict import quality_verdict
 
 SPECIMEN = Specimen(1.25e-3, 0.75e-3, 0.4)
 RATE, LOAD, T = 500.0, 2000.0, 0.01
@@ -191,3 +193,8 @@ def test_each_rest_is_a_point_of_the_plan():
     assert (short.dwell_s, short.accepted, short.planned) == (10.0, 0, 2)
     (row,) = short_point_table([short]).rows
     assert "after 10 s at rest" in [cell.text for cell in row]
+
+
+def test_a_verdict_by_a_single_check_names_it():
+    verdict = quality_verdict(quality(accepted(*(push(600.0, n, n) for n in (1, 2, 3))), ()))
+    assert verdict == "The data is good: its only check, runs accepted, passes."
