@@ -319,3 +319,17 @@ def test_a_decimal_comma_in_braces_is_named():
 def test_an_empty_list_states_how_many_entries_it_needs():
     with pytest.raises(ConfigError, match=r"limits = \[\]: has 0 entries; limit at least 1$"):
         parse_limits({"limits": []}, "limits.yaml")
+
+
+def test_the_number_of_a_column_from_0_has_one_message():
+    data = read_yaml(CONFIGS / "import-csv.yaml")
+    with pytest.raises(ConfigError) as caught:
+        parse_import_map(changed(data, "columns.x_m.column", 0), "map.yaml")
+    assert caught.value.message == "map.yaml: columns.x_m.column = 0: must be at least 1"
+
+
+def test_a_map_in_utf_16_has_a_hint(tmp_path):
+    (tmp_path / "map.yaml").write_text("name: Prüfstand", encoding="utf-16")
+    with pytest.raises(ConfigError, match="not a text file in UTF-8") as caught:
+        read_yaml(tmp_path / "map.yaml")
+    assert "Save it as UTF-8" in caught.value.hint
