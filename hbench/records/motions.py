@@ -176,7 +176,7 @@ class Breakaway:
     series: Series
     direction: Direction
     dwell_s: float | None  # at rest under load before; None: not known
-    rate_n_s: float  # of the force
+    rate_n_s: float | None  # of the force; None: not known, as for imported runs
     breakaway_n: float  # against the motion
     ci95_n: float | None  # half-width of Student's interval over the trials
     u95_n: float | None  # the same with the instruments

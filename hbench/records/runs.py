@@ -216,7 +216,8 @@ class SteadyMeans:
     temp_seal_k: float | None = None
     # Standard deviation of the mean speeds over 0.1 s, noise included; None: window too short.
     v_ripple_m_s: float | None = None
-    # Standard uncertainty of the means by the steps of the log, in SI by channel, where it matters.
+    # Standard uncertainty of the means by the steps of the log, in SI by channel, where it matters;
+    # NaN: the channel has one value in the whole run, which shows no steps.
     u_steps: dict[str, float] = field(default_factory=dict)
 
 

@@ -28,9 +28,10 @@ def compare(
     """Compare two campaigns; differences are B minus A.
 
     ``same_instruments`` means equal instrument errors in both campaigns; by default it is True for
-    benches of the same name and kind with equal instruments. ``speed_tolerance`` is the largest
-    relative difference of speeds that count as the same, by default 2 %, or 20 % where no speed was
-    set; it does not concern curves over speed. Raises ``DataError``.
+    benches of the same name and kind with equal instruments, and False for campaigns that were
+    imported with a map. ``speed_tolerance`` is the largest relative difference of speeds that count
+    as the same, by default 2 %, or 20 % where no speed was set; it does not concern curves over
+    speed. Raises ``DataError``.
     """
     campaign_a, campaign_b = load_campaign(a), load_campaign(b)
     results_a, results_b = derive(campaign_a), derive(campaign_b)

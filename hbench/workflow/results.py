@@ -16,6 +16,7 @@ from hbench.analysis.fitting.fit import unfitted_curves
 from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed, overdue
+from hbench.analysis.screening.log_steps import with_common_steps
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.screening.zero_check import (
     checked_zeros,
@@ -35,7 +36,7 @@ from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.analysis.uncertainty.monte_carlo import checked_by_monte_carlo
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
-from hbench.errors import DataError
+from hbench.errors import ConfigError, DataError
 from hbench.experiment.staged_plan import planned_runs
 from hbench.parallel.forked import map_forked
 from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun, ZeroCheck
@@ -89,7 +90,7 @@ def report(
 
     results = derive(load_campaign(folder), _fitting(fit_file), monte_carlo=monte_carlo)
     if speed_m_s is not None:
-        results = at_working_speed(results, speed_m_s)
+        results = _at_measured_speed(results, speed_m_s)
     drawings = draw_all(results, png=form == "pdf")
     reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
     name = printable(folder.resolve().name)
@@ -120,6 +121,22 @@ def _pdf(document: "Document") -> bytes:
 
 def _fitting(path: Path | None) -> Fitting:
     return _DEFAULT_FITTING if path is None else parse_fitting(read_yaml(path), str(path))
+
+
+def _at_measured_speed(results: Results, speed_m_s: float) -> Results:
+    """Return ``results`` at a working speed. Raises ``ConfigError`` if it was not measured."""
+    steady = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
+    measured = sorted(
+        {f"{1e3 * abs(p.v_m_s):.3g}" for each in steady for p in each.points}, key=float
+    )
+    results = at_working_speed(results, speed_m_s)
+    if measured and all(each.friction_n is None for each in results.headline.series):
+        raise ConfigError(
+            f"--speed: nothing was measured within {100 * results.headline.v_tolerance:g} % of "
+            f"{1e3 * speed_m_s:g} mm/s",
+            f"Give one of the measured speeds: {', '.join(measured)} mm/s.",
+        )
+    return results
 
 
 def calibrated_runs(campaign: StoredCampaign) -> Iterator[Run]:
@@ -189,7 +206,7 @@ def derive(
 
     latest = campaign.latest
     parts = [latest[first : first + _AT_ONCE] for first in range(0, len(latest), _AT_ONCE)]
-    screened = tuple(chain.from_iterable(map_forked(screened_part, parts)))
+    screened = with_common_steps(chain.from_iterable(map_forked(screened_part, parts)))
     if not screened:
         raise DataError(
             f"{campaign.folder}: contains no runs", "Continue it with `hbench run --resume`."

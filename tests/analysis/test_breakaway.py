@@ -10,9 +10,11 @@ from hbench.analysis.curves.breakaway import breakaways, dwell_laws
 from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.summary.completeness import completeness
+from hbench.analysis.summary.quality import quality
 from hbench.config.schedule import Screening
 from hbench.records import Motion, Run, RunPlan, ScreenedRun, Segment, Specimen
 from hbench.report.campaign.quality.completeness import short_point_table
+from hbench.report.campaign.quality.verdict import quality_verdict
 
 SPECIMEN = Specimen(1.25e-3, 0.75e-3, 0.4)
 RATE, LOAD, T = 500.0, 2000.0, 0.01
@@ -57,6 +59,12 @@ def test_breakaway_is_the_peak_before_the_piston_slides(sign):
     assert found.f_applied_n == sign * LOAD and found.runs == ("0001", "0002", "0003")
 
 
+def test_the_rate_of_a_push_that_no_plan_states_is_not_known():
+    run = push(640.0)
+    (found,) = breakaways(accepted(replace(run, plan=replace(run.plan, force_rate_n_s=None))), None)
+    assert found.rate_n_s is None and found.breakaway_n == pytest.approx(640.0, abs=5.0)
+
+
 def test_sliding_friction_above_the_peak_is_not_breakaway():
     """The pressures go on rising, and with them the friction of the seals."""
     run = push(500.0)
@@ -73,6 +81,26 @@ def test_noise_neither_hides_the_peak_nor_shifts_it_by_much():
     assert np.std(found.trials_n) < 12.0
 
 
+@pytest.mark.parametrize("rate_hz, noise_n", [(200.0, 6.0), (200.0, 19.0), (500.0, 19.0)])
+def test_noise_of_a_slow_push_is_not_taken_as_its_peak(rate_hz, noise_n):
+    """Among hundreds of samples of a slow push, noise falls by more than 5 standard deviations."""
+    found = []
+    for seed in range(100):
+        t = np.arange(0.0, 5.3, 1 / rate_hz)
+        friction = np.where(t < 4.3, 100.0 * np.clip(t - 1.0, 0.0, None), 230.0)
+        friction += 100.0 * np.exp(-np.abs(t - 4.3) / 0.03) * (t >= 4.3)
+        friction += noise_n * np.random.default_rng(seed).standard_normal(len(t))
+        run = push(330.0)
+        p_tp = (LOAD + friction + 20e5 * SPECIMEN.area_rod_m2) / SPECIMEN.area_piston_m2
+        f_applied, p_tr = np.full(len(t), LOAD), np.full(len(t), 20e5)
+        run = replace(
+            run, t_s=t, x_m=0.2 + 0 * t, p_tp_pa=p_tp, p_tr_pa=p_tr, f_applied_n=f_applied
+        )
+        found.append(breakaways(accepted(run), None)[0].breakaway_n)
+    assert np.mean(found) == pytest.approx(330.0, abs=5.0)
+    assert min(found) > 0.93 * 330.0 and max(found) < 1.07 * 330.0
+
+
 @pytest.mark.parametrize("friction", [np.arange(100.0), np.zeros(50), -np.arange(50.0), np.ones(3)])
 def test_without_a_maximum_there_is_no_breakaway(friction):
     assert first_peak(friction) is None
@@ -82,7 +110,7 @@ def test_humps_of_the_loop_as_the_push_begins_do_not_count():
     t = np.linspace(0.0, 1.0, 101)
     friction = 400 * t + 60 * np.sin(40 * t) * np.exp(-8 * t)
     friction[90:] = 200.0
-    assert first_peak(friction) == 89
+    assert first_peak(friction).at == 89
 
 
 def test_a_push_that_did_not_move_the_piston_is_rejected_with_what_it_should_have_done():
@@ -165,3 +193,8 @@ def test_each_rest_is_a_point_of_the_plan():
     assert (short.dwell_s, short.accepted, short.planned) == (10.0, 0, 2)
     (row,) = short_point_table([short]).rows
     assert "after 10 s at rest" in [cell.text for cell in row]
+
+
+def test_a_verdict_by_a_single_check_names_it():
+    verdict = quality_verdict(quality(accepted(*(push(600.0, n, n) for n in (1, 2, 3))), ()))
+    assert verdict == "The data is good: its only check, runs accepted, passes."

@@ -160,6 +160,19 @@ def test_friction_drift_from_its_relative_limit_on(make_run, rules, drift_n, rej
     assert codes(screen(run, rules)) == (["not_steady"] if rejected else [])
 
 
+@pytest.mark.parametrize("records", range(180, 200))
+def test_hum_is_no_drift_of_friction(make_run, rules, records):
+    """Samples half a window apart differ by one of few values, and so does their median."""
+    run = make_run(
+        v_m_s=0.1,
+        friction_n=300,
+        noise=0.05,
+        duration_s=records / 100,
+        drift_n=lambda t: 250 * np.sin(2 * np.pi * 25 * t),
+    )
+    assert codes(screen(run, rules)) == []
+
+
 @pytest.mark.parametrize(("dropouts", "rejected"), [(0, False), (1, False), (2, True)])
 def test_dropouts_of_a_pressure_that_change_mean_friction_are_not_steady(
     make_run, rules, dropouts, rejected

@@ -10,6 +10,7 @@ from hbench.config.bench import Plant, parse_bench, parse_plant
 from hbench.config.conformity.certificate import parse_certificate
 from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.loading import read_yaml
+from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.fitting import parse_fitting
 from hbench.config.import_map import parse_import_map
 from hbench.config.schedule import parse_schedule
@@ -307,3 +308,28 @@ def test_a_missing_file_is_named(tmp_path):
 def test_a_folder_is_not_taken_for_a_file(tmp_path):
     with pytest.raises(ConfigError, match="folder"):
         read_yaml(tmp_path)
+
+
+def test_a_decimal_comma_in_braces_is_named():
+    limits = parse_yaml("limits: [{quantity: efficiency, min: 80,5 %}]")
+    with pytest.raises(ConfigError, match=r"unknown key 'limits\.0\.5 %'.*write a decimal point"):
+        parse_limits(limits, "limits.yaml")
+
+
+def test_an_empty_list_states_how_many_entries_it_needs():
+    with pytest.raises(ConfigError, match=r"limits = \[\]: has 0 entries; limit at least 1$"):
+        parse_limits({"limits": []}, "limits.yaml")
+
+
+def test_the_number_of_a_column_from_0_has_one_message():
+    data = read_yaml(CONFIGS / "import-csv.yaml")
+    with pytest.raises(ConfigError) as caught:
+        parse_import_map(changed(data, "columns.x_m.column", 0), "map.yaml")
+    assert caught.value.message == "map.yaml: columns.x_m.column = 0: must be at least 1"
+
+
+def test_a_map_in_utf_16_has_a_hint(tmp_path):
+    (tmp_path / "map.yaml").write_text("name: Prüfstand", encoding="utf-16")
+    with pytest.raises(ConfigError, match="not a text file in UTF-8") as caught:
+        read_yaml(tmp_path / "map.yaml")
+    assert "Save it as UTF-8" in caught.value.hint

@@ -296,6 +296,14 @@ def test_simulated_data_is_marked_on_each_page(certificate):
         assert mark not in text
 
 
+def test_imported_runs_have_no_schedule_to_deviate_from(certificate):
+    made = certificate()
+    provenance = replace(made.results.provenance, source="imported")
+    text = page_text(replace(made, results=replace(made.results, provenance=provenance)))
+    assert "No schedule is recorded; all imported runs count." in text
+    assert "No deviations from the schedule" not in text
+
+
 def test_each_sheet_has_the_number_and_page_x_of_y(certificate):
     made = sheets(certificate())
     assert len(made) == 2

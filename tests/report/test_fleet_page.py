@@ -12,9 +12,9 @@ from markupsafe import escape
 
 from hbench.records import QUANTITIES, Trend
 from hbench.records.conformity.acceptance import Requirement
+from hbench.records.fleet.campaign_names import distinct_names
 from hbench.report.fleet.charts import chart_table, step_table
 from hbench.report.fleet.figures import draw_fleet
-from hbench.report.fleet.names import distinct_names
 from hbench.report.fleet.overview import overview_table
 from hbench.report.fleet.page import fleet_document, fleet_page
 from hbench.report.fleet.terminal import fleet_text
@@ -349,6 +349,16 @@ def test_a_campaign_has_its_folders_name_and_a_path_only_where_two_have_the_same
     }  # fmt: skip
     names = distinct_names(["/a/b/HC-1", "/a/c/HC-1", "/a/c/HC-2"])
     assert list(names.values()) == ["b/HC-1", "c/HC-1", "HC-2"]
+
+
+def test_campaigns_in_folders_of_the_same_name_are_named_by_their_paths(tmp_path):
+    rng = np.random.default_rng(4)
+    rows = [made_row(i, rng, f"/line/c{i:02d}/import", i, 60.0 * (i >= 18)) for i in range(26)]
+    write_table(tmp_path / TABLE, map(cells_of, rows))
+    found = summary_of(tmp_path)
+    assert "Friction changed from c18/import on." in ordinary_spaces(fleet_verdict(found))
+    outside = next(chart.outside for chart in found.charts if chart.outside)
+    assert all(re.fullmatch(r"c\d\d/import", name) for name in outside)
 
 
 def test_the_verdict_names_campaigns_beyond_a_limit_and_what_to_do_about_a_step(shifted):

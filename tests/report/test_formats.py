@@ -276,7 +276,7 @@ def test_a_working_speed_is_read_with_its_unit_and_used(campaign):
     assert done.exit_code == 0
     first = (campaign / "results" / "report.html").read_text().partition("<table")[2]
     assert re.search(r"<td[^>]*>100\.0</td>", first.partition("</table>")[0]), "at the speed"
-    for wrong in ("100", "1 bar", "0 mm/s", "-5 mm/s"):
+    for wrong in ("100", "1 bar", "0 mm/s", "-5 mm/s", "10 m/s"):
         done = CliRunner().invoke(app, ["report", str(campaign), "--speed", wrong])
         assert isinstance(done.exception, ConfigError) and "--speed" in done.exception.message
 

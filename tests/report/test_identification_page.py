@@ -220,12 +220,12 @@ def test_the_verdict_names_the_loads_that_verified_a_law_and_those_that_did_not(
     """Two steady curves, one of them at a load of no verification run: not in the friction."""
     curve = small.curves[0]
     high = replace(curve.points[0], friction_n=999.0)
-    curves = (replace(curve, f_load_n=500.0), replace(curve, f_load_n=-5000.0, points=(high,)))
+    curves = (replace(curve, f_load_n=500.0), replace(curve, f_load_n=-23000.0, points=(high,)))
     along = tuple(LawsAlongCurve(each, np.array([0.01, 0.2]), {}) for each in curves)
     trace = Trace(np.array([0.0, 0.01]), np.array([0.0, 0.4]), np.zeros(2))
     runs = tuple(Followed(str(load), load, None, trace, {}) for load in (500.0, 5000.0))
     words = verdict(replace(identified(law("lugre", 10.0)), steady=along, followed=runs))
-    assert "loads of +500 and +5000 N, not for loads of −5000 N." in words
+    assert "loads of +500 and +5000 N, not for loads of −23000 N." in words
     assert "999" not in words
 
 

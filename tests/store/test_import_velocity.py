@@ -54,3 +54,27 @@ def test_a_velocity_in_another_unit_is_named_with_its_ratio(notes_of):
 def test_a_velocity_of_the_wrong_sign_is_named(notes_of):
     (note,) = notes_of(lambda v: -v)
     assert "v_m_s has the sign opposite to that of the motion of x_m" in note
+
+
+@pytest.mark.parametrize(
+    ("x_unit", "t_unit", "ratio"),
+    [("mm", "s", None), ("m", "s", 1000), ("in", "s", 25.4), ("mm", "ms", 1000)],
+)
+def test_a_motion_of_another_scale_than_the_speed_in_the_name_is_named(
+    rules, import_by, tmp_path, x_unit, t_unit, ratio
+):
+    run = there_and_back(0.02, 500.0, rate_hz=200.0)
+    rows = np.stack([run["t_s"], 1e3 * run["x_m"]], axis=1)
+    np.savetxt(tmp_path / "20mm_s_1.csv", rows, "%.8g", ",", header="t,x", comments="")
+    rules["columns"] = {
+        "t_s": {"column": "t", "unit": t_unit},
+        "x_m": {"column": "x", "unit": x_unit},
+    }
+    rules["cut"] = "reversals"
+    del rules["constants"]
+    rules["series"][0]["files"] = "{speed}mm_s_{trial}.csv"
+    _, notes = import_by(rules)
+    found = [note for note in notes if "times the nominal speed" in note]
+    assert len(found) == (ratio is not None)
+    for note in found:
+        assert float(note.split("speed of x_m is ")[1].split()[0]) == pytest.approx(ratio, rel=0.1)

@@ -355,6 +355,38 @@ def test_volts_angles_and_sample_numbers_are_asked_for_or_taken_as_what_they_are
     assert rules["series"][0]["cylinder"] == {"displacement": "??? cm^3"}
 
 
+def test_a_force_beside_columns_without_names_is_not_that_of_a_drive(logs):
+    """Two unknown columns may be the pressures, which the map then asks for."""
+    for load in (1000.0, 2000.0):
+        run = there_and_back(0.05, load)
+        names = ("t_s", "x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")
+        rows = np.stack([run[name] for name in names], axis=1) * [1, 1e3, 1e-5, 1e-5, 1]
+        np.savetxt(logs / f"{load:.0f}N_1.csv", rows, "%.5f", ",")
+    suggested = suggest_map(logs).text
+    columns = parse_yaml(suggested)["columns"]
+    assert columns["f_applied_n"] == {"column": 5, "unit": "N"} and "f_drive_n" not in columns
+    assert "??? mm" in suggested and '# p_tp_pa: {column: "???", unit: bar}' in suggested
+
+
+def test_names_of_signals_before_conversion_ask_for_their_scale(logs):
+    run = there_and_back(0.05, 1000.0)
+    columns = {
+        "t_ms": 1e3 * run["t_s"],
+        "x_counts": np.round(2e5 * run["x_m"]),
+        "pA_mA": 4 + 16 * run["p_tp_pa"] / 16e6,
+        "pB (mA)": 4 + 16 * run["p_tr_pa"] / 16e6,
+        "F_mV": run["f_applied_n"] / 1e3,
+    }
+    pd.DataFrame(columns).to_csv(logs / "a.csv", index=False)
+    assert parse_yaml(suggest_map(logs).text)["columns"] == {
+        "t_s": {"column": "t_ms", "unit": "ms"},
+        "x_m": {"column": "x_counts", "unit": "mm", "scale": "???"},
+        "p_tp_pa": {"column": "pA_mA", "unit": "bar", "scale": "???"},
+        "p_tr_pa": {"column": "pB (mA)", "unit": "bar", "scale": "???"},
+        "f_applied_n": {"column": "F_mV", "unit": "N", "scale": "???"},
+    }
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_any_table_gives_a_map_or_a_clear_refusal(logs, seed):
     rng = np.random.default_rng(seed)

@@ -8,7 +8,7 @@ from hbench.store.formats.date_times import parse_date_time
 from hbench.store.suggesting.dialect import is_date_time, text_dialect
 from hbench.store.suggesting.file_names import name_patterns
 from hbench.store.suggesting.quantities import meaning
-from hbench.store.suggesting.units import unit_in
+from hbench.store.suggesting.units import split_unit, unit_in
 
 
 def table(head, separator, *cells):
@@ -145,6 +145,20 @@ def test_a_unit_of_another_quantity_contradicts_the_name():
 )
 def test_units_are_understood_in_usual_spellings(text, unit):
     assert unit_in(text) == unit
+
+
+@pytest.mark.parametrize(
+    "name, parts",
+    [
+        ("F/kgf", ("F", "kgf")),
+        ("p_A/MPa", ("p_A", "MPa")),
+        ("F / kN", ("F", "kN")),
+        ("Messung/s", ("Messung/s", None)),  # the channel s of a group
+        ("data/p", ("data/p", None)),
+    ],
+)
+def test_a_unit_may_follow_its_symbol_behind_a_slash(name, parts):
+    assert split_unit(name) == parts
 
 
 NAMES = {

@@ -147,7 +147,8 @@ def _largest_steps(runs: Iterable[ScreenedRun]) -> dict[str, float]:
     largest: dict[str, float] = {}
     for run in runs:
         for name, u in run.means.u_steps.items() if run.means else ():
-            largest[name] = max(u, largest.get(name, 0.0))
+            if not np.isnan(u):
+                largest[name] = max(u, largest.get(name, 0.0))
     return largest
 
 

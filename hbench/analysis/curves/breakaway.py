@@ -32,7 +32,6 @@ from hbench.config.sensors import Instruments
 from hbench.records import Breakaway, Curve, CurvePoint, DwellLaw, Run, RunPlan, ScreenedRun, Series
 from hbench.records.rod_pressure import series_key
 
-_LINE = 5  # samples up to the maximum
 _LEAST_DWELLS = 3  # for a law over the time at rest
 
 
@@ -96,10 +95,11 @@ def _peak(run: Run) -> _Peak | None:
     sign = 1.0 if run.plan.direction == "extend" else -1.0
     f_test, f_applied = test_force(run, slice(None)), required(run, "f_applied_n")
     friction = sign * (f_test - f_applied)
-    at = first_peak(friction)
-    if at is None:
+    peak = first_peak(friction)
+    if peak is None:
         return None
-    line = slice(max(at + 1 - _LINE, 0), at + 1)
+    at = peak.at
+    line = slice(max(at + 1 - peak.samples, 0), at + 1)
 
     def end_of_line(values: np.ndarray | None) -> float:
         if values is None:
@@ -149,7 +149,7 @@ def _mean(
         series=Series(plan.label, *load),
         direction=plan.direction,
         dwell_s=plan.dwell_s,
-        rate_n_s=abs(plan.force_rate_n_s or 0.0),
+        rate_n_s=None if plan.force_rate_n_s is None else abs(plan.force_rate_n_s),
         breakaway_n=mean.friction_n,
         ci95_n=point.ci95_n,
         u95_n=point.u95_n,

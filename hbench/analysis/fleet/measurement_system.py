@@ -1,7 +1,6 @@
 """Precision, control charts and wear of the numbers of a fleet's table."""
 
 from functools import partial
-from pathlib import PurePath
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ from hbench.analysis.fleet.control_chart import Charted, control_charts
 from hbench.analysis.fleet.precision import Tolerance, plan_of, precision_of
 from hbench.analysis.fleet.wear import WEARING, corrected, cumulated, wear_trends
 from hbench.records import CYLINDER, QUANTITIES, ControlChart, Precision, Quantity, Side, WearTrend
+from hbench.records.fleet.campaign_names import distinct_names
 from hbench.store.fleet.table import FleetTable
 
 _TOLERATED = ("friction_n", "half_band_n", "efficiency")  # numbers that a tolerance is of
@@ -52,6 +52,7 @@ def measurement_system(
     for amount, total in sums.items():
         total[moving] = cumulated(table.numbers(amount)[moving], cylinders[moving], days[moving])
 
+    campaigns = _campaigns(table)
     studies: list[Precision] = []
     notes = dict.fromkeys(plan.notes)
     numbers: list[Charted] = []
@@ -69,8 +70,8 @@ def measurement_system(
             studies += [] if study is None else [study]
             notes |= dict.fromkeys(remarks)
         at = charted[np.isfinite(x[charted])]
-        folders = partial(_folders, table, at)
-        numbers.append(Charted(quantity, direction, days[at], x[at], cylinders[at], folders))
+        named = partial(_named, campaigns, at)
+        numbers.append(Charted(quantity, direction, days[at], x[at], cylinders[at], named))
         if quantity.name in WEARING:
             worn = charted[cylinders[charted] >= 0]
             amounts = {amount: total[worn] for amount, total in sums.items()}
@@ -85,9 +86,16 @@ def _numbers() -> list[tuple[Quantity, Side]]:
     return [(each, side) for each in QUANTITIES if each.listed for side in each.sides]
 
 
-def _folders(table: FleetTable, rows: np.ndarray, positions: np.ndarray) -> list[str]:
-    """Return the names of the campaigns' folders at some positions in ``rows``."""
-    return [PurePath(path).name for path in table.values("path", rows[positions])]
+def _campaigns(table: FleetTable) -> np.ndarray:
+    """Return the name of each row's campaign (rows,)."""
+    paths = table.values("path", np.arange(table.rows))
+    names = distinct_names(paths)
+    return np.array([names[path] for path in paths])
+
+
+def _named(campaigns: np.ndarray, rows: np.ndarray, positions: np.ndarray) -> list[str]:
+    """Return the names of the campaigns at some positions in ``rows``."""
+    return list(map(str, campaigns[rows[positions]]))
 
 
 def _cylinders(table: FleetTable) -> tuple[np.ndarray, list[str]]:

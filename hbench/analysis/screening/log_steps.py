@@ -12,11 +12,14 @@ part, s^2 = S^2 - q^2 / 12 (Sheppard). Between a tenth and a half of a step, thi
 times too large.
 """
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 
 from hbench.analysis.screening.friction_channels import friction_channels
 from hbench.motion.noise import resolution
-from hbench.records import Run
+from hbench.records import Run, ScreenedRun
 
 _LEAST = 0.01  # of friction; a smaller part of its uncertainty is neglected
 
@@ -25,7 +28,8 @@ def rounding_errors(run: Run, window: slice, friction_n: float) -> dict[str, flo
     """Return the standard uncertainty of each mean over ``window`` by the log's steps, in SI.
 
     Only channels whose part in ``friction_n`` [N] matters are contained. The steps are those of the
-    whole run, since a settled pressure may have one value in the window.
+    whole run, since a settled pressure may have one value in the window. It is NaN for a channel
+    with one value in the whole run: other runs show its steps (``with_common_steps``).
     """
     specimen = run.plan.specimen
     slopes = {"p_tp_pa": specimen.area_piston_m2, "p_tr_pa": specimen.area_rod_m2}
@@ -33,10 +37,28 @@ def rounding_errors(run: Run, window: slice, friction_n: float) -> dict[str, flo
     for name in friction_channels(run):
         values = getattr(run, name)
         if values is not None:
-            u = rounding_error(values[window], resolution(values))
-            if u * slopes.get(name, 1.0) > _LEAST * abs(friction_n):
+            u = rounding_error(values[window], resolution(values)) if np.ptp(values) else np.nan
+            if np.isnan(u) or u * slopes.get(name, 1.0) > _LEAST * abs(friction_n):
                 found[name] = u
     return found
+
+
+def with_common_steps(screened: Iterable[ScreenedRun]) -> tuple[ScreenedRun, ...]:
+    """Give channels with one value in a whole run the largest uncertainty that other runs show."""
+    runs = tuple(screened)
+    largest: dict[str, float] = {}
+    for run in runs:
+        for name, u in run.means.u_steps.items() if run.means else ():
+            largest[name] = max(largest.get(name, 0.0), np.nan_to_num(u))
+    return tuple(_with_steps(run, largest) for run in runs)
+
+
+def _with_steps(run: ScreenedRun, largest: dict[str, float]) -> ScreenedRun:
+    if run.means is None or not np.isnan(list(run.means.u_steps.values())).any():
+        return run
+    known = {name: largest[name] if np.isnan(u) else u for name, u in run.means.u_steps.items()}
+    used = {name: u for name, u in known.items() if u > 0.0}
+    return replace(run, means=replace(run.means, u_steps=used))
 
 
 def rounding_error(values: np.ndarray, step: float) -> float:

@@ -20,7 +20,13 @@ from hbench.analysis.screening.saturation import (
     saturated_valves,
     saturation_reasons,
 )
-from hbench.analysis.screening.steadiness import drift, load_step, outliers, speed_ripple
+from hbench.analysis.screening.steadiness import (
+    drift,
+    line_change,
+    load_step,
+    outliers,
+    speed_ripple,
+)
 from hbench.analysis.screening.steady_window import (
     at_reference,
     standstill_s,
@@ -239,7 +245,8 @@ def _steadiness(
             f"change mean friction by {far.shift:+.0f} N; limit {limit:.0f} N"
         )
     change = drift(t, friction)
-    if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
+    is_drift = exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se)
+    if is_drift and exceeds(abs(line_change(t, friction)), limit):
         yield (
             f"not_steady: friction drifts by {change.value:+.0f} N (standard error "
             f"{change.se:.0f} N) over the window; limit {limit:.0f} N"

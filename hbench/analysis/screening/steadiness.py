@@ -82,6 +82,17 @@ def drift(t_s: np.ndarray, y: np.ndarray) -> Drift:
     return Drift(float(window * slope), float(window * _MEDIAN_TO_MEAN * scatter / np.sqrt(h)))
 
 
+def line_change(t_s: np.ndarray, y: np.ndarray) -> float:
+    """Return the change of the least-squares line through ``y`` over the window.
+
+    Spikes move it. Hum does not, where it may move ``drift``: its slopes have few values, and the
+    median is one of them.
+    """
+    from_middle = t_s - t_s.mean()
+    slope = (from_middle @ y) / (from_middle @ from_middle)
+    return float((t_s[-1] - t_s[0]) * slope)
+
+
 def outliers(y: np.ndarray) -> Outliers:
     """Return the samples of ``y`` (n,), n > 0, that are far from the median; none if many are."""
     deviation = y - np.median(y)

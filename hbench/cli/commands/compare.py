@@ -12,7 +12,8 @@ def compare(
         None,
         "--same-instruments/--other-instruments",
         help="Whether both were measured with the same sensors, whose errors then cancel. By "
-        "default they are taken as the same if the benches have equal names and instruments.",
+        "default they are taken as the same if the benches have equal names and "
+        "instruments; campaigns imported with a map count as measured with other sensors.",
     ),
     speed_tolerance: str = typer.Option(
         None,

@@ -52,6 +52,7 @@ _MESSAGES = {  # of pydantic's error types, in the terms of YAML
     "bool_type": "must be true or false",
     "literal_error": "must be {expected}",
     "union_tag_invalid": "must be one of {expected_tags}",
+    "too_short": "has {actual_length} entries; limit at least {min_length}",
 }
 
 
@@ -69,7 +70,10 @@ def read_text(path: Path) -> str:
             "Check the path; `hbench init DIR` writes a bench file and schedules.",
         ) from None
     except UnicodeDecodeError:
-        raise ConfigError(f"{path}: not a text file in UTF-8") from None
+        raise ConfigError(
+            f"{path}: not a text file in UTF-8",
+            "Save it as UTF-8; the > of Windows PowerShell writes UTF-16.",
+        ) from None
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -147,7 +151,11 @@ def _names(model: type[BaseModel]) -> set[str]:
 
 
 def _own_faults(faults: list["ErrorDetails"]) -> list["ErrorDetails"]:
-    """Return the faults without lists that are too short only because of faulty items."""
+    """Return the faults without those that follow from others.
+
+    They are lists that are too short only because of faulty items, and numbers that are no text
+    either where a number out of its limits was meant.
+    """
 
     def follows(fault: "ErrorDetails") -> bool:
         depth = len(fault["loc"])
@@ -155,7 +163,16 @@ def _own_faults(faults: list["ErrorDetails"]) -> list["ErrorDetails"]:
             len(other["loc"]) > depth and other["loc"][:depth] == fault["loc"] for other in faults
         )
 
-    return [fault for fault in faults if not follows(fault)]
+    def is_of_other_type(fault: "ErrorDetails") -> bool:
+        return (
+            fault["loc"][-1:] == ("str",)
+            and any(  # the member of a union
+                other["loc"][:-1] == fault["loc"][:-1] and other["type"] == "greater_than_equal"
+                for other in faults
+            )
+        )
+
+    return [fault for fault in faults if not (follows(fault) or is_of_other_type(fault))]
 
 
 def _known_keys(model: type[BaseModel], above: tuple) -> list[str]:
@@ -180,6 +197,9 @@ def _explain(
 ) -> str:
     key = ".".join(_keys(fault, data))
     if fault["type"] == "extra_forbidden":
+        last = str(fault["loc"][-1])
+        if last[:1].isdigit() and fault["input"] is None:  # {bore: 50,5 mm} has the key '5 mm'
+            return f"unknown key '{key}': a comma ends the value before it; write a decimal point"
         right = meant.get(fault["loc"])
         if right:
             return f"unknown key '{key}'; did you mean '{right[-1]}'?"

@@ -103,7 +103,7 @@ _NUMBERS = {
     "point next to it is used, up to a distance of {tolerance:g} %; nothing is interpolated. Where "
     "all curves have a single speed, each has its own unless --speed is given.",
     "Breakaway": "Runs of the kind breakaway: the largest friction while F_T rises at a stated "
-    "rate on a piston that has rested under load, smoothed over five samples; the longest rest "
+    "rate on a piston that has rested under load, averaged over its noise; the longest rest "
     "leads. It depends on the rate and the rest, which are stated. Without such runs: F_s of "
     "Tustin's law (3.2), extrapolated to rest; its interval combines the "
     "parameter's with the instruments' at the slowest point. Without such a fit: the largest "

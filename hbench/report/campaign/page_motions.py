@@ -174,7 +174,7 @@ def breakaway_table(results: Results) -> Table:
             series_words(each.series),
             TITLES[each.direction].lower(),
             "" if each.dwell_s is None else short(each.dwell_s),
-            short(each.rate_n_s),
+            "" if each.rate_n_s is None else short(each.rate_n_s),
             with_interval(each.breakaway_n, each.u95_n or each.ci95_n),
             "" if each.breakaway_pa is None else _in_bar(each.breakaway_pa, each.u95_pa),
             "" if each.ci95_n is None else f"±{significant(each.ci95_n, 2)}",

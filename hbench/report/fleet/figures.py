@@ -11,7 +11,7 @@ from hbench.records import DIRECTIONS, FEWEST_CAMPAIGNS, Fleet, Quantity, Side, 
 from hbench.records.numbers import NORMAL_95
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.fleet.dates import set_dates
-from hbench.report.fleet.names import folder_name, short_title
+from hbench.report.fleet.names import campaign_names, short_title
 from hbench.report.fleet.precision_figures import precision_sketches
 from hbench.report.fleet.verdict import stepped_numbers
 from hbench.report.render import style
@@ -135,8 +135,9 @@ def _head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:
 
 def _names(fleet: Fleet) -> list[str]:
     """Return the labels of the compared campaigns of a small fleet, or their folders."""
+    names = campaign_names(fleet)
     return [
-        style.safe(campaign.label or folder_name(campaign.path), _LONGEST)
+        style.safe(campaign.label or names[campaign.path], _LONGEST)
         for campaign in fleet.rows
         if campaign.compared
     ]

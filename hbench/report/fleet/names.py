@@ -1,10 +1,5 @@
 """Names of a fleet's numbers and campaigns, and signs."""
 
-import os
-from collections import Counter
-from collections.abc import Sequence
-from pathlib import PurePath
-
 from hbench.records import (
     FEWEST_CAMPAIGNS,
     ControlChart,
@@ -16,6 +11,7 @@ from hbench.records import (
     Spread,
     WearTrend,
 )
+from hbench.records.fleet.campaign_names import distinct_names
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, short
 
@@ -23,24 +19,10 @@ WORKING_SPEED = " at the working speed"
 Shown = Spread | Deviation | Precision | ControlChart | WearTrend
 
 
-def folder_name(path: str) -> str:
-    """Return the last part of a campaign's path."""
-    return PurePath(path).name or path
-
-
-def distinct_names(paths: Sequence[str]) -> dict[str, str]:
-    """Return the folder's name of each path.
-
-    Where several folders have this name, it is the path below the parent of all folders.
-    """
-    counts = Counter(map(folder_name, paths))
-    if len(counts) == len(paths):
-        return {path: folder_name(path) for path in paths}
-    parent = os.path.commonpath(paths)
-    return {
-        path: folder_name(path) if counts[folder_name(path)] == 1 else os.path.relpath(path, parent)
-        for path in paths
-    }
+def campaign_names(fleet: Fleet) -> dict[str, str]:
+    """Return the name of each campaign of the fleet's tables, by its path."""
+    paths = [row.path for row in fleet.rows] + [suspect.path for suspect in fleet.worst]
+    return distinct_names(list(dict.fromkeys(paths)))
 
 
 def name_of(number: Shown) -> str:

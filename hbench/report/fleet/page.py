@@ -17,7 +17,7 @@ from hbench.report.fleet.charts import (
 )
 from hbench.report.fleet.figures import DISTRIBUTIONS
 from hbench.report.fleet.method import fleet_method
-from hbench.report.fleet.names import distinct_names, working_speed
+from hbench.report.fleet.names import campaign_names, working_speed
 from hbench.report.fleet.overview import (
     fleet_identity,
     fleet_tiles,
@@ -278,7 +278,7 @@ def _campaigns(fleet: Fleet) -> Table:
 
 def _worst(fleet: Fleet) -> Table:
     rows = []
-    names = distinct_names([suspect.path for suspect in fleet.worst])
+    names = campaign_names(fleet)
     for suspect in fleet.worst[: max(fleet.outliers, _LEAST)]:
         name = names[suspect.path]
         flag = "outlier" if suspect.deviations[0].outlier else ""

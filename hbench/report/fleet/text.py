@@ -16,7 +16,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.fleet.names import (
-    distinct_names,
+    campaign_names,
     main_spreads,
     name_of,
     signed,
@@ -65,7 +65,7 @@ ROW_WORDS = ("Campaign", "Cylinder", "Date", "Label", "Decision")
 def campaign_table(fleet: Fleet) -> WordTable:
     """Return a row a campaign of a small fleet: label, speed, and the main numbers."""
     shown = main_spreads(fleet)
-    folders = distinct_names([campaign.path for campaign in fleet.rows])
+    folders = campaign_names(fleet)
     heads, rows = list(map(name_of, shown)), []
     for campaign in fleet.rows:
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
@@ -194,7 +194,7 @@ def trend_table(fleet: Fleet) -> WordTable:
 
 def worst_table(fleet: Fleet, most: int) -> WordTable:
     """Return the campaigns that deviate most, a row each."""
-    names = distinct_names([shown.path for shown in fleet.worst])
+    names = campaign_names(fleet)
     rows = tuple((names[shown.path], *cells(shown)) for shown in fleet.worst[:most])
     return WordTable("Largest deviations", ("Campaign", *WORST_HEAD), rows)
 

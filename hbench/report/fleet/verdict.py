@@ -14,7 +14,7 @@ from hbench.report.fleet.charts import (
 )
 from hbench.report.fleet.names import (
     WORKING_SPEED,
-    folder_name,
+    campaign_names,
     in_sentence,
     main_spreads,
     of_change,
@@ -177,7 +177,8 @@ def further_sentences(fleet: Fleet) -> Iterator[str]:
     yield from wear_sentences(fleet)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
-        names = [_outlier_words(suspect) for suspect in fleet.worst[: fleet.outliers]]
+        of = campaign_names(fleet)
+        names = [_outlier_words(each, of[each.path]) for each in fleet.worst[: fleet.outliers]]
         more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
         some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}: "
         some += f"{'; '.join(names[:_NAMED])}{more}."
@@ -246,11 +247,11 @@ def steady_spreads(fleet: Fleet) -> list[tuple[Spread, Trend]]:
     ]
 
 
-def _outlier_words(suspect: Suspect) -> str:
+def _outlier_words(suspect: Suspect, name: str) -> str:
     """Return a campaign with the number that deviates most, such as friction, extending +4.2 σ."""
     deviation = suspect.deviations[0]
     number = f"{in_sentence(deviation.quantity)}{of_side(deviation.direction)}"
-    return f"{folder_name(suspect.path)} ({number} {signed(significant(deviation.z, 2))} σ)"
+    return f"{name} ({number} {signed(significant(deviation.z, 2))} σ)"
 
 
 def decision_words(fleet: Fleet) -> str:

@@ -18,7 +18,7 @@ from hbench.report.identification.text import (
     scatter_n,
     undetermined_words,
 )
-from hbench.report.render.numbers import half_width, number, significant
+from hbench.report.render.numbers import half_width, number, short, significant
 from hbench.sentences import listed
 
 _ANOTHER = "A real cylinder may need another law."
@@ -143,4 +143,5 @@ def _verified_loads(identification: Identification) -> list[float]:
 
 def _load_words(loads: Sequence[float]) -> str:
     """Write loads with their signs: ``+500 and +5000 N``."""
-    return f"{listed([f'{load:+.4g}'.replace('-', '−') for load in loads])} N"
+    words = [short(load) if load < 0 else f"+{short(load)}" for load in loads]
+    return f"{listed(words)} N"

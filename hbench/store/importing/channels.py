@@ -14,10 +14,10 @@ from hbench.motion.rest import ZeroOffset, rest_before_motion
 from hbench.store.campaign.run_csv import check_limits
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable
-from hbench.store.importing.absolute_pressure import below_vacuum
 from hbench.store.importing.alignment import aligned
 from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.file_notes import FileNote
+from hbench.store.importing.plausibility import below_vacuum, beyond_full_scale
 from hbench.store.importing.resampling import interval_means, whole_intervals
 from hbench.store.importing.time_bases import TimeBase, column_unit, read_time_bases
 from hbench.store.importing.zeros import subtraction, zeroed
@@ -65,14 +65,14 @@ def read_channels_by_map(
     rest = rest_before_motion(channels["t_s"], channels["x_m"], channels.get("v_ref_m_s"))
     at_rest_s = channels["t_s"][rest]
     channels, zeros = zeroed(channels, rest, source, cylinder, rules)
-    vacuum = list(below_vacuum(name, channels))
+    implausible = (*below_vacuum(name, channels), *beyond_full_scale(name, channels, rules))
     lines = table.lines_of(base.rows)
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
     subtracted = [subtraction(name, key, rules.unit(key), zero) for key, zero in zeros.items()]
     return FileChannels(
         channels=channels,
         lines=lines,
-        notes=(*omissions, *clipping, *alignment, *subtracted, *vacuum, *resampling),
+        notes=(*omissions, *clipping, *alignment, *subtracted, *implausible, *resampling),
         units=units,
         zeros=zeros,
         rest=(float(at_rest_s[0]), float(at_rest_s[-1])) if len(at_rest_s) > 1 else None,

@@ -1,4 +1,4 @@
-"""Signs and scales of channels that contradict each other, or the file's name."""
+"""Signs and scales of channels that contradict each other, or the file's name or series."""
 
 from collections.abc import Iterator, Mapping
 
@@ -10,6 +10,7 @@ from hbench.store.importing.file_notes import FileNote
 _WRONG_SIGN = 0.2  # of the nominal load: a measured load beyond it has a sign
 _OPPOSITE = -0.5  # correlation of velocity and motion: below it their signs differ
 _BLOCKS = 50  # of a run, over which the velocity is integrated
+_SAME_SPEED = 5.0  # largest ratio of the position's speed to the nominal one, and 1 over the least
 _SAME_SCALE = 1.25  # largest ratio of the velocity to that of the position, and 1 over the least
 
 
@@ -17,6 +18,22 @@ def contradicting_signs(match: FileMatch, channels: Mapping[str, np.ndarray]) ->
     """Yield a note on each sign in a run's channels (n,) that contradicts another one."""
     yield from _load_sign(match, channels.get("f_applied_n"))
     yield from _velocity(match, channels)
+    yield from _nominal_speed(match, channels)
+
+
+def _nominal_speed(match: FileMatch, channels: Mapping[str, np.ndarray]) -> Iterator[FileNote]:
+    """Yield a note if the fastest motion over a block of the run has another scale than stated."""
+    nominal, t, x = match.speed_m_s, channels["t_s"], channels["x_m"]
+    if not nominal or len(t) < 2:
+        return
+    edges = np.linspace(0, len(t) - 1, min(_BLOCKS, len(t) - 1) + 1).astype(int)
+    ratio = float(np.max(np.abs(np.diff(x[edges]) / np.diff(t[edges])))) / nominal
+    if ratio > 0 and not 1 / _SAME_SPEED <= ratio <= _SAME_SPEED:
+        text = (
+            "the speed of x_m is {ratio} times the nominal speed: check the units of x_m and t_s, "
+            "and the speed in 'files' with speed_unit, or in 'speed'"
+        )
+        yield FileNote(match.name, text, {"ratio": ratio})
 
 
 def _velocity(match: FileMatch, channels: Mapping[str, np.ndarray]) -> Iterator[FileNote]:

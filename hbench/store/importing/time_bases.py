@@ -15,8 +15,8 @@ from hbench.store.files.number_columns import rounded_to_decimals
 from hbench.store.formats.date_times import utc
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable
-from hbench.store.importing.absolute_pressure import ATMOSPHERE, is_absolute_pressure
 from hbench.store.importing.file_notes import FileNote
+from hbench.store.importing.plausibility import ATMOSPHERE, is_absolute_pressure
 from hbench.units import parse_unit, to_si
 
 _IN_BRACKETS = re.compile(r"[(\[]\s*([^()\[\]]{1,20}?)\s*[)\]]\s*$")

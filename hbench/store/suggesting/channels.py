@@ -73,7 +73,11 @@ def choose_channels(
         taken = {choice.column.key for choice in chosen.values()}
         unknown = [c for c in free if c.key not in taken and not c.meaning.quantity]
         chosen |= _by_data(_one_each(unknown), time, fields, chosen)
-    return _with_units(_with_drive(chosen, fields), time)
+    taken = {choice.column.key for choice in chosen.values()}
+    unnamed = [c for c in free if c.key not in taken and not c.name]
+    if not _one_each(unnamed):  # else they may be pressures
+        chosen = _with_drive(chosen, fields)
+    return _with_units(chosen, time)
 
 
 def _with_drive(

@@ -171,7 +171,8 @@ def meaning(name: str, unit: str | None = None, ignored: frozenset[str] = frozen
         shorter, ending = split_ending(path)
         words = _without(words_of(shorter), ignored)
         by_name = _by_words(words, None).quantity
-        if ending and (_fits(by_name, ending) if by_name else len(ending) > 1):
+        is_signal = ending is not None and len(ending) > 1 and _fits("valve", ending)  # such as mV
+        if ending and (_fits(by_name, ending) or is_signal if by_name else len(ending) > 1):
             return _by_words(words, ending)
     return _by_words(_without(words_of(path), ignored), unit or in_name)
 

@@ -176,7 +176,9 @@ def not_tested_part(certificate: Certificate) -> Part:
         deviations.append(word("short", points=points, of=complete.points))
     if rejected:
         deviations.append(word("rejected", runs=rejected))
-    paragraphs.append(" ".join(deviations or [word("no_deviations")]))
+    imported = results.provenance.source == "imported"
+    none = word("no_schedule" if imported else "no_deviations")
+    paragraphs.append(" ".join(deviations or [none]))
     if remarks := [
         f"{run.run.plan.run}: {printable('; '.join(run.notes))}"
         for run in results.runs

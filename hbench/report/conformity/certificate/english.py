@@ -228,6 +228,7 @@ ENGLISH = {
     "check_constant_force": "constant force in both directions",
     "check_instruments": "uncertainty of the instruments",
     "no_deviations": "No deviations from the schedule.",
+    "no_schedule": "No schedule is recorded; all imported runs count.",
     "run_remarks": "Remarks on accepted runs: {remarks}.",
     "and": "and",
     "record_notes": "Notes of the record: {notes}",

@@ -233,6 +233,7 @@ GERMAN = {
     "check_constant_force": "gleichbleibende Kraft in beiden Richtungen",
     "check_instruments": "Unsicherheit der Messmittel",
     "no_deviations": "Keine Abweichungen vom Prüfplan.",
+    "no_schedule": "Ein Prüfplan ist nicht angegeben; alle importierten Läufe zählen.",
     "run_remarks": "Bemerkungen zu verwendeten Läufen (englisch): {remarks}.",
     "and": "und",
     "record_notes": "Hinweise der Aufzeichnung (englisch): {notes}",

@@ -50,7 +50,7 @@ def _settings(certificate: Certificate) -> dict[str, str]:
     """Return the settings that breakaway and leakage depend on, each in parentheses if known."""
     motions = certificate.results.motions
     values = {
-        "rate": ([each.rate_n_s for each in motions.breakaways], "N/s"),
+        "rate": ([each.rate_n_s for each in motions.breakaways if each.rate_n_s], "N/s"),
         "creep": ([1e3 * each.displacement_m for each in motions.breakaways], "mm"),
         "bulk_modulus": (
             [from_si(each.bulk_modulus_pa, "bar") for each in motions.leakages],

@@ -7,7 +7,7 @@ import numpy as np
 
 from hbench.channels import CHANNELS
 from hbench.config.import_map import UNFILLED
-from hbench.store.importing.absolute_pressure import ATMOSPHERE, is_absolute_pressure
+from hbench.store.importing.plausibility import ATMOSPHERE, is_absolute_pressure
 from hbench.store.suggesting.choice import SURE, Choice
 from hbench.store.suggesting.map_yaml.commented_yaml import comment_lines, entry, line, scalar
 from hbench.store.suggesting.map_yaml.suggested_map import SuggestedMap

@@ -1,4 +1,4 @@
-"""Absolute pressures: columns that state one by their names, and values below a vacuum.
+"""Plausibility of pressures and forces: absolute ones by name, and values that can't be measured.
 
 Pressures of a cylinder are those above the atmosphere: it acts on the rod, so that F_T of absolute
 pressures would be too large by p_atm (A_p - A_r).
@@ -10,11 +10,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from hbench.channels import CHANNELS
+from hbench.config.import_map import ImportMap
 from hbench.store.importing.file_notes import FileNote
 from hbench.units import from_si, to_si
 
 ATMOSPHERE = "1.013 bar"  # at sea level
 _NOISE = 0.02  # of a channel's range in the file
+_OVERRANGE = 1.1  # of the full scale, which sensors can show
 # After a unit: bara, bar(a), psia, kPa abs. A blank or a capital A may be the port: bar A.
 _BEHIND_UNIT = re.compile(
     r"(?:bar|psi|Pa)(?:a|\(a\)|[\s_]*[(\[]?abs(?:olute?)?\.?[)\]]?)(?![^\W_])"
@@ -42,4 +44,34 @@ def below_vacuum(name: str, channels: Mapping[str, np.ndarray]) -> Iterator[File
                 "{samples} samples: check its zero, sign, unit and offset"
             )
             numbers = {"low": from_si(low, "bar"), "count": below.sum(), "samples": len(values)}
+            yield FileNote(name, text, numbers)
+
+
+def beyond_full_scale(
+    name: str, channels: Mapping[str, np.ndarray], rules: ImportMap
+) -> Iterator[FileNote]:
+    """Yield a note for each measured channel of the file ``name`` with values beyond 110 %."""
+    if rules.instruments is None:
+        return
+    ranges = {
+        "p_tp_pa": (rules.instruments.pressure.full_scale, "bar"),
+        "p_tr_pa": (rules.instruments.pressure.full_scale, "bar"),
+        "f_applied_n": (rules.instruments.force.full_scale, rules.unit("f_applied_n")),
+    }
+    for channel, (full_scale, unit) in ranges.items():
+        if channel not in rules.columns:
+            continue
+        size = np.abs(channels[channel])
+        beyond = size > _OVERRANGE * full_scale
+        if beyond.any():
+            text = (
+                f"{channel}: up to {{high}} {unit} in size, beyond the instrument's full scale "
+                f"({from_si(full_scale, unit):g} {unit}) in {{count}} of {{samples}} samples: "
+                "check its unit and scale, and full_scale in the map"
+            )
+            numbers = {
+                "high": from_si(float(np.nanmax(size)), unit),
+                "count": beyond.sum(),
+                "samples": len(size),
+            }
             yield FileNote(name, text, numbers)

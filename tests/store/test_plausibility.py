@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hbench.errors import DataError
-from hbench.store.importing.absolute_pressure import is_absolute_pressure
+from hbench.store.importing.plausibility import is_absolute_pressure
 from hbench.store.suggesting.suggest import suggest_map
 from tests.support.strokes import there_and_back
 
