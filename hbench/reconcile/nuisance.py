@@ -59,6 +59,7 @@ _VALVE = {  # of all valves, which are of one type
 _EACH_VALVE = {"gain": 0.1, "null": 0.2}  # of the gain; V, 2 % of 10 V
 # k of u (1 + k sign u): 6 % between the flows of both directions; data sheets allow 10 %.
 _UNEVEN = 0.03
+_LAP_V = 0.03  # over- or underlap of spools that are called zero-lapped: 0.3 % of 10 V
 _TRANSDUCERS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 ASSUMED_TOLERANCE = 0.01  # of sensors whose tolerance is not stated: a usual industrial class
 # Effects that every bench has: refitted, never named.
@@ -106,6 +107,7 @@ def tolerances(
         for kind, limit in _EACH_VALVE.items()
     } | {("valve_trim", kind): limit for kind, limit in _VALVE.items()}
     limits |= {("valve_trim", key): _UNEVEN for key in ("ports", "inlets")}
+    limits |= {("valve_deadband", key): _LAP_V for key in ("test", "load")}
     limits |= {("valve_asymmetry", key): _UNEVEN for key in ("test", "load", "load_apart")}
     pressure, force = _stated(instruments, largest_pa, largest_n)
     for name in _TRANSDUCERS:

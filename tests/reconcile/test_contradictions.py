@@ -243,6 +243,20 @@ def test_commands_beyond_the_limit_of_their_valve_are_refused(runs, model):
     refuse_contradictions(sessions(limited), model)
 
 
+def test_a_force_of_another_unit_is_refused(runs, model):
+    in_lbf = [replace(run, f_applied_n=run.f_applied_n / 4.448) for run in runs]
+    error = refused(in_lbf, model)
+    assert error.message.startswith("test_cylinder: f_applied_n is 0.2")
+    assert "unit or scale of f_applied_n" in error.hint
+
+
+def test_another_supply_pressure_is_refused(runs, model):
+    error = refused([replace(run, p_s_pa=1.4 * run.p_s_pa) for run in runs], model)
+    assert error.message.startswith("p_s_pa: 210 bar in the median, supply.pressure")
+    refuse_contradictions(sessions([replace(run, p_s_pa=0.85 * run.p_s_pa) for run in runs]), model)
+    refuse_contradictions(sessions([replace(run, p_s_pa=None) for run in runs]), model)
+
+
 def test_positions_outside_the_stroke_are_refused(runs, model):
     longer = [replace(run, x_m=3 * run.x_m) for run in runs]
     error = refused(longer, model)

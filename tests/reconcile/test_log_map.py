@@ -8,6 +8,7 @@ import pytest
 from hbench.reconcile.gaps.log_map import (
     Windows,
     between_runs,
+    like_runs,
     log_map,
     ranked_gaps,
     unexplained_at,
@@ -192,3 +193,40 @@ def test_a_part_of_the_operating_points_has_its_own_significance():
     high = np.flatnonzero(np.unique(found.load_n) > 5)
     assert unexplained_at(found, high)[0].name == "first"
     assert not unexplained_at(found, np.setdiff1d(np.arange(16), high))
+
+
+def test_runs_of_a_point_that_move_differently_are_no_trials_of_one_another():
+    """Two triangles of which one begins later, a turned one, and random steps."""
+    triangle = 0.1 * np.sign(np.sin(np.arange(40) / 5))
+    later, steps = np.roll(triangle, 2), np.repeat(0.1 * np.array([1, -1, 1, 1, -1, -1, -1, 1]), 5)
+    rest = 1e-4 * np.ones(40)
+    motions = [triangle, later, steps, rest, triangle]
+    run = np.repeat(np.arange(5), 40)
+    groups = like_runs(run, np.array([0, 0, 0, 0, 1]), np.concatenate(motions))
+    assert groups.tolist() == [0, 0, 2, 0, 4]
+
+
+def test_an_error_in_unlike_motions_is_no_scatter():
+    """Each run has an error of its own; it is the scatter of runs that move alike alone."""
+    rng = np.random.default_rng(5)
+    windows = windows_of((LENGTH,) * 30, trials=30)
+    values = SIGMA * (rng.standard_normal((30 * LENGTH, 2)) + 20 * windows.run[:, None])
+    alike = log_map(replace(windows, v_m_s=0.1 + 0 * windows.v_m_s), NAMES, values, np.zeros(2))
+    steps = np.sign(rng.standard_normal(30 * LENGTH))
+    unlike = log_map(replace(windows, v_m_s=steps), NAMES, values, np.zeros(2))
+    assert np.all(alike.scatter[0] > 100 * SIGMA)
+    assert unlike.scatter[0] == pytest.approx(SIGMA, rel=0.2)
+
+
+def test_an_error_that_turns_with_the_direction_is_significant_in_a_single_run_to_and_fro():
+    """The run's halves have opposite directions: in each, the error has another sign."""
+    rng, (p_value, noise) = np.random.default_rng(6), (np.zeros(2), np.zeros(2))
+    windows = windows_of((LENGTH,) * 40, trials=1)
+    way = np.where(np.arange(40 * LENGTH) % LENGTH < LENGTH // 2, 1.0, -1.0)
+    windows = replace(windows, v_m_s=0.1 * way, x_m=np.cumsum(way), load_n=0 * way)
+    white = SIGMA * rng.standard_normal((40 * LENGTH, 2))
+    for values, found in ((white + SIGMA * way[:, None], p_value), (white, noise)):
+        gaps = log_map(windows, NAMES, values, np.zeros(2))
+        ranked = ranked_gaps(replace(gaps, material=np.full(2, 0.1)), np.zeros(2))
+        found[:] = [gap.p_value for gap in ranked]
+    assert np.all(p_value < 1e-6) and np.all(noise > 0.05)

@@ -81,16 +81,17 @@ ROWS = {
         source="Merritt (1967), chapter 7",
     ),
     "valve_deadband": Effect(
-        description="a valve opens only beyond a voltage",
+        description="a valve opens only beyond a voltage; where it is negative, the edges underlap",
         coefficients={
-            "test": Coefficient("V", 0.05, 0, 5),
-            "load": Coefficient("V", 0.05, 0, 5),
+            "test": Coefficient("V", 0.05, -0.5, 5),
+            "load": Coefficient("V", 0.05, -0.5, 5),
             "softness": Coefficient("1", 0, 0, 5),
         },
         balances=FLOWS,
         laws={"openings": flows.valve_deadband},
-        law="opening = sign(u) max(|u| - w, 0), w = test or load; softness rounds the edge",
-        signals="Commands at low speed rise by the same voltage in both directions.",
+        law="opening = sign(u) max(|u| - w, 0), w = test or load; softness rounds the edge; "
+        "where w is negative, u + |w| u / (|u| + |w|)",
+        signals="Commands at low speed rise by the same voltage in both directions, or fall.",
         confused_with={
             "valve_asymmetry": Separation(
                 "steady", "slow and fast strokes: an overlap is a voltage, an asymmetry a share"

@@ -129,10 +129,14 @@ def lagging(
 def overlapped(u: float, width: float, softness: float) -> float:
     """Opening [V] of a spool with overlap: u less ``width`` towards 0, and 0 within it.
 
-    A worn or rounded edge opens softly; the opening is 0 at u = 0 and never larger than u.
+    A worn or rounded edge opens softly; the opening is 0 at u = 0 and never larger than u. With
+    underlap, a negative width, both edges are open in the middle: there the slope is 2, and far
+    from it u has ``width`` more.
     """
     if width == 0.0:
         return u
+    if width < 0.0:
+        return u - width * u / (abs(u) - width)
     soft = softness * width
     closed = soft_edge(-width, soft)
     return copysign(min(soft_edge(abs(u) - width, soft) - closed, abs(u)), u)

@@ -29,6 +29,7 @@ from hbench.records import Gap
 from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P, UNEXPLAINED_GAP
 
 _APART = 2  # windows
+_BLOCK = 4  # windows; those of a block may share samples with two of the next one
 _ALIKE = 0.8  # correlation of the velocities of two trials
 _DEPENDENT = 0.1  # share of the largest function of the motion: a smaller one shows little alone
 
@@ -221,19 +222,15 @@ def _p_values(residuals: GapMap) -> np.ndarray:
 def _trials(residuals: GapMap) -> np.ndarray:
     """Return the number (w,) of the trial that each window belongs to.
 
-    A trial is a run. Where an operating point has one run, its halves are taken as trials: the
-    earlier and the later windows of each direction.
+    A trial is a run. Where an operating point has one run, its windows are taken as two trials, in
+    alternating blocks: halves of a run differ in position or direction, where errors differ too.
     """
     run = np.unique(residuals.run, return_inverse=True)[1]
     first = np.unique(run, return_index=True)[1]
     point_of_run = residuals.point[first]
     alone = (np.bincount(point_of_run) == 1)[point_of_run]
-    later = np.zeros(len(run), bool)
-    for each in np.flatnonzero(alone):
-        for extends in (False, True):
-            own = np.flatnonzero((run == each) & ((residuals.v_m_s > 0) == extends))
-            later[own[(len(own) + 1) // 2 :]] = True
-    return 2 * run + later
+    odd = (np.arange(len(run)) - first[run]) // _BLOCK % 2
+    return 2 * run + odd * alone[run]
 
 
 def _moments(residuals: GapMap, own: np.ndarray, trial: np.ndarray) -> np.ndarray:
