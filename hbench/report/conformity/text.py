@@ -136,6 +136,8 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
             f"{listed([QUANTITIES[q] for q in pressures])} in bar: the force over the driven area, "
             "the piston's while extending and the rod side's while retracting"
         )
+    if any(check.requirement.quantity == "breakaway" for check in checks):
+        yield "breakaway: the largest friction of the force ramp"
     alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
     if alone:
         yield f"U of {listed([QUANTITIES[q] for q in alone])}: of the trials alone"
@@ -246,8 +248,6 @@ def rule_words(rule: Rule, largest_uncertainty: float | None) -> str:
 def requirement_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write the quantity, after the name that the file gives it."""
     words = QUANTITIES[requirement.quantity]
-    if requirement.quantity == "breakaway":
-        words += " (largest friction of the force ramp)"
     if requirement.leak is not None and requirement.pressure_pa is not None:
         at = short(from_si(requirement.pressure_pa, "bar"))
         words += f" {LEAKS[requirement.leak]} at {at} bar"
