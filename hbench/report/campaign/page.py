@@ -14,7 +14,6 @@ from hbench.report.campaign.quality.verdict import (
     quality_verdict,
 )
 from hbench.report.campaign.reasons import aborted_words
-from hbench.report.campaign.rejected_section import LONG_LIST, rejected_sections
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import identity_facts, not_calibrated_words, settings_section
 from hbench.report.campaign.summary import summary_section
@@ -24,6 +23,7 @@ from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.next_step import decided_step_words, next_step_words
 from hbench.report.oil_temperature import temperature_section
+from hbench.report.rejected_section import LONG_LIST, rejected_sections
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span

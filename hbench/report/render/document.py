@@ -19,6 +19,7 @@ from hbench.report.render.numbers import unit_kept
 from hbench.report.render.style import DARK
 from hbench.report.render.symbols import pieces
 from hbench.report.render.word_tables import Cell, Table, Tile
+from hbench.sentences import sentences
 
 _NUMBER = re.compile(
     r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?( \((\d[\d.]*|none)\))?"
@@ -35,7 +36,6 @@ BANNERS = {
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
     "real": "Measured on a bench that hbench ran.",
 }
-_SENTENCE = re.compile(r"(?<=[\w)%]\.) (?=[A-Z])")
 _PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
 _LONG_FLAG = 18  # letters of a flag that is not broken
@@ -83,7 +83,7 @@ class Document:
         """
         if len(self.verdict) <= _PARAGRAPH:
             return self.verdict, ""
-        first, *others = _SENTENCE.split(self.verdict)
+        first, *others = sentences(self.verdict)
         count = 1 if " " in first else 2
         return " ".join((first, *others)[:count]), " ".join((first, *others)[count:])
 
