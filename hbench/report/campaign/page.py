@@ -69,7 +69,7 @@ def report_document(
 ) -> Document:
     """Return the report, with the sections ``more`` before the rejected runs.
 
-    The rejected runs of poor data come before the results. ``folder`` is the name of the campaign's
+    The rejected runs of poor data come before the summary. ``folder`` is the name of the campaign's
     folder, which distinguishes campaigns of one schedule. ``decision`` is the section of an
     acceptance and comes first; its paragraphs begin the verdict and are not repeated. ``step`` is
     the next step after it; the summary then has the verdict on the data. ``complete_u`` names the
@@ -90,8 +90,8 @@ def report_document(
     curves, others = _leading(figures.get("friction", ()), first or decision is not None)
     sections = (
         *((_decided(results, decision),) if decision else ()),
-        summary_section(results, decision is not None, curves),
         *(rejected if first else ()),
+        summary_section(results, decision is not None, curves),
         *_friction(results, others, bool(curves)),
         *fit_sections(results),
         *temperature_section(results, figures.get("temperature", ())),

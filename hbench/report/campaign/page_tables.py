@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.reasons import CAUSES, code_of, first_reason_counts, reason_counts
+from hbench.report.campaign.reasons import CAUSES, code_of, reason_counts
 from hbench.report.campaign.table_columns import (
     HERSEY,
     OF_DIRECTIONS,
@@ -271,12 +271,11 @@ def rejected_table(results: Results) -> Table:
 
 def cause_table(results: Results) -> Table:
     """Return the reasons for rejection with their runs, and the cause to look for."""
-    first = first_reason_counts(results)
     rows = [
-        (code.replace("_", " ").capitalize(), str(count), str(first[code]), CAUSES.get(code, ""))
+        (code.replace("_", " ").capitalize(), str(count), CAUSES.get(code, ""))
         for code, count in reason_counts(results).most_common()
     ]
-    head = ("Reason", "Runs", "As main reason", "Look for")
+    head = ("Reason", "Runs", "Look for")
     return table(head, rows, words=("Look for",))
 
 

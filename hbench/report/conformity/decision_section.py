@@ -13,6 +13,7 @@ from hbench.records.conformity.acceptance import (
 from hbench.report.conformity.text import (
     check_words,
     conforms_words,
+    leakage_legend,
     legend,
     limit_words,
     measured_words,
@@ -61,7 +62,7 @@ def decision_section(
     words += [f"limits: the file {limits}, applied by the last hbench accept"] if limits else []
     words += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
     words += [conforms_words(checks)] if known else []
-    terms = tuple(_fact(each) for each in (*words, *legend(checks)))
+    terms = tuple(_fact(each) for each in (*words, *legend(checks), *leakage_legend(checks)))
     paragraph = " ".join(filter(None, (_which(decision, checks), nearest_words(decision, checks))))
     if not checks:
         return Section("Decision", (paragraph,))
