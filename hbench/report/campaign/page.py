@@ -235,7 +235,8 @@ def _moving(
                 parts=more,
             )
             if name in _FOLDED:
-                inside = replace(shown, title=f"{words}: figure and table", folded=True)
+                fold = f"{words}: figure and table"
+                inside = replace(shown, title=fold, folded=True, printed=False)
                 yield Section(shown.title, (_FOLDED[name](results),), parts=(inside,))
             else:
                 yield shown

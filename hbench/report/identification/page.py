@@ -117,7 +117,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
             "Errors by law",
             drawings=overview,
             facts=_PARTS if verified else (),
-            parts=(Section(_IN_NUMBERS, tables=tuple(verified), folded=True),) if verified else (),
+            parts=_folded(_IN_NUMBERS, verified),
         ),
         Section(
             "Steady runs and ramps", _ramp_words(identification), parts=_folded("Errors", ramps)
