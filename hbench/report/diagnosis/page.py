@@ -76,8 +76,8 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
         drawings=drawn("where"),
         tables=_with_rows(gap_tables.where_table(diagnosis), gap_tables.rest_table(diagnosis)),
-        facts=_answers(diagnosis, OF_DEVIATIONS),
         parts=(
+            *_in_words("Deviations in words", _answers(diagnosis, OF_DEVIATIONS)),
             *_terms("deviations", definitions.of_deviations(diagnosis)),
             *_numbers("Gaps by metering edge", _untitled(gap_tables.edges_table(diagnosis))),
             *_shape(diagnosis, drawn("shape")),
@@ -154,10 +154,14 @@ def _answer(diagnosis: Diagnosis) -> Section:
     """Return the first section: the engineer's answers, and folded the runs that show more."""
     names = {name for name, _ in answers(diagnosis)}
     known = _answers(diagnosis, names.difference(on_method(diagnosis), OF_NEXT))
-    runs = tuple(words for _, words in _answers(diagnosis, OF_NEXT))
-    title = "Runs that show more: next.yaml"
-    parts = (Section(title, runs, folded=True),) if runs else ()
+    parts = _in_words("Runs that show more: next.yaml", _answers(diagnosis, OF_NEXT))
     return Section("Findings and next steps", facts=known, parts=parts)
+
+
+def _in_words(title: str, facts: tuple[tuple[str, str], ...]) -> tuple[Section, ...]:
+    """Return a folded part of answers that the title names."""
+    words = tuple(text for _, text in facts)
+    return (Section(title, words, folded=True),) if words else ()
 
 
 def _refused(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
