@@ -17,6 +17,7 @@ from hbench.report.render.terminal_text import plain, wrapped
 from hbench.sentences import capital
 
 _LEFT_OUT = 5  # runs that the terminal lists
+_GAP = "times the repeatability"  # in a verdict that states the gap of runs outside the fit
 
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
@@ -27,7 +28,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     blocks = [
         "\n".join((f"{title}{diagnosis.verdict})", *wrapped(lead))),
         _paragraphs(*(f"{question}: {words}" for question, words in _short(diagnosis))),
-        _paragraphs(gap_line(diagnosis)),
+        "" if _GAP in lead else _paragraphs(gap_line(diagnosis)),
         _paragraphs(" ".join(filter(None, errors))),
         _paragraphs(*law_lines(diagnosis)),
     ]
