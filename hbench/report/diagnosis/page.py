@@ -69,8 +69,11 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         (gap_line(diagnosis),),
         drawings=of_gaps[:1],
         tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
-        facts=(*definitions.of_gaps(diagnosis), *_answers(diagnosis, OF_GAPS)),
-        parts=(every,) if opened else (),
+        facts=_answers(diagnosis, OF_GAPS),
+        parts=(
+            *_terms("gaps", definitions.of_gaps(diagnosis)),
+            *((every,) if opened else ()),
+        ),
     )
     where = Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
