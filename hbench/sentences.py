@@ -1,6 +1,9 @@
 """Words of sentences: lists, first letters, and forms that agree with a count."""
 
+import re
 from collections.abc import Sequence
+
+_END = re.compile(r"(?<=[\w)%]\.) (?=[A-Z])")
 
 
 def listed(parts: Sequence[str], word: str = "and") -> str:
@@ -8,6 +11,11 @@ def listed(parts: Sequence[str], word: str = "and") -> str:
     if len(parts) < 2:
         return "".join(parts)
     return f"{', '.join(parts[:-1])} {word} {parts[-1]}"
+
+
+def sentences(text: str) -> list[str]:
+    """Return the sentences of a text."""
+    return _END.split(text)
 
 
 def capital(text: str) -> str:

@@ -34,11 +34,13 @@ class ProgressLine:
         """Show the campaign's progress."""
         done, total, plan = progress.runs_done, progress.runs_total, progress.plan
         reference = f"{1e3 * plan.v_ref_m_s:+.1f} mm/s, {plan.f_load_n:+.0f} N, trial {plan.trial}"
-        if progress.at_most:
-            text = f"{done} of at most {total} runs, {reference}"
-        else:
-            text = f"{done}/{total} runs, {reference}, {self._left(done, total)}"
-        self._show(done, total, text)
+        of = " of at most " if progress.at_most else "/"
+        parts = (
+            f"{done}{of}{total} runs",
+            reference if self._redraws else "",  # of one run in many it says nothing
+            "" if progress.at_most else self._left(done, total),
+        )
+        self._show(done, total, ", ".join(filter(None, parts)))
 
     def campaigns(self, done: int, total: int, failed: int) -> None:
         """Show the number of analyzed campaigns of a fleet."""

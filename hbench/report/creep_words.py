@@ -66,9 +66,9 @@ def _below(found: list[tuple[Breakaway, CurvePoint, CurvePoint]]) -> list[str]:
         falls = span([abs(fast.friction_n) for *_, fast in found])
         at = span([1e3 * _speed(fast) for *_, fast in found])
         sentences.append(
-            "Breakaway is the largest friction of the force ramp and not a friction at rest: up to "
-            f"it the piston creeps, by {travel} mm and at last at {creep} mm/s. Friction takes "
-            f"some travel to build up, and falls at higher speeds, to {falls} N at {at} mm/s."
+            f"Up to the largest friction of the ramp, the piston creeps {travel} mm and reaches "
+            f"{creep} mm/s: friction takes some travel to build up, and is lower at higher speeds "
+            f"({falls} N at {at} mm/s)."
         )
     return sentences
 

@@ -14,13 +14,12 @@ from hbench.report.campaign.fit_tables import (
 )
 from hbench.report.campaign.reasons import aborted_words
 from hbench.report.render.document import Section
-from hbench.report.render.word_tables import titled
+from hbench.report.render.word_tables import Table, titled
 
 _REMARKS = "fit-remarks"
 _PREDICTS = (
-    "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
-    "In parentheses: RMS error of these predictions. The difference is that of their mean squares, "
-    "with its standard error (s.e.); it is significant where its 95 % interval does not contain 0."
+    "In parentheses: RMS error at held-out speeds. The difference is that of their mean squares, "
+    "with its standard error (s.e.)."
 )
 _FEW_RUNS = "These fits are those of an unfinished campaign. They change with the missing runs."
 
@@ -32,6 +31,7 @@ def fit_sections(results: Results) -> tuple[Section, ...]:
     """
     sections = []
     subsections: list[Section] = []
+    correlated: list[Table] = []
     moving = [curve for curve in results.curves if not KINDS[curve.kind].has_constant_speed]
     of_points = _of_points(results)
     of_motions = replace(results, curves=tuple(moving), joint_fits=())
@@ -46,26 +46,23 @@ def fit_sections(results: Results) -> tuple[Section, ...]:
             tables = (table, *([remarks] if remarks.rows else []))
             subsections.append(Section(text, tables=tables, folded=True, printed=False))
         correlations = correlation_table(results, law)
-        if correlations.rows:
-            text = f"{law_words(law)}: correlation of the parameters"
-            untitled = replace(correlations, title="")
-            part = Section(text, tables=(untitled,), folded=True, printed=False)
-            subsections.append(part)
+        correlated += titled(correlations, law_words(law))
+    if correlated:
+        text = "Correlations of the parameters"
+        part = Section(text, tables=tuple(correlated), folded=True, printed=False)
+        subsections.append(part)
     if subsections:
         text = (
-            "Each value has its 95 % interval by the scatter of the points: errors of the "
-            "instruments and a drift over the campaign are not included. Do not use a parameter "
-            "that is not determined: very different values fit the measured points as well. The "
-            "interval of a hardly determined one contains 0 or is wider than ±50 % of the value. "
-            "“Linearised” marks a parameter that is not determined by this interval, which is "
-            "wider than the value."
+            "Intervals are those of 95 % by the scatter of the points, without errors of the "
+            "instruments and drift. Do not use a parameter that is not determined: very different "
+            "values fit the measured points as well."
         )
         if any(determines_none(fit) for curve in of_points.curves for fit in curve.fits):
             text += (
                 " A row of dashes: the fit determines no parameter, for the reason in its remark."
             )
         if fit_remarks(results):
-            text += f" The remarks on the fits are in the appendix, from [[{_REMARKS}]] on."
+            text += f" [[{_REMARKS}]] and those after it have remarks on the fits."
         sections.append(
             Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
         )
@@ -98,7 +95,6 @@ def fit_remarks(results: Results) -> tuple[Section, ...]:
     for law in fit_tables(of_points):
         table = remark_table(of_points, law)
         if table.rows:
-            title = f"{law_words(law)} ({len(table.rows)})"
-            parts.append(Section(title, tables=(table,), folded=True))
+            parts.append(table)
     title = "Appendix: remarks on the fits"
-    return (Section(title, parts=tuple(parts), anchor=_REMARKS),) if parts else ()
+    return (Section(title, tables=tuple(parts), anchor=_REMARKS, folded=True),) if parts else ()

@@ -458,8 +458,7 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert re.search(r'id="decision"[^>]*>PASS<span[^>]*>, unusual: check<', dom)
     assert "<li>Unusual: breakaway. The charts below have the reason.</li>" in dom
     assert (
-        ordinary_spaces(chart["title"])
-        == "breakaway (largest friction of the force ramp) at 50.1 mm/s, extending"
+        ordinary_spaces(chart["title"]) == "breakaway at 50.1 mm/s, extending"
         and chart["unit"] == "bar"
     )
     assert chart["values"] == pytest.approx([1e-5 * value for value in values])
@@ -502,18 +501,11 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     checks = stored_checks(tmp_path)
     kept, first, second, third = map(ordinary_spaces, limits_checked(checks))
     assert kept == "Limits met: 1 of 4."
-    assert first == (
-        "FAIL: 5.3: breakaway (largest friction of the force ramp), extending: 3.00 ± 0.10 bar "
-        "(95 %), limit at most 2 bar"
-    )
-    assert second.startswith(
-        "MARGINAL: breakaway (largest friction of the force ramp), extending: "
-    )
-    assert third == (
-        "NOT TESTED: breakaway (largest friction of the force ramp): no runs; limit at most 4 bar"
-    )
+    assert first == ("FAIL: 5.3: breakaway, extending: 3.00 ± 0.10 bar (95 %), limit at most 2 bar")
+    assert second.startswith("MARGINAL: breakaway, extending: ")
+    assert third == ("NOT TESTED: breakaway: no runs; limit at most 4 bar")
     titles = [chart["title"] for chart in station_charts(["C"], [checks])]
-    breakaway = "breakaway (largest friction of the force ramp), extending"
+    breakaway = "breakaway, extending"
     assert titles == [f"5.3: {breakaway}", breakaway, breakaway]
     passed, nearest = map(ordinary_spaces, limits_checked(checks[:1]))
     assert passed == "Limits met: 1 of 1."

@@ -73,7 +73,7 @@ def test_data_to_be_used_with_care_is_reported_beside_the_verdict(found):
     verdict = page[page.index('<p class="verdict"') : page.index("<dl")]
     assert "the data of B with care" in verdict
     assert 'class="alarm"' not in page
-    assert page.index("Quality of the data</h2>") < page.index("Data of A")
+    assert page.index("Further checks</h2>") < page.index("Data of A")
 
 
 def test_an_incomplete_campaign_and_poor_data_are_reported_before_the_differences(found):
@@ -189,7 +189,7 @@ def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_set
     page = ordinary_spaces(differences_page(changed, ()))
     identity = page[page.index('<dl class="identity"') : page.index("</dl>")]
     assert "Different plant files, for two cylinders" in identity
-    settings = page[page.index(">Settings that differ</h2>") :]
+    settings = page[page.index(">Settings that differ</dt>") :]
     assert "None: bench file, instruments" in settings and "The simulated plants differ" in settings
     assert "The simulated plants differ" not in differences_page(found, ())
     assert "Simulated plants" not in differences_page(replace(changed, b=a), ())

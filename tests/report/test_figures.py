@@ -36,7 +36,6 @@ def test_each_campaign_gets_the_figures_that_apply(small, drawings, seals, undra
     assert [drawing.name for drawing in drawings] == [
         "stribeck-extend",
         "stribeck-retract",
-        "friction-signed",
         "efficiency-extend",
         "efficiency-retract",
         "rejected-off-reference",
@@ -73,7 +72,7 @@ def test_stribeck_points_are_the_records_in_mm_s_and_newton_with_their_intervals
     assert len(below.containers) == 2
 
 
-def test_both_friction_figures_have_the_band_of_trials_and_instruments(small):
+def test_friction_has_the_band_of_trials_and_instruments(small):
     """Beside the bars of the trials alone, which are much shorter."""
 
     def known(point):
@@ -81,18 +80,14 @@ def test_both_friction_figures_have_the_band_of_trials_and_instruments(small):
 
     curves = tuple(replace(c, points=tuple(map(known, c.points))) for c in small.curves)
     wide = replace(small, curves=curves)
-    for figures, bands in (
-        (friction.friction_magnitude(wide), 2),
-        (friction.signed_friction(wide), 4),
-    ):
-        for figure in figures.values():
-            drawn = [c for c in figure.axes[0].collections if isinstance(c, PolyCollection)]
-            assert len(drawn) == bands
-            assert "U (95 %)" in figure.get_supxlabel()
-    for band, curve in zip(drawn, friction.by_load(curves), strict=True):
-        ends = band.get_paths()[0].vertices[:, 1]
-        values = [point.friction_n for point in curve.points]
-        assert (min(ends), max(ends)) == pytest.approx((min(values) - 200, max(values) + 200))
+    for direction, figure in friction.friction_magnitude(wide).items():
+        drawn = [c for c in figure.axes[0].collections if isinstance(c, PolyCollection)]
+        assert "U (95 %)" in figure.get_supxlabel()
+        shown = friction.by_load(c for c in curves if c.direction == direction)
+        for band, curve in zip(drawn, shown, strict=True):
+            ends = band.get_paths()[0].vertices[:, 1]
+            values = [abs(point.friction_n) for point in curve.points]
+            assert (min(ends), max(ends)) == pytest.approx((min(values) - 200, max(values) + 200))
     without = friction.friction_magnitude(small)["extend"]
     assert not any(isinstance(c, PolyCollection) for c in without.axes[0].collections)
     assert "U (95 %)" not in without.get_supxlabel()
@@ -125,17 +120,6 @@ def test_both_directions_share_their_limits(small):
         assert figures["extend"].axes[panel].get_xlim() == figures["retract"].axes[panel].get_xlim()
 
 
-def test_signed_figure_keeps_the_signs_and_one_colour_a_load(small):
-    (axes,) = friction.signed_friction(small)[""].axes
-    assert len(axes.containers) == 4
-    colours = {}
-    for bars in axes.containers:
-        x, y = bars.lines[0].get_data()
-        assert np.all(np.sign(x) == np.sign(y))
-        colours.setdefault(bars.lines[0].get_color(), set()).add(np.sign(x[0]))
-    assert list(colours.values()) == [{1.0, -1.0}, {1.0, -1.0}]
-
-
 def test_a_load_that_helps_is_hollow_and_one_that_opposes_is_filled(small):
     for f_load, direction, hollow in [
         (500.0, "extend", False),
@@ -158,8 +142,6 @@ def test_curves_of_one_load_are_distinguished_by_their_rod_side_pressure(small, 
         assert {one.get_label() for one in bars} == loads
         assert len({one.lines[0].get_color() for one in bars}) == 4
         assert "rod-side" in figure.legends[0].get_title().get_text()
-    signed = friction.signed_friction(two_rod_sides)[""]
-    assert len({one.lines[0].get_color() for one in signed.axes[0].containers}) == 4
 
 
 def test_legends_with_rod_side_pressures_stay_inside_the_figure(two_rod_sides, seals):

@@ -134,7 +134,7 @@ def test_a_table_of_few_columns_is_as_wide_as_its_numbers(browser, pages):
         "t.getBoundingClientRect().width / t.closest('section').clientWidth])"
     )
     assert min(share for columns, share in shares if columns <= 3) < 0.6
-    assert min(share for columns, share in shares if columns > 3) > 0.9
+    assert min(share for columns, share in shares if columns > 5) > 0.9
 
 
 def test_figures_are_inside_their_cards_and_a_wide_one_scrolls_on_a_phone(browser, pages):

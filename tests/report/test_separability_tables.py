@@ -53,8 +53,8 @@ def test_the_terminal_lists_only_pairs_that_are_not_distinguishable(separability
     text = planned_effects_text(planned)
     text.encode("ascii")
     alike = text.partition("do not distinguish")[2].splitlines()
-    assert alike[2].split() == ["internal_leakage", "external_leakage", "12", "1.1"]
-    assert not alike[3]
+    rows = [line.split() for line in alike[1:] if "_" in line and "tried" not in line]
+    assert rows == [["internal_leakage", "external_leakage", "12", "1.1"]]
     assert "no effect can be named; missing: a second load" in text
     assert "the other direction" in text and "rest_time" in text
     clear = replace(separability, pairs=separability.pairs[1:])

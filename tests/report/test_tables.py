@@ -276,18 +276,20 @@ def test_the_summary_names_counts_reasons_and_bounds_in_plain_ascii(stribeck):
     text = summary_text(stribeck)
     assert text.isascii()
     assert re.search(r"\b360 runs: 352 \w+, 8 \w+ \(2 off reference\b", text)
-    assert "Tustin: F_C not determined, F_s " in text and "_n=" not in text
+    assert "Tustin fits (-: not determined; " in text and "_n=" not in text
+    assert re.search(r"^direction +load +F_C N +F_s N +v_s mm/s +B N s/m$", text, re.MULTILINE)
     assert "Next step: " in text and "[[" not in text
     together = " ".join(text.split())
     stiction = stribeck.curves[0].fits[0].parameters["f_stiction_n"]
-    assert f"F_s {plain(with_ends(stiction.value, *stiction.ci95))} N" in together
+    assert plain(with_ends(stiction.value, *stiction.ci95)) in together
     assert plain(headline_words(stribeck).replace("–", " to ")) in together
     assert "PASS" not in text
     assert "PASS by the last hbench accept. " in summary_text(stribeck, "PASS")
     assert max(map(len, text.splitlines())) <= 120
     head = text.partition("\n\n")[0]
     assert max(map(len, head.splitlines())) <= 104  # 100 letters, with ± spelled out
-    assert len([line for line in text.splitlines() if line.startswith(("extend", "retract"))]) == 8
+    rows = [line for line in text.splitlines() if line.startswith(("extend", "retract"))]
+    assert len(rows) == 2 * 8  # of the curves, and of their fits
 
 
 @pytest.mark.parametrize(

@@ -195,7 +195,7 @@ def test_a_deviation_above_its_limit_that_may_be_chance_is_not_left_out(compared
 def test_a_share_that_suffices_and_a_score_that_does_not_are_explained_once(compared):
     weak = replace(compared.ranking[0], score=9.5, threshold=11.3, explained=0.35, size=1.0)
     why = "No effect explains the gaps. The best candidate, load_friction, explains 35 % (25 %)."
-    text = " ".join(diagnosis_text(replace(compared, ranking=(weak,), why=why)).split())
+    text = summary(replace(compared, ranking=(weak,), why=why))
     page = diagnosis_page(replace(compared, ranking=(weak,), why=why), ())
     assert "The best candidate" not in page + text and "No effect explains the gaps." in page
     assert "35 % of the gap in the quantities that it changes; that share is large enough" in text

@@ -54,7 +54,7 @@ def test_sensors_whose_zero_errors_are_not_in_u_are_named(small, force, pressure
     points = tuple(replace(point, sigma_instruments_n=10.0) for point in curve.points)
     known = replace(results, curves=(replace(curve, points=points), *results.curves[1:]))
     document = report_document(known, ())
-    facts = dict(document.sections[0].facts)
+    facts = dict(document.sections[0].parts[0].facts)
     assert zero_reserve(results) in facts["Uncertainty"]
     later = [words for section in document.sections[1:] for words in section.paragraphs]
     assert not any("no zero error" in words for words in later)  # once on the page

@@ -48,7 +48,11 @@ def method_section(results: Results) -> Section:
         tolerance = 100 * results.headline.v_tolerance
         facts["Working speed"] = facts["Working speed"].format(tolerance=tolerance)
     return Section(
-        "How each number was computed", (SOURCE,), facts=tuple(facts.items()), anchor="method"
+        "How each number was computed",
+        (SOURCE,),
+        facts=tuple(facts.items()),
+        anchor="method",
+        folded=True,
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from hbench.records import KINDS, Results
+from hbench.records import DIRECTIONS, KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.method import method_section
@@ -13,7 +13,7 @@ from hbench.report.campaign.quality.verdict import (
     instruments_percent,
     quality_verdict,
 )
-from hbench.report.campaign.reasons import aborted_words, reason_counts
+from hbench.report.campaign.reasons import aborted_words
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.campaign.settings import identity_facts, not_calibrated_words, settings_section
 from hbench.report.campaign.summary import summary_section
@@ -23,20 +23,20 @@ from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.next_step import decided_step_words, next_step_words
 from hbench.report.oil_temperature import temperature_section
+from hbench.report.rejected_section import LONG_LIST, rejected_sections
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span
 from hbench.report.render.word_tables import titled
 from hbench.report.zero_words import zero_notes
 
-LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _SHEET = 50  # a longer table of points is not printed
 
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _BREAKAWAY = (
     "The largest friction while a rising force pushes the piston, which has rested under load. "
     "It is a property of the seals, of the rest and of the rate. The piston creeps while the force "
-    "rises: the table gives its displacement up to the largest friction."
+    "rises."
 )
 _DISTANCE = (
     "Changes along straight lines with their 95 % intervals: over all values (endurance), and over "
@@ -51,11 +51,6 @@ _ZEROS = (
 _NOT_PRINTED = (
     "curves.csv and efficiency.csv, beside this page, contain every point. A table of more than "
     f"{_SHEET} points is on the page and not on paper."
-)
-_TRACES = (
-    "A figure for each reason shows the first rejected runs in the channel that it concerns: "
-    "velocity with its reference, valve voltages, pressures, or else the position. A reason that "
-    "concerns the file alone has none."
 )
 _TESTED = (
     "Difference of friction over a range of speeds ± half-width of its 95 % interval "
@@ -74,7 +69,7 @@ def report_document(
 ) -> Document:
     """Return the report, with the sections ``more`` before the rejected runs.
 
-    The rejected runs of poor data come before the results. ``folder`` is the name of the campaign's
+    The rejected runs of poor data come before the summary. ``folder`` is the name of the campaign's
     folder, which distinguishes campaigns of one schedule. ``decision`` is the section of an
     acceptance and comes first; its paragraphs begin the verdict and are not repeated. ``step`` is
     the next step after it; the summary then has the verdict on the data. ``complete_u`` names the
@@ -90,13 +85,14 @@ def report_document(
     imported = "imported " if provenance.source == "imported" else ""
     day = imported + provenance.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
-    rejected = (_rejected(results, figures.get("rejected", ())),)
+    rejected = rejected_sections(results, figures.get("rejected", ()))
     first = results.quality.grade == "poor" and has_rejected(results)
+    curves, others = _leading(figures.get("friction", ()), first or decision is not None)
     sections = (
         *((_decided(results, decision),) if decision else ()),
-        summary_section(results, decision is not None),
         *(rejected if first else ()),
-        _friction(results, figures.get("friction", ())),
+        summary_section(results, decision is not None, curves),
+        *_friction(results, others, bool(curves)),
         *fit_sections(results),
         *temperature_section(results, figures.get("temperature", ())),
         *_moving(results, figures, decision is not None),
@@ -139,7 +135,21 @@ def _verdict(results: Results, decision: Section | None, step: str, complete_u: 
     return " ".join(filter(None, parts))
 
 
-def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
+def _leading(
+    drawings: tuple[Drawing, ...], other_first: bool
+) -> tuple[tuple[Drawing, ...], tuple[Drawing, ...]]:
+    """Return the curves of friction that the summary shows, and the other figures of friction.
+
+    It shows those of a single label, unless a decision or rejected runs come ``other_first``.
+    """
+    curves = tuple(each for each in drawings if each.name.startswith("stribeck"))
+    if other_first or len(curves) > len(DIRECTIONS):
+        return (), drawings
+    return curves, tuple(each for each in drawings if each not in curves)
+
+
+def _friction(results: Results, drawings: tuple[Drawing, ...], led: bool) -> Iterable[Section]:
+    """Yield the section of friction; nothing where the summary has ``led`` with all of it."""
     if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
         others = any(run.accepted for run in results.runs)
         none = (
@@ -147,7 +157,8 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
             if others
             else "No run was accepted, so there is no friction to show."
         )
-        return Section("Friction", (none,))
+        yield Section("Friction", (none,))
+        return
     few = "Too few speeds for a curve. [[points]] contains the points."
     tables = (
         *titled(
@@ -160,9 +171,9 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
         ),
     )
     facts = (_HALF_BAND,) if results.bands else ()
-    return Section(
-        "Friction", () if drawings else (few,), drawings=drawings, tables=tables, facts=facts
-    )
+    if tables or drawings or not led:
+        text = () if drawings or led else (few,)
+        yield Section("Friction", text, drawings=drawings, tables=tables, facts=facts)
 
 
 def _decided(results: Results, decision: Section) -> Section:
@@ -170,8 +181,7 @@ def _decided(results: Results, decision: Section) -> Section:
 
     It explains a breakaway below the friction of a slow run, which a reader would doubt.
     """
-    creep = creep_facts(results)
-    return replace(decision, paragraphs=(), facts=(*creep, *decision.facts))
+    return replace(decision, paragraphs=(), facts=(*decision.facts, *creep_facts(results)))
 
 
 def _moving(
@@ -195,11 +205,11 @@ def _moving(
             else ()
         )
         yield Section("Ramps", drawings=drawings, parts=subsections)
-    if drawings := figures.get("breakaway"):
+    if results.motions.breakaways:
         yield Section(
             "Breakaway",
             (_BREAKAWAY,),
-            drawings=drawings,
+            drawings=figures.get("breakaway", ()),
             facts=() if decided else creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
@@ -217,15 +227,19 @@ def _moving(
         ),
     ):
         if drawings := figures.get(name):
-            notes = (Section(items=table.messages),) if table.messages else ()
-            parts: tuple[Section, ...] = (*notes, *more)
-            title, named = name.capitalize(), (replace(table, title=words),)
+            shown = Section(
+                name.capitalize(),
+                items=table.messages,
+                drawings=drawings,
+                tables=(replace(table, title=words),),
+                parts=more,
+            )
             if name in _FOLDED:
                 fold = f"{words}: figure and table"
-                inside = Section(fold, drawings=drawings, tables=named, parts=parts, folded=True)
-                yield Section(title, (_FOLDED[name](results),), parts=(inside,))
+                inside = replace(shown, title=fold, folded=True, printed=False)
+                yield Section(shown.title, (_FOLDED[name](results),), parts=(inside,))
             else:
-                yield Section(title, drawings=drawings, tables=named, parts=parts)
+                yield shown
     if drawings := figures.get("over-distance"):
         table = page_motions.distance_table(results)
         tables = titled(table, "Changes over the distance")
@@ -299,54 +313,20 @@ def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Sectio
     return (Section("Efficiency", drawings=drawings, tables=titled(budget, title)),)
 
 
-def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
-    subsections = []
-    if has_rejected(results):
-        table = page_tables.rejected_table(results)
-        title = f"Rejected runs and why ({len(table.rows)})"
-        causes = titled(page_tables.cause_table(results), "Reasons, and what to look for")
-        subsections.append(Section(tables=causes))
-        subsections.append(Section(title, tables=(table,), folded=len(table.rows) > LONG_LIST))
-        traces = (_TRACES,) if drawings[1:] else ()
-        subsections.append(Section(paragraphs=traces, drawings=drawings))
-    remarks = page_tables.remark_table(results)
-    if remarks.rows:
-        title = f"Remarks on accepted runs ({len(remarks.rows)})"
-        subsections.append(Section(title, tables=(remarks,), folded=len(remarks.rows) > LONG_LIST))
-    words = _cause_words(results) if has_rejected(results) else "None."
-    return Section(
-        "Rejected runs", (words,) if words else (), parts=tuple(subsections), anchor="rejected"
-    )
-
-
-def _cause_words(results: Results) -> str:
-    """Return how many reasons the rejected runs have, where it is more than one each."""
-    runs = sum(not run.accepted for run in results.runs)
-    reasons = sum(reason_counts(results).values())
-    if reasons == runs:
-        return ""
-    of = "1 run" if runs == 1 else f"{runs} runs"
-    return (
-        f"The {reasons} reasons belong to {of}: a run counts under each of its reasons. "
-        "results.json contains each in full."
-    )
-
-
 def _points(results: Results) -> tuple[Section, ...]:
-    subsections = [
+    parts = [
         Section(
-            f"Points of the {name} curves ({len(table.rows)})",
-            tables=titled(table, f"{name.capitalize()} at each speed, direction and load"),
-            folded=True,
+            tables=titled(table, f"{name} at each speed, direction and load"),
             printed=len(table.rows) <= _SHEET,
         )
         for name, table in (
-            ("friction", page_tables.point_table(results)),
-            ("efficiency", page_tables.efficiency_table(results)),
+            ("Friction", page_tables.point_table(results)),
+            ("Efficiency", page_tables.efficiency_table(results)),
         )
         if table.rows
     ]
-    if not subsections:
+    if not parts:
         return ()
-    note = () if all(part.printed for part in subsections) else (_NOT_PRINTED,)
-    return (Section("Appendix: all points", note, parts=tuple(subsections), anchor="points"),)
+    note = () if all(part.printed for part in parts) else (_NOT_PRINTED,)
+    title = "Appendix: all points"
+    return (Section(title, note, parts=tuple(parts), anchor="points", folded=True),)

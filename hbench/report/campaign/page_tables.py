@@ -1,6 +1,6 @@
 """Tables of the page: records as rows of text, in display units."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import copysign, hypot, sqrt
 from statistics import stdev
 
@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.reasons import CAUSES, code_of, first_reason_counts, reason_counts
+from hbench.report.campaign.reasons import CAUSES, code_of, reason_counts
 from hbench.report.campaign.table_columns import (
     HERSEY,
     OF_DIRECTIONS,
@@ -114,8 +114,8 @@ _LEAST_PART = 0.01  # of the combined uncertainty; smaller parts are not listed
 
 
 def friction_budget_table(results: Results) -> Table:
-    """Return friction at the working speed and the parts of its uncertainty, largest first."""
-    rows = []
+    """Return friction at the working speed and the parts of its uncertainty, a column each."""
+    rows, parts = [], []
     for curve in without_common_rod_pressure(results.curves):
         speeds = {series.v_m_s for series in results.headline.series if series.kind == curve.kind}
         for point in curve.points:
@@ -128,21 +128,39 @@ def friction_budget_table(results: Results) -> Table:
             combined = hypot(*sigmas.values())
             if combined == 0:
                 continue
-            large = [name for name in sigmas if sigmas[name] >= _LEAST_PART * combined]
-            ranked = sorted(large, key=lambda name: -sigmas[name])
+            large = {n: each for n, each in sigmas.items() if each >= _LEAST_PART * combined}
+            parts.append({name: significant(each, 2) for name, each in _ranked(large)})
             rows.append(
                 (
                     *who(curve),
-                    number(1e3 * abs(point.v_m_s)),
                     with_interval(copysign(1.0, point.v_m_s) * point.friction_n, point.u95_n),
                     significant(combined, 2),
                     _degrees_of_freedom(point.u95_dof) if point.sigma_drift_n is None else NONE,
                     significant(point.u95_n / combined, 3),
-                    ", ".join(f"{name} {significant(sigmas[name], 2)}" for name in ranked),
                 )
             )
-    head = ("Speed (mm/s)", "Friction ± U (N)", "u (N)", "ν", "k", "Parts of u (N)")
-    return table((*WHO, *head), rows, words=("Parts of u (N)",))
+    head = (*WHO, "Friction ± U (N)", "u (N)", "ν", "k")
+    return _with_parts(head, rows, parts, "N")
+
+
+def _ranked(sigmas: dict[str, float]) -> list[tuple[str, float]]:
+    """Return the parts of an uncertainty, largest first."""
+    return sorted(sigmas.items(), key=lambda part: -part[1])
+
+
+def _with_parts(
+    head: Sequence[str],
+    rows: Sequence[tuple[str | Cell, ...]],
+    parts: Sequence[dict[str, str]],
+    unit: str,
+) -> Table:
+    """Return a table with a column for each part, in the order of the first row that has it."""
+    names = list(dict.fromkeys(name for each in parts for name in each))
+    cells = [
+        (*row, *(each.get(name, "") for name in names))
+        for row, each in zip(rows, parts, strict=True)
+    ]
+    return table((*head, *(f"{capital(name)} ({unit})" for name in names)), cells)
 
 
 def _degrees_of_freedom(dof: float | None) -> str:
@@ -150,15 +168,16 @@ def _degrees_of_freedom(dof: float | None) -> str:
 
 
 def budget_table(results: Results) -> Table:
-    """Return each curve's mean efficiency and the parts of its uncertainty, largest first."""
+    """Return each curve's mean efficiency and the parts of its uncertainty, a column each."""
     rows: list[tuple[str | Cell, ...]] = []
+    parts = []
     for curve in without_common_rod_pressure(loaded(results.efficiency)):
         if curve.mean is None or curve.mean.sigma is None:
             continue
         sigmas = {name: abs(sigma) for name, sigma in curve.mean.parts.items()}
         if curve.mean.sigma_trials is not None:
             sigmas["trials"] = curve.mean.sigma_trials
-        ranked = sorted(sigmas, key=lambda name: -sigmas[name])
+        parts.append({name: _share(each) for name, each in _ranked(sigmas)})
         rows.append(
             (
                 *who(curve),
@@ -166,11 +185,10 @@ def budget_table(results: Results) -> Table:
                 _percent(curve.mean.efficiency),
                 Cell(_share(u)) if (u := curve.mean.sigma_combined) else Cell(NONE, "one trial"),
                 Cell(_share(NORMAL_95 * u) if u else NONE),
-                ", ".join(f"{name} {_share(sigmas[name])}" for name in ranked),
             )
         )
-    head = ("Speeds", "Mean efficiency (%)", "u (%)", "U = 1.96 u (%)", "Parts of u (%)")
-    return table((*WHO, *head), rows, words=("Parts of u (%)",))
+    head = (*WHO, "Speeds", "Mean efficiency (%)", "u (%)", "U = 1.96 u (%)")
+    return _with_parts(head, rows, parts, "%")
 
 
 def band_table(results: Results) -> Table:
@@ -253,12 +271,11 @@ def rejected_table(results: Results) -> Table:
 
 def cause_table(results: Results) -> Table:
     """Return the reasons for rejection with their runs, and the cause to look for."""
-    first = first_reason_counts(results)
     rows = [
-        (code.replace("_", " ").capitalize(), str(count), str(first[code]), CAUSES.get(code, ""))
+        (code.replace("_", " ").capitalize(), str(count), CAUSES.get(code, ""))
         for code, count in reason_counts(results).most_common()
     ]
-    head = ("Reason", "Runs", "As main reason", "Look for")
+    head = ("Reason", "Runs", "Look for")
     return table(head, rows, words=("Look for",))
 
 

@@ -34,11 +34,6 @@ def reason_counts(results: Results) -> Counter[str]:
     return Counter(code for run_codes in codes for code in run_codes)
 
 
-def first_reason_counts(results: Results) -> Counter[str]:
-    """Count the rejected runs by the code of their most fundamental reason."""
-    return Counter(code_of(run.reasons[0]) for run in results.runs if run.reasons)
-
-
 def code_of(reason: str) -> str:
     """Return the code in "code: words with value and limit"."""
     return reason.partition(":")[0].strip()

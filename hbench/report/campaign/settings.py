@@ -68,7 +68,11 @@ def settings_section(results: Results, long_list: int) -> Section:
             ),
         )
     return Section(
-        "Instruments and settings", facts=tuple(_facts(results)), parts=notes, anchor="settings"
+        "Instruments and settings",
+        facts=tuple(_facts(results)),
+        parts=notes,
+        anchor="settings",
+        folded=True,
     )
 
 

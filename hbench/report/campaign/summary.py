@@ -26,6 +26,7 @@ from hbench.report.headline import FLAGS, extrapolated_words, headline_tiles
 from hbench.report.next_step import next_step_of
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section
+from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import (
     NONE,
     half_width,
@@ -36,6 +37,7 @@ from hbench.report.render.numbers import (
 )
 from hbench.report.render.word_tables import Cell, Table
 from hbench.report.zero_words import zero_reserve
+from hbench.sentences import listed
 from hbench.units import from_si
 
 _ONE_TRIAL = (
@@ -58,8 +60,10 @@ _NOMINAL_LOAD = (
 _LONG = 12  # rows; a longer table starts folded
 
 
-def summary_section(results: Results, decided: bool = False) -> Section:
-    """Return tiles, a row for each direction and load, and the checks of the data.
+def summary_section(
+    results: Results, decided: bool = False, curves: tuple[Drawing, ...] = ()
+) -> Section:
+    """Return tiles, ``curves``, a row for each direction and load, and the checks of the data.
 
     Of a cylinder that was ``decided`` on, it has the verdict on the data too.
     """
@@ -89,21 +93,25 @@ def summary_section(results: Results, decided: bool = False) -> Section:
     facts = (
         ("Measured", _measured(results)),
         ("Data", _data(results) if decided else ""),
-        ("Uncertainty", " ".join(filter(None, (uncertainty, alone, zeros)))),
-        ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
-        ("Breakaway", extrapolated_words(results)),
-        ("Load", load if _differs_from_load(series, load_cell_n) else ""),
         ("Drift", drift_fact(results.drift)),
         ("Oil", temperature_words(results)),
         ("Friction laws", _laws(results)),
     )
+    terms = (
+        ("Uncertainty", " ".join(filter(None, (uncertainty, alone, zeros)))),
+        ("Breakaway", extrapolated_words(results)),
+        ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
+        ("Load", load if _differs_from_load(series, load_cell_n) else ""),
+    )
     return Section(
         "Summary",
+        drawings=curves,
         tables=() if folded else tables,
-        facts=tuple((name, words) for name, words in facts if words),
+        facts=_stated(facts),
         tiles=tuple(headline_tiles(results)),
         parts=(
             *folded,
+            *_terms(_stated(terms)),
             Section(
                 f"Quality of the data: {quality_count(results.quality)}",
                 (RULE,),
@@ -115,6 +123,16 @@ def summary_section(results: Results, decided: bool = False) -> Section:
             *drift_sections(results),
         ),
     )
+
+
+def _stated(facts: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+    return tuple((name, words) for name, words in facts if words)
+
+
+def _terms(facts: tuple[tuple[str, str], ...]) -> tuple[Section, ...]:
+    """Return a folded part that explains the columns of the table; its title names them."""
+    names = listed([name.lower() for name, _ in facts])
+    return (Section(f"What {names} mean here", facts=facts, folded=True),) if facts else ()
 
 
 def _data(results: Results) -> str:

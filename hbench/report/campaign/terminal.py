@@ -5,7 +5,7 @@ Intervals are half-widths at 95 %: of the trials, and U of trials and instrument
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from hbench.records import KINDS, Curve, Fit, FitParameter, Results, WordTable
 from hbench.records.friction_laws import parameter_named
@@ -67,7 +67,8 @@ def summary_text(results: Results, decision: str = "") -> str:
         notes.insert(0, f"drift: friction changed by {drift_words(results.drift)}")
     if said := temperature_words(results):
         notes.insert(0, f"oil: {said.removesuffix('.')}")
-    lines += [line for words in _fits_words(results, curves) for line in wrapped(words)]
+    fits = [line for each in _fit_tables(curves) for line in ("", *table_lines(each))]
+    lines += [*fits, *(line for words in _joint_words(results) for line in wrapped(words))]
     table = ["", *lines] if results.curves else []
     moving = motion_lines(results.motions)
     bands = [line for each in _band_tables(results) for line in ("", *table_lines(each))]
@@ -135,18 +136,48 @@ def _words(title: str, table: Table, without: tuple[str, ...] = ()) -> WordTable
     return WordTable(title, tuple(table.head[i] for i in kept), rows)
 
 
-def _fits_words(results: Results, curves: Sequence[Curve]) -> list[str]:
-    """Return the first fit of each curve, and the fits of all curves at once."""
+def _fit_tables(curves: Sequence[Curve]) -> Iterator[WordTable]:
+    """Yield a table for each law that is the first of some curves, a row a curve."""
+    firsts = [(curve, fit) for curve in curves for fit in curve.fits[:1]]
+    for law in dict.fromkeys(fit.law for _, fit in firsts):
+        chosen = [(curve, fit) for curve, fit in firsts if fit.law == law]
+        names = list(dict.fromkeys(name for _, fit in chosen for name in fit.parameters))
+        units = {name: p.unit for _, fit in chosen for name, p in fit.parameters.items()}
+        rows = tuple(
+            (
+                " ".join(filter(None, (curve.label, curve.direction))),
+                load_words(curve.f_load_n, curve.p_lr_ref_pa) or "not set",
+                *(_value(name, fit.parameters.get(name)) for name in names),
+                "" if fit.converged else "NOT CONVERGED",
+            )
+            for curve, fit in chosen
+        )
+        heads = (f"{_symbol(name)} {label_and_unit(name, units[name])[1]}" for name in names)
+        title = f"{law_words(law)} fits (-: not determined; ?: hardly determined)"
+        yield WordTable(title, ("direction", "load", *heads, ""), rows)
+
+
+def _joint_words(results: Results) -> list[str]:
+    """Return the fits of all curves at once."""
     words = []
-    for curve in curves:
-        load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
-        name = ", ".join(filter(None, (curve.label, curve.direction, load)))
-        words += [f"fit, {name}: {_fit_words(fit)}" for fit in curve.fits[:1]]
     for joint in results.joint_fits:
         label = f"{joint.label}: " if joint.label else ""
         fits = "; ".join(map(_fit_words, joint.fits))
         words.append(f"fit, {label}all {joint.curves} curves at once: {fits}")
     return words
+
+
+def _symbol(name: str) -> str:
+    known = parameter_named(name)
+    return name if known is None else known.symbol
+
+
+def _value(name: str, parameter: FitParameter | None) -> str:
+    """Write a parameter's value with its interval; one at a bound is not determined."""
+    if parameter is None or parameter.at_bound or parameter.determination == "not determined":
+        return "-"
+    text = parameter_cell(name, parameter).text
+    return text if parameter.determination == "determined" else f"{text} ?"
 
 
 def _fit_words(fit: Fit) -> str:
@@ -156,10 +187,8 @@ def _fit_words(fit: Fit) -> str:
 
 def _parameter(name: str, parameter: FitParameter) -> str:
     """Write a parameter with its symbol and unit; one at a bound is not determined."""
-    known = parameter_named(name)
-    symbol = name if known is None else known.symbol
-    _, unit = label_and_unit(name, parameter.unit)
-    if parameter.at_bound or parameter.determination == "not determined":
+    symbol, value = _symbol(name), _value(name, parameter)
+    if value == "-":
         return f"{symbol} not determined"
-    value = f"{symbol} {parameter_cell(name, parameter).text} {unit}"
-    return value if parameter.determination == "determined" else f"{value} (hardly determined)"
+    words = f"{symbol} {value.removesuffix(' ?')} {label_and_unit(name, parameter.unit)[1]}"
+    return f"{words} (hardly determined)" if value.endswith(" ?") else words

@@ -39,6 +39,10 @@ _HOLLOW = (
 )
 _NOT_DRIFT = ", and not explained by a drift"
 _OR_DRIFT = " beyond a possible drift"
+_SPEEDS_CAPTION = (
+    "B minus A of friction at each speed, in the mean over the curves, with the 95 % interval of "
+    "the trials."
+)
 _BANDS_CAPTION = (
     "Above: half bands of A and B, (F extending − F retracting) / 2. Lines: least squares over "
     "pressure. Below: B minus A. Filled: the difference is significant. Hollow: not significant."
@@ -56,6 +60,12 @@ def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
             figure = draw_bands(bands, differences)
         title = ", ".join(filter(None, (label_of(bands[0]), "Half band over pressure")))
         sketches.append(Sketch(f"bands-{number}", "bands", title, _BANDS_CAPTION, figure))
+    mean = differences.mean_of_curves
+    if mean is not None and len(mean.speeds) > 1:
+        with rc_context(style.RC):
+            figure = draw_speeds(differences)
+        title = "Difference of friction over speed"
+        sketches.append(Sketch("speeds", "speeds", title, _SPEEDS_CAPTION, figure))
     pairs = []
     for number, curve in enumerate(differences.curves):
         if len(curve.points) < 2:
@@ -137,6 +147,22 @@ def _bar(pressure_pa: float | None) -> float:
 
 def _or_nan(value: float | None) -> float:
     return np.nan if value is None else value
+
+
+def draw_speeds(differences: CampaignDifferences) -> Figure:
+    """Draw B less A [N] over |v| [mm/s], in the mean over the curves."""
+    figure = style.new_figure(height_in=3.2)
+    axes = figure.add_subplot()
+    mean = differences.mean_of_curves
+    rows = [(1e3 * e.v_m_s, e.value_n, _or_nan(e.ci95_n)) for e in (mean.speeds if mean else ())]
+    axes.axhline(0, color="#374151", linewidth=0.9)
+    look = style.series_style(0)
+    axes.errorbar(*np.array(sorted(rows)).T, label="_B − A", **look, **style.POINTS)
+    axes.set(xlabel="Speed |v| (mm/s)", ylabel="B − A (N)")
+    style.start_at_zero(axes)
+    axes.set_title("B − A, mean over the curves")
+    _mark(axes, differences)
+    return figure
 
 
 def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> Figure:

@@ -1,17 +1,16 @@
 """A comparison in words and numbers: for the terminal, as JSON, and its page."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 
 from hbench.records import (
-    KINDS,
     CampaignDifferences,
     Difference,
     WordTable,
 )
 from hbench.report.campaign.quality.completeness import missing_words
-from hbench.report.campaign.quality.verdict import quality_verdict
+from hbench.report.comparison.about import data_facts, identity_facts
 from hbench.report.comparison.bands import (
     band_table,
     bands_document,
@@ -29,7 +28,6 @@ from hbench.report.comparison.method import (
     read_facts,
 )
 from hbench.report.comparison.settings import (
-    SERIAL,
     plants_words,
     settings_table,
     settings_that_differ,
@@ -45,7 +43,6 @@ from hbench.report.comparison.tables import (
 )
 from hbench.report.comparison.verdict import alarm, headline
 from hbench.report.json_documents.values import json_value
-from hbench.report.oil_words import range_words
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.terminal_table import table_lines
@@ -61,7 +58,7 @@ def differences_text(differences: CampaignDifferences) -> str:
     lines = [
         *wrapped(" ".join(filter(None, (alarm(differences), headline(differences))))),
         "",
-        *_paragraphs(*_identity(differences), *_data(differences)),
+        *_paragraphs(*identity_facts(differences), *data_facts(differences)),
         *(
             line
             for section, setting, a, b in settings_that_differ(differences)
@@ -150,13 +147,12 @@ def differences_json(differences: CampaignDifferences) -> str:
 def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     differences = with_names(differences)
-    figures: dict[str, tuple[Drawing, ...]] = {"bands": (), "comparison": ()}
+    figures: dict[str, tuple[Drawing, ...]] = {"bands": (), "speeds": (), "comparison": ()}
     for drawing in drawings:
         figures[drawing.section] = (*figures[drawing.section], drawing)
     friction, efficiency = means_tables(differences)
-    parameters = [p.value for curve in differences.curves for p in curve.parameters]
-    points = [p.friction_n for p in single_points(differences.curves)]
-    hidden = sum(p.friction_n.real for p in single_points(hidden_curves(differences)))
+    terms = (*read_facts(differences), *mean_facts(differences), *drift_facts(differences))
+    settings = settings_table(differences)
     sections = [
         Section(
             "Friction bands",
@@ -164,38 +160,39 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             drawings=figures["bands"],
         ),
         Section(
+            "Difference of friction over speed",
+            drawings=figures["speeds"],
+            tables=(speeds_table(differences),),
+        ),
+        Section(
             "Differences of mean friction and efficiency",
-            tables=(friction, speeds_table(differences), efficiency),
-            facts=(*read_facts(differences), *mean_facts(differences), *drift_facts(differences)),
-            parts=(Section(drawings=figures["comparison"]),),
-        ),
-        _settings_section(differences),
-        Section(
-            "Fitted parameters",
-            (_counted("of fitted parameters", parameters), *_why(differences, parameters, _SPREAD)),
-            parts=_folded("Each parameter", parameters_table(differences)),
-        ),
-        Section(
-            "Speed by speed",
-            (
-                _counted("at single speeds", points, hidden),
-                *_why(differences, points, _MEANS_OF),
+            tables=(friction, efficiency),
+            parts=(
+                Section("What the columns contain", facts=terms, folded=True),
+                Section(drawings=figures["comparison"]),
             ),
-            parts=_folded("Each speed", points_table(differences)),
         ),
-        Section("Quality of the data", facts=_data(differences)),
-        Section("How it was computed", facts=method_facts(differences)),
+        Section(
+            "Settings that differ",
+            (_MAY_CAUSE,),
+            tables=(replace(settings, title="Settings of A and B that differ"),),
+        ),
+        Section(
+            "Further checks",
+            facts=tuple(_checks(differences, bool(settings.rows))),
+            parts=(
+                *_folded("Each parameter", parameters_table(differences)),
+                *_folded("Each speed", points_table(differences)),
+            ),
+        ),
+        Section("How it was computed", facts=method_facts(differences), folded=True),
     ]
     if differences.notes:
         sections.append(Section("Not compared", items=differences.notes))
     kept = tuple(
         replace(section, tables=tuple(table for table in section.tables if table.rows))
         for section in sections
-        if any(table.rows for table in section.tables)
-        or section.items
-        or section.facts
-        or any(part.folded is not None for part in section.parts)
-        or section.anchor == _SETTINGS
+        if any(table.rows for table in section.tables) or section.items or section.facts
     )
     banner = _banner(differences)
     return page(
@@ -206,7 +203,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             " ".join(filter(None, (headline(differences), settings_words(differences)))),
             banner,
             "simulated" if banner else "",
-            identity=_identity(differences),
+            identity=identity_facts(differences),
             alarm=alarm(differences),
         )
     )
@@ -224,13 +221,21 @@ def _banner(differences: CampaignDifferences) -> str:
     return f"{simulated[0]} is simulated. The virtual rig made its numbers." if simulated else ""
 
 
-def _settings_section(differences: CampaignDifferences) -> Section:
-    table = settings_table(differences)
-    if table.rows:
-        table = replace(table, title="Settings of A and B that differ")
-        return Section("Settings that differ", (_MAY_CAUSE,), tables=(table,), anchor=_SETTINGS)
-    plants = (_PLANTS_DIFFER,) if plants_words(differences) else ()
-    return Section("Settings that differ", (_NONE_DIFFERS, *plants), anchor=_SETTINGS)
+def _checks(differences: CampaignDifferences, settings: bool) -> Iterator[tuple[str, str]]:
+    """Yield the checks beside the means: settings, parameters, single speeds, quality."""
+    if not settings:
+        plants = (_PLANTS_DIFFER,) if plants_words(differences) else ()
+        yield "Settings that differ", " ".join((_NONE_DIFFERS, *plants))
+    parameters = [p.value for curve in differences.curves for p in curve.parameters]
+    points = [p.friction_n for p in single_points(differences.curves)]
+    hidden = sum(p.friction_n.real for p in single_points(hidden_curves(differences)))
+    for name, counted, each, why in (
+        ("Fitted parameters", _counted("of fitted parameters", parameters), parameters, _SPREAD),
+        ("Single speeds", _counted("at single speeds", points, hidden), points, _MEANS_OF),
+    ):
+        if each:
+            yield name, " ".join((counted, *_why(differences, each, why)))
+    yield from data_facts(differences)
 
 
 def _counted(what: str, differences: Sequence[Difference], hidden: int = 0) -> str:
@@ -262,7 +267,6 @@ def _folded(title: str, table: WordTable) -> tuple[Section, ...]:
     return (Section(f"{title} ({count})", tables=(table,), folded=long, printed=not long),)
 
 
-_SETTINGS = "settings"
 _MAY_CAUSE = (
     "A difference above may come from these settings, not from the cylinders: make them equal and "
     "measure again where that matters."
@@ -285,64 +289,3 @@ _MEANS_OF = (
     "corrected for."
 )
 _LONG = 12  # rows; a longer table starts folded
-
-
-def _identity(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
-    """Return both campaigns, and whether they share simulated plant and instruments."""
-    plants = plants_words(differences)
-    return (
-        ("A", _name(differences, 0)),
-        ("B", _name(differences, 1)),
-        *((("Simulated plants", plants),) if plants else ()),
-        ("Instruments", _instruments(differences)),
-        *_oil(differences),
-    )
-
-
-def _oil(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
-    """Return the oil temperatures of the steady runs; nothing without such runs."""
-    if not any(KINDS[curve.a.kind].has_constant_speed for curve in differences.curves):
-        return ()
-    if not any(differences.oil_temperatures):
-        return (("Oil temperature", "Not measured in either campaign."),)
-    each = "; ".join(
-        f"{name}: {range_words(oil)}"
-        for name, oil in zip("AB", differences.oil_temperatures, strict=True)
-    )
-    return (
-        (
-            "Oil temperature",
-            f"{each}. Friction is compared at these temperatures, without a correction.",
-        ),
-    )
-
-
-def _data(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
-    """Return the verdict on the data of each campaign."""
-    a, b = (quality_verdict(quality) for quality in differences.qualities)
-    return (("Data of A and B", a),) if a == b else (("Data of A", a), ("Data of B", b))
-
-
-def _instruments(differences: CampaignDifferences) -> str:
-    tested = [each.mean_n for each in differences.curves if each.mean_n is not None]
-    if all(mean.u95 is None for mean in tested):
-        return (
-            "No interval contains the instruments: their tolerances are not known, or a point has "
-            "one trial."
-        )
-    if differences.same_instruments:
-        return "Same instruments: their errors are in both, and cancel where the readings agree."
-    return "Other instruments in each, or not known to be the same: the errors of both count."
-
-
-def _name(differences: CampaignDifferences, which: int) -> str:
-    campaign = (differences.a, differences.b)[which]
-    labels = {(curve.a, curve.b)[which].label for curve in differences.curves}
-    label = labels.pop() if len(labels) == 1 else ""
-    day = campaign.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
-    schedule = f"schedule {campaign.name}"
-    section, key = SERIAL
-    serial = campaign.settings.get(section, {}).get(key, "")
-    cylinder = f"cylinder {serial}" if serial and serial != differences.names[which] else ""
-    words = (differences.names[which], cylinder, schedule, label, campaign.source, day)
-    return ", ".join(filter(None, words))

@@ -13,6 +13,7 @@ from hbench.records.conformity.acceptance import (
 from hbench.report.conformity.text import (
     check_words,
     conforms_words,
+    leakage_legend,
     legend,
     limit_words,
     measured_words,
@@ -29,7 +30,7 @@ from hbench.report.render.word_tables import Cell, Table
 from hbench.sentences import capital, listed
 from hbench.units import from_si
 
-_HEAD = ("Quantity", "Decision", "Test", "Measured ± U", "Limit", "Conforms")
+_HEAD = ("Quantity", "Limit", "Test", "Measured ± U", "Conforms", "Decision")
 _SURE = 0.999  # probability of conformity that is not worth a word
 _NUMBERS = {"Measured ± U", "Conforms"}
 _OUTCOMES: dict[Conformity, tuple[str, str]] = {  # of one check and of several
@@ -55,31 +56,46 @@ def decision_section(
     """
     checks = sorted(without_common_rod_pressure(checks), key=_worst_first)
     load, checks = without_common_load(checks)
-    rows = tuple(
-        (
-            Cell(capital(requirement_words(check.requirement, check.measurement))),
-            Cell("PASS") if check.decision == "PASS" else Cell("", check.decision),
-            Cell(series_words(check.requirement, check.measurement) or NONE),
-            Cell(measured_words(check)),
-            Cell(limit_words(check.requirement)),
-            Cell(probability_words(check.probability)),
-        )
-        for check in checks
-    )
-    table = Table(_HEAD, rows, frozenset(_HEAD) - _NUMBERS, title="Decisions")
+    table = Table(_HEAD, tuple(_rows(checks)), frozenset(_HEAD) - _NUMBERS, title="Decisions")
     known = [check.probability for check in checks if check.probability is not None]
     words = [f"load: {load}"] if load else []
     words += [f"limits: the file {limits}, applied by the last hbench accept"] if limits else []
     words += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
     words += [conforms_words(checks)] if known else []
-    facts = [*_undecided(checks), *(_fact(each) for each in (*words, *legend(checks)))]
+    terms = tuple(_fact(each) for each in (*words, *legend(checks), *leakage_legend(checks)))
     paragraph = " ".join(filter(None, (_which(decision, checks), nearest_words(decision, checks))))
+    if not checks:
+        return Section("Decision", (paragraph,))
     return Section(
         "Decision",
         (paragraph,),
-        tables=(table,) if rows else (),
-        facts=tuple(facts) if rows else (),
+        tables=(table,),
+        facts=tuple(_undecided(checks)),
+        parts=(Section("Rule, limits and what U contains", facts=terms, folded=True),),
     )
+
+
+def _rows(checks: Sequence[ConformityCheck]) -> Iterator[tuple[Cell, ...]]:
+    """Yield a row for each check; one of the same quantity and limit as above does not repeat them.
+
+    A decision other than PASS is marked.
+    """
+    above = ("", "")
+    for check in checks:
+        of = (
+            capital(requirement_words(check.requirement, check.measurement)),
+            limit_words(check.requirement),
+        )
+        quantity, limit = ("", "") if of == above else of
+        above = of
+        yield (
+            Cell(quantity),
+            Cell(limit),
+            Cell(series_words(check.requirement, check.measurement) or NONE),
+            Cell(measured_words(check)),
+            Cell(probability_words(check.probability)),
+            Cell("PASS") if check.decision == "PASS" else Cell("", check.decision),
+        )
 
 
 def _undecided(checks: Sequence[ConformityCheck]) -> Iterator[tuple[str, str]]:

@@ -105,8 +105,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
     remarks = [
         *([f"load: {load}"] if load else []),
         f"rule: {rule}; limits of {acceptance.limits}",
-        "U: expanded uncertainty for a coverage probability of 95 %",
-        conforms_words(checks),
+        "U: expanded uncertainty, coverage probability 95 %; hbench report states what it contains",
         *legend(checks),
         *(f"note: {note}" for note in acceptance.notes),
         *(f"next, after {each}: {step}" for each, step in next_steps(acceptance.checks)),
@@ -136,13 +135,11 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
             f"{listed([QUANTITIES[q] for q in pressures])} in bar: the force over the driven area, "
             "the piston's while extending and the rod side's while retracting"
         )
+    if any(check.requirement.quantity == "breakaway" for check in checks):
+        yield "breakaway: the largest friction of the force ramp"
     alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
     if alone:
         yield f"U of {listed([QUANTITIES[q] for q in alone])}: of the trials alone"
-    if leaks := [check.measurement for check in checks if _measured(check, "leakage")]:
-        steps = [leak.step_pa for leak in leaks if leak and leak.step_pa]
-        words = U_OF_LEAKAGE.format(step=step_words(max(steps, default=None)))
-        yield f"U of {QUANTITIES['leakage']}: {words}. {NOT_IN_U_OF_LEAKAGE}"
     if any(check.at_worst_speed for check in checks):
         yield (
             "speed: where a limit states none, each series is decided at the speed with the lowest "
@@ -150,6 +147,14 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
         )
     if any("P_Lr" in series_words(c.requirement, c.measurement) for c in checks):
         yield "P_Lr: set pressure on the rod side of the load cylinder"
+
+
+def leakage_legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
+    """Yield what the U of a leakage contains, where a check has one."""
+    if leaks := [check.measurement for check in checks if _measured(check, "leakage")]:
+        steps = [leak.step_pa for leak in leaks if leak and leak.step_pa]
+        words = U_OF_LEAKAGE.format(step=step_words(max(steps, default=None)))
+        yield f"U of {QUANTITIES['leakage']}: {words}. {NOT_IN_U_OF_LEAKAGE}"
 
 
 def step_words(step_pa: float | None) -> str:
@@ -246,8 +251,6 @@ def rule_words(rule: Rule, largest_uncertainty: float | None) -> str:
 def requirement_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write the quantity, after the name that the file gives it."""
     words = QUANTITIES[requirement.quantity]
-    if requirement.quantity == "breakaway":
-        words += " (largest friction of the force ramp)"
     if requirement.leak is not None and requirement.pressure_pa is not None:
         at = short(from_si(requirement.pressure_pa, "bar"))
         words += f" {LEAKS[requirement.leak]} at {at} bar"

@@ -58,7 +58,8 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     )
     folded = tuple(replace(other, folded=True, printed=False) for other in others)
     notes = _facts(loop_words.loop_notes(design))
-    sections.append(replace(first, facts=notes, parts=(*first.parts, *folded)))
+    terms = Section("What the rows and columns mean", facts=notes, folded=True)
+    sections.append(replace(first, parts=(terms, *_failing_first(design, first.parts), *folded)))
     sections.append(
         Section("Further results with the present gains", facts=_facts(text.facts(design)))
     )
@@ -102,6 +103,20 @@ def _loops(
             if drawn
         ),
     )
+
+
+def _failing_first(design: Design, loops: Sequence[Section]) -> list[Section]:
+    """Return the figures of each loop: first those that fail a check, the others folded.
+
+    Without a check that fails, those of the first loop are not folded.
+    """
+    checks = design.checks if design.proposal is None else design.proposal.margins
+    failed = {capital(f"{c.what.partition(':')[0]} loop") for c in checks if not c.holds}
+    ranked = sorted(loops, key=lambda part: part.title not in failed)
+    return [
+        replace(part, folded=True, printed=False) if i and part.title not in failed else part
+        for i, part in enumerate(ranked)
+    ]
 
 
 def _verdict(design: Design) -> str:

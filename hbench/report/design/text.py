@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from hbench.records import Check, ControlLoop, Design, Proposal, Reproduced
+from hbench.records import Check, ControlLoop, Design, Proposal, Reproduced, WordTable
 from hbench.report.design.checks import CHECK_HEAD, check_rows
 from hbench.report.design.loops import (
     LOOP_HEAD,
@@ -20,6 +20,7 @@ from hbench.report.design.loops import (
 from hbench.report.design.verdict import loops_verdict, proposal_verdict
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import short, significant
+from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import wrapped
 from hbench.units import from_si
 
@@ -189,15 +190,20 @@ def _feedforward_words(design: Design) -> str:
     )
 
 
-def range_facts(design: Design) -> tuple[tuple[str, str], ...]:
+def range_lines(design: Design) -> list[str]:
     """Return the ranges of the margins over all operating points; nothing without any."""
-    ranges = "; ".join(
-        f"{what} {margin(low, decimals)} to {margin(high, decimals)} {unit}"
-        for what, (low, high, _) in design.margin_ranges.items()
-        for unit, decimals in (("deg", 0) if "phase" in what else ("dB", 1),)
-    ).replace(": ", " loop, ")
-    everywhere = f"margins at all {design.points} operating points"
-    return ((everywhere, f"{ranges}. These points: {GRID}"),) if ranges else ()
+    ranges: dict[str, dict[str, str]] = {}
+    for what, (low, high, _) in design.margin_ranges.items():
+        loop, _, kind = what.partition(": ")
+        unit, decimals = ("deg", 0) if "phase" in kind else ("dB", 1)
+        words = f"{margin(low, decimals)} to {margin(high, decimals)} {unit}"
+        ranges.setdefault(loop, {})[kind] = words
+    if not ranges:
+        return []
+    head = ("loop", *dict.fromkeys(kind for kinds in ranges.values() for kind in kinds))
+    rows = [(loop, *(kinds.get(kind, "") for kind in head[1:])) for loop, kinds in ranges.items()]
+    title = f"margins at all {design.points} operating points: {GRID}"
+    return [*wrapped(title), *_table(head, rows), ""]
 
 
 def facts(design: Design) -> tuple[tuple[str, str], ...]:
@@ -269,13 +275,14 @@ def design_text(design: Design) -> str:
         verdict = f"verdict: {proposal_verdict(design.proposal, design)}"
     elif design.checks:
         verdict = f"verdict: {loops_verdict(design)}"
-    results = map(": ".join, (*range_facts(design), *facts(design)))
+    results = map(": ".join, facts(design))
     present = design.checks if design.proposal is None else ()
     lines = [
         design.bench,
         *wrapped(verdict),
         "",
         *([*_check_table(present), ""] if present else []),
+        *range_lines(design),
         *wrapped(f"operating point: {point_words(design)}"),
         "",
         *_table(LOOP_HEAD, loop_rows(design.loops, design.tick_s)),
@@ -305,6 +312,5 @@ def _check_table(checks: Sequence[Check]) -> list[str]:
 
 
 def _table(head: tuple[str, ...], rows: TextRows) -> list[str]:
-    rows = [head, *rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    _, *lines = table_lines(WordTable("", head, tuple(rows)))
+    return lines

@@ -34,11 +34,7 @@ NUMBERS = (
     "diagnosis.json and gaps_by_run.csv contain all numbers, also those of folded tables, which "
     "are not printed. The folder figures has each figure as SVG and its data as CSV."
 )
-LARGEST = (
-    "The quantity whose deviation is largest in relation to the limit above which it matters. The "
-    "table of deviations is in the order of the gaps."
-)
-NEXT_FILE = "next.yaml is the schedule that is proposed above."
+NEXT_FILE = "next.yaml is the schedule that is proposed."
 WHICH: tuple[Fact, ...] = (
     ("Score", "Gain of log-likelihood in nats (natural logarithm) by cross-validation: each fifth "
      "of the operating points of the fit is predicted from the others. It also counts changes from "

@@ -14,7 +14,16 @@ from hbench.report.diagnosis.names import (
     of_the_mass,
 )
 from hbench.report.diagnosis.sentences import predictions_words, reason_words, refused_words
-from hbench.report.diagnosis.summary import OF_CANDIDATES, OF_GAPS, OF_REFIT, answers
+from hbench.report.diagnosis.summary import (
+    OF_CANDIDATES,
+    OF_DEVIATIONS,
+    OF_EFFECTS,
+    OF_GAPS,
+    OF_NEXT,
+    OF_REFIT,
+    answers,
+    on_method,
+)
 from hbench.report.diagnosis.tables import effect_tables, gap_tables
 from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
 from hbench.report.diagnosis.tables.run_gaps import run_table
@@ -29,7 +38,7 @@ from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.sentences import listed
+from hbench.sentences import capital, listed
 
 _MOST_RUNS = 40  # rows of the page
 
@@ -45,37 +54,45 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         items=law_lines(diagnosis),
         drawings=drawn("unnamed"),
     )
+    of_gaps = drawn("gap")
+    simulated = Section("Simulated signals of runs outside the fit", drawings=of_gaps[1:])
+    of_all = (
+        *((simulated,) if simulated.drawings else ()),
+        *_held_out_part(diagnosis),
+        *_run_part(diagnosis),
+        *_numbers("Runs of the fit", *_train_tables(diagnosis)),
+    )
+    opened = tuple(replace(part, folded=None) for part in of_all)
+    every = Section("All gaps: signals, runs, numbers", parts=opened, folded=True, printed=False)
     gap = Section(
         _title_of_gaps(diagnosis),
         (gap_line(diagnosis),),
-        drawings=drawn("gap"),
+        drawings=of_gaps[:1],
         tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
         facts=_answers(diagnosis, OF_GAPS),
         parts=(
             *_terms("gaps", definitions.of_gaps(diagnosis)),
-            *_held_out_part(diagnosis),
-            *_run_part(diagnosis),
-            *_numbers("Gaps of the runs of the fit in numbers", *_train_tables(diagnosis)),
+            *((every,) if opened else ()),
         ),
     )
     where = Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
         drawings=drawn("where"),
-        tables=_with_rows(
-            gap_tables.where_table(diagnosis),
-            gap_tables.rest_table(diagnosis),
-            gap_tables.edges_table(diagnosis),
+        tables=_with_rows(gap_tables.where_table(diagnosis), gap_tables.rest_table(diagnosis)),
+        parts=(
+            *_in_words("Deviations in words", _answers(diagnosis, OF_DEVIATIONS)),
+            *_terms("deviations", definitions.of_deviations(diagnosis)),
+            *_numbers("Gaps by metering edge", _untitled(gap_tables.edges_table(diagnosis))),
+            *_shape(diagnosis, drawn("shape")),
         ),
-        parts=_terms("deviations", definitions.of_deviations(diagnosis)),
     )
     overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
         (_sentence(reason_words(diagnosis)),),
         drawings=drawn("ranking"),
-        facts=_answers(diagnosis, OF_CANDIDATES),
+        facts=(*_answers(diagnosis, OF_CANDIDATES), *definitions.WHICH),
         parts=(
-            *_terms("candidates", definitions.WHICH),
             *_numbers(
                 "All candidates in numbers", _untitled(effect_tables.ranking_table(diagnosis))
             ),
@@ -101,24 +118,29 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             candidates_table(diagnosis),
             *([] if diagnosis.alternatives else details),
         ),
-        facts=(*definitions.of_laws(diagnosis), *(() if folded else changes)),
+        facts=(
+            *_answers(diagnosis, set(OF_EFFECTS).intersection(on_method(diagnosis))),
+            *definitions.of_laws(diagnosis),
+            *(() if folded else changes),
+        ),
         parts=tuple(replace(part, facts=changes) for part in folded),
     )
     notes = tuple(_effects_in_words(diagnosis, note) for note in diagnosis.notes)
-    missing = Section(
-        "Notes, missing data and runs left out", items=notes, facts=_caveats(diagnosis)
+    about = Section(
+        "Notes and files",
+        items=notes,
+        facts=(*_caveats(diagnosis), ("Files beside this page", _files(diagnosis))),
     )
-    shape = _shape(diagnosis, drawn("shape"))
-    sections = (unnamed, gap, overlay, effects, where, shape, refitted, which)
+    sections = (unnamed, gap, effects, where, overlay, refitted, which)
     if diagnosis.verdict == "unknown":
-        sections = (unnamed, where, shape, which, gap, overlay, effects, refitted)
+        sections = (unnamed, where, which, gap, overlay, effects, refitted)
     return document(
         title_words(diagnosis),
         subtitle_words(diagnosis),
         (
             _answer(diagnosis),
             *(section for section in sections if _holds_something(section)),
-            *([missing] if missing.items or missing.facts else []),
+            about,
         ),
         of_the_mass(diagnosis, verdict_words(diagnosis)),
         diagnosis.provenance.source,
@@ -132,12 +154,17 @@ def _title_of_gaps(diagnosis: Diagnosis) -> str:
 
 
 def _answer(diagnosis: Diagnosis) -> Section:
-    """Return the first section: the engineer's answers, and the files beside the page."""
-    of_method = (*OF_GAPS, *OF_CANDIDATES, *OF_REFIT)
-    known = _answers(diagnosis, {name for name, _ in answers(diagnosis)}.difference(of_method))
-    return Section(
-        "Findings and next steps", facts=(*known, ("Files beside this page", _files(diagnosis)))
-    )
+    """Return the first section: the engineer's answers, and folded the runs that show more."""
+    names = {name for name, _ in answers(diagnosis)}
+    known = _answers(diagnosis, names.difference(on_method(diagnosis), OF_NEXT))
+    parts = _in_words("Runs that show more: next.yaml", _answers(diagnosis, OF_NEXT))
+    return Section("Findings and next steps", facts=known, parts=parts)
+
+
+def _in_words(title: str, facts: tuple[tuple[str, str], ...]) -> tuple[Section, ...]:
+    """Return a folded part of answers that the title names."""
+    words = tuple(text for _, text in facts)
+    return (Section(title, words, folded=True),) if words else ()
 
 
 def _refused(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
@@ -184,21 +211,23 @@ def _files(diagnosis: Diagnosis) -> str:
     return " ".join(files)
 
 
-def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
-    """Return the residuals of each balance: all where they are the answer, else the first."""
+def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
+    """Return the residuals of each balance, folded unless they are the answer."""
     if diagnosis.verdict == "unknown" or of_strokes(diagnosis):
-        return Section("Shape of the residuals", drawings=drawings)
-    others = Section("Residuals of the other quantities", drawings=drawings[1:], folded=True)
-    parts = (replace(others, printed=False),) if others.drawings else ()
-    first = (definitions.LARGEST,) if diagnosis.verdict == "none" else ()
-    return Section("Residuals of one quantity", first, drawings=drawings[:1], parts=parts)
+        return (Section("Shape of the residuals", drawings=drawings),) if drawings else ()
+    return _folded("Residuals of each quantity over velocity, position, time and load", drawings)
+
+
+def _folded(title: str, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
+    """Return a folded part of figures, which are files beside the page too."""
+    return (Section(title, drawings=drawings, folded=True, printed=False),) if drawings else ()
 
 
 def _held_out_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
     of = f"{'loads' if of_strokes(diagnosis) else 'runs'} outside the fit"
     tables = gap_tables.gap_tables(diagnosis, diagnosis.gap_heldout, of)
     facts = definitions.of_numbers(diagnosis) if diagnosis.held_out_loads else ()
-    parts = _numbers(f"Gaps of {of} in numbers", *tables)
+    parts = _numbers(capital(of), *tables)
     return tuple(replace(part, facts=facts) for part in parts)
 
 
@@ -289,4 +318,6 @@ def _sentence(line: str) -> str:
 
 
 def _holds_something(section: Section) -> bool:
-    return bool(section.items or section.drawings or section.tables or section.parts)
+    return bool(
+        section.items or section.drawings or section.tables or section.parts or section.facts
+    )

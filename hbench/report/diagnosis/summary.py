@@ -97,10 +97,14 @@ _UNNAMED, _REFIT = "Unnamed law", "What the refit changes"
 _CLOSEST, _SCORES, _DETECTABLE = "Closest known effect", "Scores", "What these runs can show"
 _WORSE, _REMAINDER = "What gets worse", "Remaining gap"
 _MOTION, _SIMULATION = "Force and motion", "Simulation"
+_NEXT = "Runs that show more"
 # Answers on the method, by the section of the page that they belong to.
 OF_GAPS = (_WORSE, _REMAINDER, _EXPECTED, _MOTION, _SIMULATION)
 OF_CANDIDATES = (_CLOSEST, _SCORES, _DETECTABLE)
 OF_REFIT = (_REFIT,)
+OF_DEVIATIONS = (_RESIDUALS,)
+OF_NEXT = (_NEXT,)
+OF_EFFECTS = (_SIZE,)  # of a single one, whose verdict has the size
 
 
 def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
@@ -113,6 +117,14 @@ def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
         if sentence:
             texts[question] = " ".join(filter(None, (texts.get(question), sentence)))
     return tuple(texts.items())
+
+
+def on_method(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return the answers that are not on the finding and on what to do about it."""
+    named = [effect.confirmed for effect in diagnosis.effects]
+    stated = named == [True] and not diagnosis.alternatives and not of_strokes(diagnosis)
+    sizes = OF_EFFECTS if stated else ()
+    return (*OF_GAPS, *OF_CANDIDATES, *OF_REFIT, *OF_DEVIATIONS, *sizes)
 
 
 def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
@@ -272,8 +284,8 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _REFIT, refit_words(diagnosis)
     yield _DETECTABLE, detectable(diagnosis)
     if diagnosis.next_experiment:
-        yield "Runs that show more", diagnosis.next_experiment
-        yield "Runs that show more", untried_words(diagnosis)
+        yield _NEXT, diagnosis.next_experiment
+        yield _NEXT, untried_words(diagnosis)
     largest = largest_deviation(diagnosis.where)
     first = [largest.name] if largest else []
     names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))

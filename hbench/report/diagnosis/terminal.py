@@ -1,10 +1,12 @@
-"""A diagnosis for a terminal: the paragraph and the answers of the page, then its main tables."""
+"""A diagnosis for a terminal: the verdict, what to do, and the main tables."""
+
+from collections.abc import Iterator
 
 from hbench.records import Diagnosis
 from hbench.report.diagnosis.heading import title_words
 from hbench.report.diagnosis.names import keys_in_words, of_the_mass
 from hbench.report.diagnosis.sentences import refused_words
-from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.summary import OF_NEXT, Answer, answers, on_method
 from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
 from hbench.report.diagnosis.text import diagnosis_tables, gap_line, in_page_words, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
@@ -15,6 +17,7 @@ from hbench.report.render.terminal_text import plain, wrapped
 from hbench.sentences import capital
 
 _LEFT_OUT = 5  # runs that the terminal lists
+_GAP = "times the repeatability"  # in a verdict that states the gap of runs outside the fit
 
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
@@ -24,8 +27,8 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     errors = (errors_in_words(diagnosis), one_sided_words(diagnosis))
     blocks = [
         "\n".join((f"{title}{diagnosis.verdict})", *wrapped(lead))),
-        _paragraphs(*(f"{question}: {words}" for question, words in answers(diagnosis))),
-        _paragraphs(gap_line(diagnosis)),
+        _paragraphs(*(f"{question}: {words}" for question, words in _short(diagnosis))),
+        "" if _GAP in lead else _paragraphs(gap_line(diagnosis)),
         _paragraphs(" ".join(filter(None, errors))),
         _paragraphs(*law_lines(diagnosis)),
     ]
@@ -34,6 +37,16 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     notes = [line for note in diagnosis.notes for line in wrapped(note)]  # keys of files are kept
     blocks += [_paragraphs(*caveats(diagnosis)), "\n".join(notes)]
     return plain("\n\n".join(block for block in blocks if block))
+
+
+def _short(diagnosis: Diagnosis) -> Iterator[Answer]:
+    """Yield the answers without those on the method, and without the recipe of next.yaml."""
+    hidden = on_method(diagnosis)
+    for question, words in answers(diagnosis):
+        if question in OF_NEXT and diagnosis.next_schedule:
+            yield question, "Those of next.yaml; the page describes them."
+        elif question not in hidden:
+            yield question, words
 
 
 def _paragraphs(*texts: str) -> str:

@@ -1,8 +1,10 @@
 """A diagnosis in words and tables, for the terminal and the page."""
 
+from collections.abc import Collection
+
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis.names import gap_number, in_sentence, keys_in_words, steps_of
-from hbench.report.diagnosis.tables.change_tables import candidates_table, changes_tables
+from hbench.report.diagnosis.tables.change_tables import candidates_table
 from hbench.report.diagnosis.tables.effect_tables import (
     alternatives_table,
     effects_table,
@@ -10,7 +12,6 @@ from hbench.report.diagnosis.tables.effect_tables import (
 )
 from hbench.report.diagnosis.tables.gap_tables import (
     errors_table,
-    gap_tables,
     loads_table,
     rest_table,
     where_table,
@@ -21,6 +22,8 @@ from hbench.report.diagnosis.words.law import law_line
 from hbench.sentences import capital
 
 _FEW = 5  # candidates that a terminal is shown
+_OF_EFFECTS = ("effect", "coefficient", "value with 95 % interval", "in model.yaml")
+_OF_DEVIATIONS = ("quantity", "deviation", "matters above", "p (Holm)")
 
 
 def in_page_words(table: WordTable) -> WordTable:
@@ -77,20 +80,25 @@ def _most_in(diagnosis: Diagnosis) -> str:
 
 
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
-    """Return the tables of a terminal that have rows, the answers first, then the evidence."""
+    """Return the tables of a terminal that have rows, in their main columns; the page has more."""
+    unnamed = not diagnosis.effects and not diagnosis.alternatives
     every = (
         candidates_table(diagnosis),
-        *changes_tables(diagnosis),
         errors_table(diagnosis),
         loads_table(diagnosis),
-        effects_table(diagnosis),
+        _columns(effects_table(diagnosis), _OF_EFFECTS),
         alternatives_table(diagnosis),
-        where_table(diagnosis),
-        rest_table(diagnosis),
-        *gap_tables(diagnosis, diagnosis.gap_heldout, "runs outside the fit")[:1],
-        ranking_table(diagnosis, _FEW),
+        _columns(where_table(diagnosis) if unnamed else rest_table(diagnosis), _OF_DEVIATIONS),
+        *([ranking_table(diagnosis, _FEW)] if diagnosis.verdict == "unknown" else []),
     )
     return tuple(table for table in every if table.rows)
+
+
+def _columns(table: WordTable, names: Collection[str]) -> WordTable:
+    """Return the columns of some names; all of a table that has none of them."""
+    kept = [i for i, name in enumerate(table.head) if name in names] or range(len(table.head))
+    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
+    return WordTable(table.title, tuple(table.head[i] for i in kept), rows)
 
 
 def law_lines(diagnosis: Diagnosis) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from hbench.report.fleet.charts import (
 )
 from hbench.report.fleet.figures import DISTRIBUTIONS
 from hbench.report.fleet.method import fleet_method
-from hbench.report.fleet.names import campaign_names, working_speed
+from hbench.report.fleet.names import campaign_names, in_sentence
 from hbench.report.fleet.overview import (
     fleet_identity,
     fleet_tiles,
@@ -25,7 +25,7 @@ from hbench.report.fleet.overview import (
     overview_table,
 )
 from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
-from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
+from hbench.report.fleet.precision_figures import COMPONENTS, WEAR
 from hbench.report.fleet.row import at_pressure, kind_difference, kind_parts
 from hbench.report.fleet.text import (
     ROW_WORDS,
@@ -33,6 +33,7 @@ from hbench.report.fleet.text import (
     campaign_table,
     cells,
     others,
+    shared_intervals,
     spread_table,
     trend_table,
 )
@@ -70,9 +71,8 @@ _CENTRED = (
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _ALSO = 2  # further outlying numbers that a row names
 _INTERVALS = (
-    "Intervals are those of 95 %. They include the stated errors of the instruments, which the "
-    "campaigns of a bench have in common: smaller differences between them can be significant. "
-    "Values therefore have at least four digits."
+    "Intervals contain the errors of the instruments, which the campaigns of a bench have in "
+    "common: smaller differences between campaigns can be significant."
 )
 _AT_MEDIAN = "Half band, middle and energy are those at the median pressure of a campaign."
 
@@ -113,18 +113,20 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     left_out = "{} campaigns of this kind at other speeds are left out."
     remark = (left_out.format(fleet.other_speeds),) if fleet.other_speeds else ()
     overview = overview_table(fleet)
+    leading, *others = _figures(fleet, drawings) or [Section()]
+    few = () if _of(drawings, DISTRIBUTIONS) or not fleet.spreads else (_FEW,)
     yield Section(
         "Summary",
-        remark,
+        (*remark, *few),
         items=tuple(further_sentences(fleet)),
         tiles=tuple(fleet_tiles(fleet)),
+        drawings=leading.drawings,
         tables=(*((overview,) if overview.rows else ()), *_protocols(fleet)),
         facts=interval_facts(fleet),
+        parts=tuple(others),
     )
     if fleet.outliers:
         yield _deviations(fleet)
-    if fleet.spreads:
-        yield _quantities(fleet, drawings)
     if fleet.rows:
         why = " ".join(() if fleet.precision else fleet.plan_notes)
         notes = (f"{_PRECISION} are not estimated. {why}",) if why else ()
@@ -138,48 +140,39 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.wear:
         table = _untitled(wear_table(fleet))
         yield Section("Wear", drawings=_of(drawings, WEAR), tables=(table,))
-    if tests := tuple(_tests(fleet)):
-        yield Section("Scatter and tests", parts=tests)
     if fleet.failed:
         yield _failures(fleet)
-    method = Section("Methods", facts=tuple(fleet_method(fleet)), folded=True, anchor="method")
-    yield Section("How it was computed", parts=(method,))
+    if tests := tuple(_tests(fleet)):
+        yield Section("Scatter and tests", parts=tests, folded=True)
+    facts = tuple(fleet_method(fleet))
+    yield Section("How it was computed", facts=facts, folded=True, anchor="method")
 
 
-def _quantities(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
-    """Return the figures of each quantity, folded; those of a quantity that changed are open."""
+def _figures(fleet: Fleet, drawings: tuple[Drawing, ...]) -> list[Section]:
+    """Return the figures of each quantity, folded; those of a quantity that changed are first."""
     changed = {c.quantity for c in fleet.charts if c.step is not None and c.step.real}
     changed |= {spread.quantity for spread, trend in steady_spreads(fleet) if trend.real}
-    parts: list[Section] = []
-    for quantity in dict.fromkeys(spread.quantity for spread in fleet.spreads):
-        chosen = _of_quantity(drawings, quantity)
-        is_open = quantity in changed and all(part.folded for part in parts)  # the first of them
-        if chosen:
-            title = f"{quantity.words} ({len(chosen)})"
-            parts.append(Section(title, drawings=chosen, folded=not is_open))
-    speed = working_speed(fleet)
-    words = (
-        f"Each value is the mean over the loads{f' at {speed}' if speed else ''}. The charts of a "
-        "station (hbench watch --station) show the values of the limits, at one load and speed."
-    )
-    few = () if _of(drawings, DISTRIBUTIONS) else (_FEW,)
-    notes = (*((words,) if fleet.charts and fleet.decisions else ()), *few)
-    return Section("Figures of each quantity", notes, parts=tuple(parts))
+    quantities = dict.fromkeys(spread.quantity for spread in fleet.spreads)
+    return [
+        Section(f"Figures: {in_sentence(quantity)}", drawings=chosen, folded=True)
+        for quantity in sorted(quantities, key=lambda each: each not in changed)
+        if (chosen := _of_quantity(drawings, quantity))
+    ]
 
 
 def _of_quantity(drawings: tuple[Drawing, ...], quantity: Quantity) -> tuple[Drawing, ...]:
-    """Return charts and distribution; the course only where no chart shows it."""
+    """Return the control charts; distribution and course only where there is none."""
     name = quantity.name.replace("_", "-")
     charts = [f"control-{name}{side}" for side in ("", "-extend", "-retract")]
-    names = [*charts, f"distribution-{name}", f"drift-{name}"]
-    chosen = [drawing for drawing in drawings if drawing.name in names]
-    if any(drawing.section == CHARTS for drawing in chosen):
-        chosen = [drawing for drawing in chosen if drawing.name != f"drift-{name}"]
-    return tuple(sorted(chosen, key=lambda drawing: names.index(drawing.name)))
+    found = {drawing.name: drawing for drawing in drawings}
+    for names in (charts, [f"distribution-{name}", f"drift-{name}"]):
+        if chosen := tuple(found[each] for each in names if each in found):
+            return chosen
+    return ()
 
 
 def _tests(fleet: Fleet) -> Iterator[Section]:
-    """Yield the tables of spread, changes, control limits and deviations, each folded."""
+    """Yield the tables of spread, changes, control limits and deviations."""
     changed = any(chart.step is not None and chart.step.real for chart in fleet.charts)
     signals = signal_table(fleet)
     for title, table, words in (
@@ -187,11 +180,11 @@ def _tests(fleet: Fleet) -> Iterator[Section]:
         ("Change points", step_table(fleet), ""),
         ("Drifts", trend_table(fleet), _of_trends(fleet, changed=changed)),
         ("Control limits", chart_table(fleet), ""),
-        (f"Signals of the control charts ({len(signals.rows)})", signals, ""),
+        ("Signals of the control charts", signals, ""),
     ):
         if table.rows:
             notes = (words,) if words else ()
-            yield Section(title, notes, tables=(_untitled(table),), folded=True)
+            yield Section(title, notes, tables=(_untitled(table),))
     if fleet.worst and not fleet.outliers:
         yield _deviations(fleet)
 
@@ -200,8 +193,8 @@ def _deviations(fleet: Fleet) -> Section:
     """Return the outliers, or folded the campaigns that deviate most."""
     table = _worst(fleet)
     if not fleet.outliers:
-        title = f"Campaigns that deviate most, none significantly ({len(table.rows)})"
-        return Section(title, (_CORRECTED,), tables=(table,), folded=True, anchor="worst")
+        title = "Campaigns that deviate most, none significantly"
+        return Section(title, (_CORRECTED,), tables=(table,), anchor="worst")
     if fleet.outliers >= _LEAST:
         return Section("Outliers", tables=(table,), anchor="worst")
     marked = f"Only campaigns marked as outliers deviate significantly. {_CORRECTED}"
@@ -252,10 +245,10 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
 
 
 def _about_numbers(fleet: Fleet) -> tuple[str, ...]:
-    """Return what the intervals of the campaigns' numbers contain, and at which pressure."""
-    if any(spread.direction is None for spread in fleet.spreads):
-        return (_INTERVALS, _AT_MEDIAN)
-    return (_INTERVALS,)
+    """Return the intervals of the campaigns' numbers, and at which pressure these are."""
+    median = any(spread.direction is None for spread in fleet.spreads)
+    words = (shared_intervals(fleet), _INTERVALS, _AT_MEDIAN if median else "")
+    return (" ".join(filter(None, words)),)
 
 
 def _campaigns(fleet: Fleet) -> Table:

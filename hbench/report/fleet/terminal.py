@@ -4,14 +4,12 @@ from hbench.records import Fleet, WordTable
 from hbench.report.fleet.charts import capability_notes, capability_table, wear_table
 from hbench.report.fleet.overview import interval_facts, overview_table
 from hbench.report.fleet.precision import components_table, limit_sentences, limits_table
-from hbench.report.fleet.text import campaign_table, worst_table
+from hbench.report.fleet.text import campaign_table, shared_intervals, worst_table
 from hbench.report.fleet.verdict import fleet_verdict, further_sentences
 from hbench.report.render.terminal_table import table_lines
-from hbench.report.render.terminal_text import wrapped
+from hbench.report.render.terminal_text import plain, wrapped
 
-_PLAIN = str.maketrans(
-    {"±": "+-", "²": "^2", "σ": "s.d.", "×": "x", "λ": "lambda", "−": "-", "–": "-", "…": "..."}
-)
+_SIGMA = "σ", "s.d."  # in a word that a terminal has
 _FEW = 5  # outliers that are listed
 _MOST_ROWS = 50  # campaigns that are listed
 
@@ -34,7 +32,8 @@ def fleet_text(fleet: Fleet) -> str:
     campaigns = [campaign_table(fleet)] if len(fleet.rows) <= _MOST_ROWS else []
     apart = [f"{name}: {words}" for name, words in interval_facts(fleet)]
     blocks: tuple[tuple[list[WordTable], list[str]], ...] = (
-        ([*campaigns, overview_table(fleet)], [*apart, *further_sentences(fleet)]),
+        (campaigns, [shared_intervals(fleet)] if campaigns else []),
+        ([overview_table(fleet)], [*apart, *further_sentences(fleet)]),
         ([worst_table(fleet, min(fleet.outliers, _FEW))], []),
         (
             [limits_table(fleet), components_table(fleet)],
@@ -46,14 +45,13 @@ def fleet_text(fleet: Fleet) -> str:
     for tables, notes in blocks:
         for table in tables:
             if table.rows:
-                lines += ["", *table_lines(_plain(table))]
+                lines += ["", *table_lines(_without_sigma(table))]
         lines += [line for note in notes for line in wrapped(note)]
-    return "\n".join(lines).translate(_PLAIN)
+    return plain("\n".join(lines).replace(*_SIGMA))
 
 
-def _plain(table: WordTable) -> WordTable:
-    """Return a table in letters that every terminal has, before its columns are aligned."""
+def _without_sigma(table: WordTable) -> WordTable:
     head, *rows = (
-        tuple(cell.translate(_PLAIN) for cell in row) for row in (table.head, *table.rows)
+        tuple(cell.replace(*_SIGMA) for cell in row) for row in (table.head, *table.rows)
     )
     return WordTable(table.title, head, tuple(rows))

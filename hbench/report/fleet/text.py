@@ -20,6 +20,7 @@ from hbench.report.fleet.names import (
     main_spreads,
     name_of,
     signed,
+    working_speed,
 )
 from hbench.report.fleet.row import kind_difference
 from hbench.report.fleet.verdict import (
@@ -59,32 +60,31 @@ def fleet_json(fleet: Fleet) -> str:
     return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
 
+_SPEED, _ALIKE = "Speed (mm/s)", 1.1
 ROW_WORDS = ("Campaign", "Cylinder", "Date", "Label", "Decision")
 
 
 def campaign_table(fleet: Fleet) -> WordTable:
-    """Return a row a campaign of a small fleet: label, speed, and the main numbers."""
-    shown = main_spreads(fleet)
+    """Return a row a campaign of a small fleet: label, speed, and the main numbers.
+
+    Intervals that hardly differ from row to row are those of ``shared_intervals``.
+    """
+    columns, rows = _columns(fleet), []
     folders = campaign_names(fleet)
-    heads, rows = list(map(name_of, shown)), []
-    for campaign in fleet.rows:
+    for at, campaign in enumerate(fleet.rows):
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
-        numbers = (campaign.numbers.get(s.quantity.column(s.direction)) for s in shown)
-        cells = [_with_ends(n, s.quantity.scale) for n, s in zip(numbers, shown, strict=True)]
+        cells = [
+            cells[at].partition(" ")[0] if _shared(cells) else cells[at]
+            for cells in columns.values()
+        ]
         remark = "; ".join(_remarks(campaign, fleet))
         day = "" if campaign.started is None else f"{campaign.started:%Y-%m-%d}"
         about = (folders[campaign.path], campaign.specimen, day, campaign.label, campaign.decision)
         rows.append((*about, speed, *cells, remark))
-    for column in range(len(ROW_WORDS) + 1, len(ROW_WORDS) + 1 + len(shown)):
-        ends = {row[column].partition(" ")[2] for row in rows}
-        if len(rows) > 1 and len(ends) == 1 and (common := ends.pop()).startswith("±"):
-            rows = [
-                (*row[:column], row[column].partition(" ")[0], *row[column + 1 :]) for row in rows
-            ]
-            name = heads[column - len(ROW_WORDS) - 1]
-            heads[column - len(ROW_WORDS) - 1] = f"{name.removesuffix(')')}, each {common})"
-    head = (*ROW_WORDS, "Speed (mm/s)", *heads, "Remark")
+    head = (*ROW_WORDS, _SPEED, *columns, "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
+    if working_speed(fleet) and len(rows) > 1:
+        kept = [i for i in kept if head[i] != _SPEED]
     if all(row[1] == row[0] for row in rows):  # folders have the cylinders' names
         kept = [i for i in kept if i != 1]
     return WordTable(
@@ -92,6 +92,45 @@ def campaign_table(fleet: Fleet) -> WordTable:
         tuple(head[i] for i in kept),
         tuple(tuple(row[i] for i in kept) for row in rows),
     )
+
+
+def shared_intervals(fleet: Fleet) -> str:
+    """Return the intervals that the table of campaigns leaves out, and the speed of its values."""
+    known = {name: _shared(cells) for name, cells in _columns(fleet).items()}
+    stated = [
+        f"{name.rpartition(' (')[0].lower()} {interval} {name.rpartition(' (')[2].rstrip(')')}"
+        for name, interval in known.items()
+        if interval
+    ]
+    speed = working_speed(fleet)
+    at = f"Values at {speed}." if speed and len(fleet.rows) > 1 else ""
+    intervals = f"95 % intervals: {'; '.join(stated)}." if stated else ""
+    return " ".join(filter(None, (at, intervals)))
+
+
+def _columns(fleet: Fleet) -> dict[str, list[str]]:
+    """Return the main numbers of all campaigns with their intervals, by the heads of columns."""
+    return {
+        name_of(spread): [
+            _with_ends(
+                campaign.numbers.get(spread.quantity.column(spread.direction)),
+                spread.quantity.scale,
+            )
+            for campaign in fleet.rows
+        ]
+        for spread in main_spreads(fleet)
+    }
+
+
+def _shared(cells: list[str]) -> str:
+    """Return the interval that several cells have, within a tenth; empty where they differ."""
+    ends = [cell.partition(" ")[2] for cell in cells]
+    if len(cells) < 2 or not all(end.startswith("± ") for end in ends):
+        return ""
+    shown = sorted({end.removeprefix("± ") for end in ends}, key=float)
+    if float(shown[-1]) > _ALIKE * float(shown[0]):
+        return ""
+    return f"±{'–'.join(dict.fromkeys((shown[0], shown[-1])))}"
 
 
 def _remarks(campaign: FleetCampaign, fleet: Fleet) -> Iterator[str]:

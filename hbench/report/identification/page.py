@@ -100,8 +100,12 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     order = [law_words(law.law) for law in ranked_laws(identification)]
     parameters = _of_each_law(tables[PARAMETERS], order) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
+    terms = Section("How the errors and the parameters are judged", facts=facts, folded=True)
+    named = f"The other laws over the profile ({len(others)})"
+    rest = (Section(named, drawings=others, folded=True, printed=False),)
     sections = (
-        Section(SUMMARY, tables=summary, facts=facts) if summary else Section(),
+        Section(SUMMARY, tables=summary, parts=(terms,)) if summary else Section(),
+        Section("Verification profile", drawings=shown, parts=rest if others else ()),
         Section("Friction over speed", (_STEADY,) if steady else (), drawings=steady),
         Section(
             "Identified parameters",
@@ -110,21 +114,10 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
             parts=_folded(f"Parameters of the other laws ({len(parameters) - 1})", parameters[1:]),
         ),
         Section(
-            "Verification",
+            "Errors by law",
             drawings=overview,
             facts=_PARTS if verified else (),
-            parts=(Section(_IN_NUMBERS, tables=tuple(verified), folded=True),) if verified else (),
-        ),
-        Section(
-            "Verification profile",
-            drawings=shown,
-            parts=(
-                Section(
-                    f"The other laws over the profile ({len(others)})", drawings=others, folded=True
-                ),
-            )
-            if others
-            else (),
+            parts=_folded(_IN_NUMBERS, verified),
         ),
         Section(
             "Steady runs and ramps", _ramp_words(identification), parts=_folded("Errors", ramps)
@@ -160,7 +153,9 @@ def _identity(identification: Identification) -> tuple[tuple[str, str], ...]:
 
 
 def _folded(title: str, tables: Sequence[WordTable]) -> tuple[Section, ...]:
-    return (Section(title, tables=tuple(tables), folded=True),) if tables else ()
+    """Return a folded part; identification.json contains its numbers too."""
+    known = tuple(tables)
+    return (Section(title, tables=known, folded=True, printed=False),) if known else ()
 
 
 def _about_errors(identification: Identification) -> tuple[tuple[str, str], ...]:
@@ -204,7 +199,7 @@ def _remarks(identification: Identification) -> Section:
     title = "Remarks and source"
     if left_out:
         facts.append(("Runs not used", in_words(left_out)))
-    return Section(title, items=tuple(items), facts=(*facts, _SOURCE))
+    return Section(title, items=tuple(items), facts=(*facts, _SOURCE), folded=True)
 
 
 def _by_direction(law: str, message: str) -> list[tuple[str, str]]:

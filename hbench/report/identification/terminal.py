@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from hbench.records import Identification
+from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import best_law
@@ -35,7 +35,8 @@ def identification_text(identification: Identification) -> str:
         if table.title in _TABLES:
             known = others if table.title == PARAMETERS else set()
             rows = tuple(row for row in table.rows if row[0] not in known)
-            blocks.append("\n".join(table_lines(with_law_names(replace(table, rows=rows)))))
+            shown = with_law_names(replace(table, rows=rows))
+            blocks.append("\n".join(table_lines(_of_one_law(shown) if known else shown)))
     remarks = [
         *(
             _remark(reason)
@@ -49,6 +50,12 @@ def identification_text(identification: Identification) -> str:
     ]
     blocks.append("\n".join(line for remark in remarks for line in wrapped(remark)))
     return plain("\n\n".join(blocks))
+
+
+def _of_one_law(table: WordTable) -> WordTable:
+    """Return a table with the law of all its rows in its title."""
+    rows = tuple(row[1:] for row in table.rows)
+    return WordTable(f"{table.title} of {table.rows[0][0]}", table.head[1:], rows)
 
 
 def _remark(remark: str) -> str:

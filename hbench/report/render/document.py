@@ -19,6 +19,7 @@ from hbench.report.render.numbers import unit_kept
 from hbench.report.render.style import DARK
 from hbench.report.render.symbols import pieces
 from hbench.report.render.word_tables import Cell, Table, Tile
+from hbench.sentences import sentences
 
 _NUMBER = re.compile(
     r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?( \((\d[\d.]*|none)\))?"
@@ -35,10 +36,10 @@ BANNERS = {
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
     "real": "Measured on a bench that hbench ran.",
 }
-_SENTENCE = re.compile(r"(?<=[\w)%]\.) (?=[A-Z])")
 _PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
 _LONG_FLAG = 18  # letters of a flag that is not broken
+_NARROW = 3  # columns of a table that fits beside a figure
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
 
@@ -56,7 +57,7 @@ class Section:
     parts: tuple["Section", ...] = ()
     tiles: tuple[Tile, ...] = ()
     anchor: str = ""  # by default derived from the title
-    folded: bool | None = None  # behind its title: whether it starts folded; None: not at all
+    folded: bool | None = None  # behind its title: whether it starts folded; None: it never is
     printed: bool = True  # on paper; of folded parts whose numbers are in files beside the page
 
 
@@ -82,7 +83,7 @@ class Document:
         """
         if len(self.verdict) <= _PARAGRAPH:
             return self.verdict, ""
-        first, *others = _SENTENCE.split(self.verdict)
+        first, *others = sentences(self.verdict)
         count = 1 if " " in first else 2
         return " ".join((first, *others)[:count]), " ".join((first, *others)[count:])
 
@@ -227,6 +228,19 @@ def menu(document: Document) -> list[Section]:
     return titled if len(titled) >= _MENU else []
 
 
+def beside(section: Section) -> str:
+    """Return what the page shows beside a section's only figure: ``text``, ``all``, or nothing.
+
+    Tables of many columns, and the facts about them, are below the figure.
+    """
+    only = len(section.drawings) == 1 and not section.drawings[0].wide
+    text = bool(section.paragraphs or section.items)
+    narrow = all(len(table.head) <= _NARROW for table in section.tables)
+    if not only or not (text or narrow and (section.tables or section.facts)):
+        return ""
+    return "all" if narrow else "text"
+
+
 def anchor(section: Section) -> str:
     """Return the name that links lead to."""
     return section.anchor or slug(section.title)
@@ -248,6 +262,7 @@ def _environment() -> Environment:
     )
     filters = {
         "anchor": anchor,
+        "beside": beside,
         "slug": slug,
         "inline": inline,
         "csv_link": _csv_link,

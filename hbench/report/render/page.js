@@ -127,6 +127,10 @@
     scroller.addEventListener("scroll", () => hint(scroller), { passive: true });
   }
 
+  const unfold = () => document.getElementById(decodeURIComponent(location.hash.slice(1)))?.closest("details")?.setAttribute("open", "");
+  window.addEventListener("hashchange", unfold);
+  unfold();
+
   const folded = () => document.querySelectorAll("details:not([open])");
   let opened = [];
   window.addEventListener("beforeprint", () => {

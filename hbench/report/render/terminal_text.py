@@ -1,6 +1,7 @@
 """Text for a terminal: lines of limited width, and signs that every terminal shows."""
 
 from textwrap import wrap
+from unicodedata import name
 
 from hbench.report.render.numbers import without_powers
 
@@ -15,6 +16,10 @@ _PLAIN: dict[str, str | int | None] = {
     "³": "^3",
     "°": "deg",
     "…": "...",
+    "∞": "inf",
+    "√": "sqrt",
+    **{letter: name(letter).split()[-1].lower() for letter in "αβγδεηθλμνρστφχω"},
+    "Δ": "Delta",
     "\N{NO-BREAK SPACE}": " ",
 }
 

@@ -2,7 +2,6 @@
 
 FIGURE_NAMES = (  # of all_figures.FIGURES, for callers that do not draw
     "stribeck",
-    "friction-signed",
     "friction-pressure",
     "surface",
     "ramps",

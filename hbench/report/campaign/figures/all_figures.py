@@ -13,9 +13,7 @@ from hbench.report.campaign.figures.efficiency import efficiency, has_efficiency
 from hbench.report.campaign.figures.efficiency_map import efficiency_map, has_efficiency_map
 from hbench.report.campaign.figures.friction import (
     friction_magnitude,
-    has_both_directions,
     has_curves,
-    signed_friction,
 )
 from hbench.report.campaign.figures.motions import (
     breakaways,
@@ -119,15 +117,6 @@ FIGURES = (
         "are drawn side by side. Both directions have the same axes.",
         applies=has_curves,
         draw=friction_magnitude,
-        each_series=True,
-    ),
-    FigureKind(
-        name="friction-signed",
-        section="friction",
-        caption="Friction over velocity with their signs, after figure 6.14 of the method's "
-        "source. Each magnitude of the load has its colour, in both directions.",
-        applies=has_both_directions,
-        draw=signed_friction,
         each_series=True,
     ),
     FigureKind(

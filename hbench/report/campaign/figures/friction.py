@@ -55,44 +55,9 @@ def friction_magnitude(results: Results, title: str = "Friction") -> dict[str, F
     return figures
 
 
-def signed_friction(results: Results) -> dict[str, Figure]:
-    """Draw F [N] over v [mm/s] with their signs, both directions in one figure."""
-    figure = style.new_figure(height_in=4.8)
-    axes = figure.add_subplot()
-    curves = over_velocity(results)
-    ranks = load_ranks(curves)
-    named = set()
-    for curve in by_load(curves):
-        key = load_key(curve)
-        label = load_words(*key)
-        label = f"_{label}" if key in named else label or "_friction"
-        named.add(key)
-        look = load_style(curve, ranks)
-        _fitted(axes, curve, look["color"], sign=1, absolute=False)
-        v, friction, interval = style.columns(curve)
-        _expanded(axes, curve, 1e3 * v, friction, look["color"])
-        half = style.bars(interval)
-        bars = axes.errorbar(1e3 * v, friction, half, label=label, **look, **style.SMALL_POINTS)
-        behind(bars, of_trials(curve.points))
-    for line in (axes.axhline, axes.axvline):
-        line(0, color="#374151", linewidth=0.9, zorder=1)
-    axes.set(
-        xlabel=_speed_label("Velocity v (mm/s), positive extends", curves), ylabel="Friction F (N)"
-    )
-    style.head(axes, "Friction, both directions", results)
-    style.read_as(figure, _read(curves))
-    load_legend(figure, axes, "Load |$F_L$|", curves)
-    return {"": figure}
-
-
 def has_curves(results: Results) -> bool:
     """Return whether a curve over velocity exists."""
     return bool(over_velocity(results))
-
-
-def has_both_directions(results: Results) -> bool:
-    """Return whether both directions have curves over velocity."""
-    return len({curve.direction for curve in over_velocity(results)}) == 2
 
 
 def of_trials(points: Sequence[CurvePoint]) -> dict[str, list[float | str]]:
@@ -171,7 +136,7 @@ def _one_direction(
         look = load_style(curve, ranks)
         v, friction, interval = style.columns(curve)
         speed = 1e3 * np.abs(v)
-        _fitted(axes, curve, look["color"], sign, absolute=True)
+        _fitted(axes, curve, look["color"], sign)
         label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_friction"
         _expanded(axes, curve, speed, sign * friction, look["color"])
         half = style.bars(interval)
@@ -252,7 +217,7 @@ def _expanded(
         axes.fill_between(speed, low, high, color=colour, alpha=0.13, linewidth=0, zorder=1)
 
 
-def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) -> None:
+def _fitted(axes: Axes, curve: Curve, colour: str, sign: int) -> None:
     """Draw the first law: a line inside the measured speeds, dots where it is extrapolated.
 
     A fit that is not determined is dashed, and not extrapolated.
@@ -266,8 +231,7 @@ def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) ->
         for line, look in pieces:
             if line:
                 v, friction = np.array(line, dtype=float).T
-                speed = np.abs(v) if absolute else v
-                axes.plot(1e3 * speed, sign * friction, **look)
+                axes.plot(1e3 * np.abs(v), sign * friction, **look)
 
 
 def _speed_label(label: str, curves: Iterable[Curve]) -> str:

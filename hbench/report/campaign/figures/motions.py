@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Results, Surface
+from hbench.records import DIRECTIONS, Results, Surface
 from hbench.report.campaign.motion_rows import series_words
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render import style
@@ -134,8 +134,8 @@ def _draw_lost(axes: Axes, traces: Sequence[np.ndarray], column: int, color: str
 
 
 def has_breakaways(results: Results) -> bool:
-    """Return whether a run of the kind breakaway was accepted."""
-    return bool(results.motions.breakaways)
+    """Return whether runs of the kind breakaway gave more values than one a direction."""
+    return len(results.motions.breakaways) > len(DIRECTIONS)
 
 
 def breakaways(results: Results) -> dict[str, Figure]:

@@ -1,6 +1,6 @@
 """Parts with the statement of conformity, and with what was not tested."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
 from hbench.records.conformity.certified import CERTIFIED_QUANTITIES
@@ -26,7 +26,7 @@ def conformity_part(certificate: Certificate) -> Part:
     word, acceptance = certificate.word, certificate.acceptance
     if acceptance is None:
         return Part("conformity", word("conformity"), paragraphs=(word("no_limits"),))
-    keys = ("quantity", "series", "measured", "limit", "conforms", "decision")
+    keys = ("quantity", "limit", "series", "measured", "conforms", "decision")
     measured = [check.measurement for check in acceptance.checks if check.measurement is not None]
     stated = [value.measurement for value in certificate.values]  # in their tables
     pressures, loads = ({each.p_lr_ref_pa for each in stated}, {each.f_load_n for each in stated})
@@ -36,7 +36,8 @@ def conformity_part(certificate: Certificate) -> Part:
     of_series = {each.f_load_n for each in measured if each.direction}
     load = len(of_series) > 1 or not of_series <= loads
     rows = tuple(_decision_row(certificate, check, load, back) for check in acceptance.checks)
-    table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({2, 4})))
+    rows = tuple(_without_repetitions(rows))
+    table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({3, 4})))
     share = localized(certificate, short(100 * (acceptance.largest_uncertainty or 0.0)))
     rule = word(f"rule_{acceptance.rule}", share=share)
     paragraphs = (word("decision_rule", rule=rule), " ".join(_remarks(certificate, acceptance)))
@@ -117,20 +118,26 @@ def _decision_row(
         percent = f"{size} %"
     return (
         quantity_words(certificate, check),
+        on_a_line(limit_words(certificate, check.requirement), 20),
         on_a_line(", ".join(where), 20) or NONE,
         localized(certificate, text),
-        on_a_line(limit_words(certificate, check.requirement), 20),
         localized(certificate, percent),
         word(check.decision),
     )
+
+
+def _without_repetitions(rows: Iterable[tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
+    """Leave out the quantity and the limit of each row that has those of the row above."""
+    above: tuple[str, ...] = ()
+    for row in rows:
+        yield ("", "", *row[2:]) if row[:2] == above else row
+        above = row[:2]
 
 
 def quantity_words(certificate: Certificate, check: ConformityCheck) -> str:
     """Write the limited quantity, after the name that the file of limits gives it."""
     word, requirement, measured = certificate.word, check.requirement, check.measurement
     parts = [word(f"q_{requirement.quantity}")]
-    if requirement.quantity == "breakaway":
-        parts.append(word("of_ramp"))
     if requirement.leak is not None and requirement.pressure_pa is not None:
         pressure = short(from_si(requirement.pressure_pa, "bar"))
         leak = word(requirement.leak)

@@ -33,9 +33,8 @@ def content(certificate: Certificate) -> Content:
     word = certificate.word
     rows = (
         (laboratory_part(certificate), customer_part(certificate)),
-        (specimen_part(certificate), test_part(certificate)),
+        (specimen_part(certificate), test_part(certificate), conditions_part(certificate)),
         (conformity_part(certificate),),  # on the first sheet
-        (conditions_part(certificate),),
         (instruments_part(certificate),),
         (method_part(certificate),),
         *((part,) for part in result_parts(certificate)),

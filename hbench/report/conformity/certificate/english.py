@@ -191,7 +191,6 @@ ENGLISH = {
     "NOT TESTED": "NOT TESTED",
     "q_friction": "friction",
     "q_breakaway": "breakaway",
-    "of_ramp": "(largest friction of the force ramp)",
     "q_efficiency": "efficiency",
     "q_leakage": "leakage",
     "q_speed_ripple": "speed ripple",

@@ -194,7 +194,6 @@ GERMAN = {
     "NOT TESTED": "NICHT GEPRÜFT",
     "q_friction": "Reibung",
     "q_breakaway": "Losbrechen",
-    "of_ramp": "(größte Reibung der Kraftrampe)",
     "q_efficiency": "Wirkungsgrad",
     "q_leakage": "Leckage",
     "q_speed_ripple": "Ungleichförmigkeit",

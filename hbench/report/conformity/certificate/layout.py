@@ -37,7 +37,10 @@ class Part:
 
 @dataclass(frozen=True)
 class Content:
-    """All that a certificate shows. ``rows`` holds the parts; two in a row are side by side."""
+    """All that a certificate shows.
+
+    ``rows`` holds the parts. Of several in a row the first is on the left, the others on the right.
+    """
 
     language: str
     title: str

@@ -143,15 +143,17 @@ def _row(pen: Pen, parts: Sequence[Part]) -> None:
     if len(parts) == 1:
         _part(pen, parts[0])
         return
-    pen.width = (INNER - _GAP * (len(parts) - 1)) / len(parts)
-    pen.room(max(_fact_height(part, pen.width) for part in parts))
-    top, lowest = pen.y, pen.y
-    for part in parts:
-        pen.y = top
+    left, *right = parts
+    pen.width = (INNER - _GAP) / 2
+    heights = [_fact_height(part, pen.width) for part in parts]
+    pen.room(max(heights[0], sum(heights[1:])))
+    top = pen.y
+    _part(pen, left)
+    lowest, pen.y = pen.y, top
+    pen.x += pen.width + _GAP
+    for part in right:
         _part(pen, part)
-        lowest = max(lowest, pen.y)
-        pen.x += pen.width + _GAP
-    pen.x, pen.width, pen.y = LEFT, INNER, lowest
+    pen.x, pen.width, pen.y = LEFT, INNER, max(lowest, pen.y)
 
 
 def _fact_height(part: Part, width: float) -> float:

@@ -76,12 +76,11 @@ def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTa
             in_unit(gap, gap.scatter),
             number(gap.gap, 2) if in_scatters else NONE,
             in_unit(gap, gap.allowed) if gap.allowed else NONE,
-            str(gap.windows),
+            NONE if in_scatters else str(gap.windows),  # as many windows in all rows, about
         )
         for gap in gaps
         for deviation, limit in [deviation_and_limit(gap)]
     )
-    windows = "loads" if of_strokes(diagnosis) else "windows"
     of_deviation = ("deviation", "matters above", "p (Holm)")
     head = (
         "quantity",
@@ -89,9 +88,10 @@ def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTa
         "repeatability",
         "gap, all runs",
         "tolerances allow without refit",
-        windows,
+        "loads",
     )
-    kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
+    known_columns = head if of_strokes(diagnosis) else head[:-1]
+    kept = [i for i in range(len(known_columns)) if any(row[i] != NONE for row in rows)]
     known = tuple(tuple(row[i] for i in kept) for row in rows)
     return WordTable(title, tuple(head[i] for i in kept), known)
 
