@@ -191,7 +191,7 @@ def spread(
     weight = (sums.points / (sums.windows * sums.variance(beta[None])))[0]
     information = weight[:, None] * sums.columns.diagonal()
     prior_information = np.diag(selected.sigma**-2.0)
-    inverse = np.linalg.inv(sums.columns.weighted(weight[None])[0] + prior_information)
+    inverse = _inverse(sums.columns.weighted(weight[None])[0] + prior_information)
     index = np.ix_(points, np.arange(len(weight)), np.array(chosen, dtype=int))
     of_columns = data.columns.select(np.array(chosen, dtype=int)).times(beta)
     residual = data.mixed[index] - of_columns[points]
@@ -201,6 +201,13 @@ def spread(
     share = information / np.maximum(information.sum(axis=0), 1e-300)
     dof = np.maximum(share.T @ sums.points - 1, 1.0)
     return Spread(_larger(sandwich, inverse), sandwich, dof)
+
+
+def _inverse(matrix: np.ndarray) -> np.ndarray:
+    """Return the inverse of a positive definite matrix (q, q), whose diagonal may differ widely."""
+    size = np.sqrt(np.diag(matrix))
+    inverse = np.linalg.inv(matrix / np.outer(size, size)) / np.outer(size, size)
+    return 0.5 * (inverse + inverse.T)
 
 
 def _larger(first: np.ndarray, second: np.ndarray) -> np.ndarray:

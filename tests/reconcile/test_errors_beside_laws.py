@@ -23,8 +23,8 @@ class Search(CampaignSearch):
     def without(self, model, removed, others):
         return others
 
-    def _remains(self, model, names, name):
-        return name not in self.too_small
+    def _why_not_needed(self, model, names, name):
+        return "it is too small" if name in self.too_small else ""
 
 
 def result_with(monkeypatch, names, too_small):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hbench.reconcile.gaps.log_map import Windows, log_map
-from hbench.reconcile.materiality import matters
+from hbench.reconcile.search.materiality import matters
 
 LENGTH, RUNS = 60, 12
 NAMES = ("force_test", "force_load")

@@ -22,7 +22,7 @@ from hbench.reconcile.hypothesis import (
 )
 from hbench.reconcile.likelihood import Fit
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.materiality import matters
+from hbench.reconcile.search.materiality import matters
 from hbench.reconcile.search.refits import SHORTER, Refits
 from hbench.reconcile.window_sums import STEADY, is_change, is_level
 from hbench.records import Candidate
