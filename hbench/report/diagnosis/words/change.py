@@ -121,9 +121,10 @@ def readings_words(effect: EffectInPractice) -> str:
 def common_error(effect: EffectInPractice) -> str:
     """Return how to read the errors of several sensors that are one effect; empty for one sensor.
 
-    They may have one cause where their intervals have a value in common.
+    They may have one cause where they have one sign and their intervals a value in common.
     """
-    ends = [change.ci95 for change in effect.changes if change.quantity in READINGS]
+    errors = [change for change in effect.changes if change.quantity in READINGS]
+    ends = [change.ci95 for change in errors]
     if len(ends) < 2:
         return ""
     words = (
@@ -131,7 +132,9 @@ def common_error(effect: EffectInPractice) -> str:
         "the values are fitted together"
     )
     known = [end for end in ends if end is not None]
-    if len(known) == len(ends) and max(low for low, _ in known) <= min(high for _, high in known):
+    one_sign = len({change.at_point > 0 for change in errors}) == 1
+    alike = known and max(low for low, _ in known) <= min(high for _, high in known)
+    if one_sign and alike and len(known) == len(ends):
         words += (
             ". They are equal within their intervals, so a common cause, such as the supply or the "
             "amplifier of the sensors, is as possible as single faults"

@@ -26,7 +26,7 @@ from hbench.report.diagnosis.words.change import (
     wrong_readings,
 )
 from hbench.report.render.numbers import short, significant
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, places or changes in a sentence
@@ -123,7 +123,8 @@ def each_size(diagnosis: Diagnosis, effects: Sequence[EffectInPractice]) -> str:
         beyond = f" (elsewhere up to {listed(most)})" if most and not computed else ""
         parts += [f"{clause}{due}{beyond}" for clause in clauses]
         still += [] if clauses else [in_words(effect.name)]
-    parts += [f"{listed(still)} changes nothing"] if still else []
+    if still:
+        parts.append(f"{listed(still)} {plural(len(still), 'changes', 'change')} nothing")
     return f"At the working point ({_motion(point)}), {', and '.join(parts)}."
 
 

@@ -116,7 +116,7 @@ def _below_limit_words(diagnosis: Diagnosis, gap: Gap) -> str:
     if held_out is None or not held_out.refitted > CLEARLY_WORSE * held_out.floor:
         return f"{words}."
     return (
-        f"{words}. Do not use the model for this quantity: in runs outside the fit its gap is "
+        f"{words}. In runs outside the fit its gap is "
         f"{gap_number(held_out.refitted)}; a correct model has {gap_number(held_out.floor)}."
     )
 
