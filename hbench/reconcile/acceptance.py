@@ -46,8 +46,7 @@ class AcceptanceCriteria:
     def accepts(self, candidate: Candidate) -> bool:
         """Return whether a candidate exceeds its own threshold and meets the other criteria."""
         return (
-            candidate.matters
-            and candidate.score > candidate.threshold
+            candidate.score > candidate.threshold
             and candidate.explained > self.explained
             and candidate.size >= self.size
         )

@@ -123,7 +123,6 @@ class Candidate:
     parameters: dict[str, FloatOrNan]
     tried: Literal["full", "linear"]  # at its fitted coefficients, or by its columns alone
     threshold: FloatOrNan = 0.0  # that its score must exceed
-    matters: bool = True  # a balance that it changes deviates by more than is immaterial
 
 
 @dataclass(frozen=True)

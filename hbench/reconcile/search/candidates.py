@@ -22,7 +22,6 @@ from hbench.reconcile.hypothesis import (
 )
 from hbench.reconcile.likelihood import Fit
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.search.materiality import matters
 from hbench.reconcile.search.refits import SHORTER, Refits
 from hbench.reconcile.window_sums import STEADY, is_change, is_level
 from hbench.records import Candidate
@@ -53,7 +52,7 @@ class CandidateEvaluator(Refits):
         values = self._values(model, name, chosen, beta)
         before, after = (self._cross_validate(model, effects) for effects in (added, joined))
         share = explained_share(name, model, before, after, self._squares(model, values))
-        found = self._candidate(model, name, gain, share, values, "linear")
+        found = self._candidate(name, gain, share, values, "linear")
         return EvaluatedCandidate(found, None)
 
     def _promise(self, model: LinearisedModel, added: Sequence[str], name: str) -> float:
@@ -157,7 +156,7 @@ class CandidateEvaluator(Refits):
         if with_effect is start:  # no step is better: what is known is the linear fit
             values = self._values(start, name, start.index(joined), self._fit(start, joined))
             candidate = self._candidate(
-                model, name, candidate.score, candidate.explained, values, candidate.tried
+                name, candidate.score, candidate.explained, values, candidate.tried
             )
         return EvaluatedCandidate(candidate, with_effect)
 
@@ -177,7 +176,7 @@ class CandidateEvaluator(Refits):
         share = explained_share(name, model, before, after, squares)
         if is_constant_force(name) and not self._shows_in_steady_motion(model, joined[:-1], name):
             share = 0.0
-        return self._candidate(model, name, gain, share, values, "full")
+        return self._candidate(name, gain, share, values, "full")
 
     def _shows_in_steady_motion(
         self, model: LinearisedModel, added: Sequence[str], name: str
@@ -205,22 +204,20 @@ class CandidateEvaluator(Refits):
 
     def _candidate(
         self,
-        model: LinearisedModel,
         name: str,
         gain: float,
         share: float,
         values: Mapping[CoefficientKey, float],
         tried: Literal["full", "linear"],
     ) -> Candidate:
-        """Return a candidate; one within its tolerance has size 0. ``model`` is without it."""
+        """Return a candidate; one within its tolerance has the size 0."""
         limits = self.measured.tolerances
         sizes = {w: abs(value) for w, value in values.items() if w in effect_coefficients(name)}
         beyond = any(value > limits.get(which, 0.0) for which, value in sizes.items())
         largest = max((value / typical_size(which) for which, value in sizes.items()), default=0.0)
         parameters = {key: value for (_, key), value in values.items()}
         size = largest if beyond else 0.0
-        material = matters(model.gap_map, EFFECTS[name].balances, self.train)
-        return Candidate(name, gain, share, size, parameters, tried, CRITERIA.score, material)
+        return Candidate(name, gain, share, size, parameters, tried, CRITERIA.score)
 
 
 def is_constant_force(name: str) -> bool:

@@ -73,7 +73,7 @@ class EffectRefinement(CandidateEvaluator):
         estimates = fit_coefficients(self.measured.plant, model, names, self.train)
         fitted = self._values(model, name, estimates.chosen, estimates.beta)
         both = (self._own_values(model, name), fitted)
-        sizes = [self._candidate(model, name, 0.0, 0.0, each, "full").size for each in both]
+        sizes = [self._candidate(name, 0.0, 0.0, each, "full").size for each in both]
         if min(sizes) == 0.0 and self._tolerated([name]):
             return "it is within its tolerance"
         if min(sizes) < CRITERIA.size:

@@ -10,9 +10,8 @@ from hbench.sentences import capital, listed
 
 
 def too_small(candidate: Candidate) -> list[str]:
-    """Return which of the numbers of a candidate are too small for it to be named."""
+    """Return which of the three numbers of a candidate are too small for it to be named."""
     enough = {
-        "deviation": candidate.matters,
         "score": candidate.score > candidate.threshold,
         "share": candidate.explained >= LEAST_EXPLAINED,
         "size": candidate.size >= LEAST_SIZE,
@@ -86,8 +85,6 @@ def _too_small_ones(diagnosis: Diagnosis) -> str:
 def _not_named(best: Candidate) -> list[str]:
     """Return the criteria of a named effect that a candidate does not meet."""
     reasons = []
-    if not best.matters:
-        reasons.append("no quantity that it changes deviates by more than matters")
     if best.score <= best.threshold:
         reasons.append(
             "it does not predict other operating points so much better that chance is ruled out "
@@ -106,7 +103,7 @@ def hint(diagnosis: Diagnosis) -> str:
     if not diagnosis.ranking:
         return ""
     best = diagnosis.ranking[0]
-    if best.score <= best.threshold or best.explained < LEAST_EXPLAINED or not best.matters:
+    if best.score <= best.threshold or best.explained < LEAST_EXPLAINED:
         return ""
     small = ", too small to be named," if best.size < LEAST_SIZE else ""
     return (
