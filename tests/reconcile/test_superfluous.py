@@ -109,3 +109,21 @@ def test_of_two_that_may_each_be_0_beside_the_other_the_first_stays(zero_alone, 
 def test_a_result_names_what_is_in_its_final_model(steps, names):
     rows = tuple(SearchStep(None, (), added, (), dropped) for added, dropped in steps)
     assert SearchResult(None, None, rows, None).names == names
+
+
+@pytest.mark.parametrize(
+    ("name", "coefficients", "at"),
+    [
+        ("load_cell_gain", {"error": 0.5}, "error"),
+        ("load_cell_gain", {"error": -0.3}, ""),
+        ("valve_deadband", {"test": 5.0, "load": 0.0}, "test"),
+        ("internal_leakage", {"test": 0.0, "load": 2e-12}, ""),  # no leak is no bound
+        ("external_leakage", {"tp": 2e-13, "exponent": 3.0}, ""),  # a shape
+    ],
+)
+def test_an_effect_as_large_as_the_catalogue_allows_is_at_its_bound(name, coefficients, at):
+    class Valued(Search):
+        def _own_values(self, model, name):
+            return {(name, key): value for key, value in coefficients.items()}
+
+    assert Valued(None, None, ())._at_bound(None, name) == at

@@ -6,13 +6,13 @@ averaged over the trials. The scatter of a balance is that of a single window:
     s^2 = variance of a window for itself
           + variance of the runs' means between the trials of an operating point
 
-Runs of an operating point that do not move alike, as under random steps, are no trials here: the
-model's error differs between them and would raise the scatter by which it is judged.
-
 The first is the smaller of two estimates, of the median run, as a gap is in some runs only: half
 the mean of (r_i - r_(i+2))^2 within a run, windows that share no sample, and the same between the
 windows of two trials, less their mean. Each contains more than noise where the other does not: what
 is fast, and trials that begin at different moments.
+
+Runs of an operating point that do not move alike, as under random steps, are no trials here: the
+model's error differs between them and would raise the scatter by which it is judged.
 """
 
 from collections.abc import Hashable, Sequence

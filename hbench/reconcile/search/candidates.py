@@ -52,8 +52,7 @@ class CandidateEvaluator(Refits):
         values = self._values(model, name, chosen, beta)
         before, after = (self._cross_validate(model, effects) for effects in (added, joined))
         share = explained_share(name, model, before, after, self._squares(model, values))
-        found = self._candidate(name, gain, share, values, "linear")
-        return EvaluatedCandidate(found, None)
+        return EvaluatedCandidate(self._candidate(name, gain, share, values, "linear"), None)
 
     def _promise(self, model: LinearisedModel, added: Sequence[str], name: str) -> float:
         """Return a candidate's linear score: of values, changes, both or levels, the largest.

@@ -5,9 +5,9 @@ the refitted model without it loses at most 5 nats in cross-validation, and it n
 criteria of a candidate about that model. At the end the effects found are refined: refitted with
 the nuisances, now with the deviations below what is material, which a search for names leaves out,
 and with the shape of each law that cross-validation supports. An effect that is then smaller than
-these criteria ask for is left out again. So is one whose coefficients together do not differ from 0
-(95 %) and without which the refitted model loses at most 5 nats, or deviates no more in runs
-outside the fit.
+these criteria ask for is left out again. So is one with a coefficient at its bound, and one whose
+coefficients together do not differ from 0 (95 %) and without which the refitted model loses at most
+5 nats, or deviates no more in runs outside the fit.
 """
 
 from collections.abc import Callable, Iterable, Sequence
