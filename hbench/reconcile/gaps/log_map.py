@@ -12,7 +12,7 @@ windows of two trials, less their mean. Each contains more than noise where the 
 is fast, and trials that begin at different moments.
 
 Runs of an operating point that do not move alike, as under random steps, are no trials here: the
-model's error differs between them and would raise the scatter by which it is judged.
+model's error differs between them and would raise the scatter that it is compared with.
 """
 
 from collections.abc import Hashable, Sequence
