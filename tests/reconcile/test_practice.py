@@ -17,7 +17,7 @@ from hbench.reconcile.linearised import linearise
 from hbench.reconcile.measured.balances import balance_model
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.practice.changes import in_practice
+from hbench.reconcile.practice.changes import _less, in_practice
 from hbench.reconcile.practice.working_point import working_point
 from hbench.reconcile.window_sums import window_motions
 from tests.support.reconcile.exact_logs import INSTRUMENTS, logged_points
@@ -211,3 +211,9 @@ def test_without_motion_there_is_no_working_point(campaign, windows):
     fits = {"internal_leakage": fitted(campaign, "internal_leakage", ["test"])}
     point, (effect,) = in_practice(campaign, still, fits)
     assert point is None and effect.changes == ()
+
+
+def test_two_evaluations_that_differ_by_rounding_do_not_differ():
+    without, with_effect = np.array([100.0, 100.0, np.nan]), np.array([100.0 - 6e-14, 99.0, 1.0])
+    assert _less(without, with_effect).tolist()[:2] == [0.0, 1.0]
+    assert np.isnan(_less(without, with_effect)[2])

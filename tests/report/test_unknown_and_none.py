@@ -366,19 +366,27 @@ def test_a_model_that_agrees_as_given_is_kept(compared, given, kept):
 
 
 @pytest.mark.parametrize(
-    "path, value, ci95, told",
+    "path, value, ci95, bound, told",
     [
-        ("moving_mass.test", 1.47, (1.2, 1.82), "1.47 (1.20 to 1.82)"),
-        ("test_cylinder.dead_volume_piston", 2.19, (1.65, 2.91), "2.19 (1.65 to 2.91)"),
-        ("moving_mass.test", 1.15, (1.05, 1.26), ""),  # within its assumed accuracy
-        ("moving_mass.test", 1.47, (0.9, 2.4), ""),  # hardly determined
-        ("friction.test.coulomb", 8.0, (7.0, 9.0), ""),  # no drawing tells it
+        ("moving_mass.test", 1.47, (1.2, 1.82), None, "1.47 (1.20 to 1.82)"),
+        ("test_cylinder.dead_volume_piston", 2.19, (1.65, 2.91), None, "2.19 (1.65 to 2.91)"),
+        ("moving_mass.test", 1.15, (1.05, 1.26), None, ""),  # within its assumed accuracy
+        ("moving_mass.test", 1.47, (0.9, 2.4), None, ""),  # hardly determined
+        ("friction.test.coulomb", 8.0, (7.0, 9.0), None, ""),  # no drawing tells it
+        (
+            "valve.bandwidth",
+            0.64,
+            (0.64, 0.67),
+            "lower",
+            "0.64 (0.64 to 0.67) (at its lower bound)",
+        ),
+        ("valve.bandwidth", 0.64, (0.61, 0.67), None, ""),  # fitted: not known from a drawing
     ],
 )
-def test_an_agreement_by_a_volume_or_mass_that_is_far_off_asks_to_check_it(
-    compared, path, value, ci95, told
+def test_an_agreement_by_a_value_that_is_far_off_asks_to_check_it(
+    compared, path, value, ci95, bound, told
 ):
-    factor = FitParameter(value, None, ci95, None, "1")
+    factor = FitParameter(value, None, ci95, bound, "1")
     none = replace(
         compared, verdict="none", rest=(), refitted={path: factor}, refit_priors={path: 0.2}
     )

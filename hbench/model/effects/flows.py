@@ -131,7 +131,7 @@ def overlapped(u: float, width: float, softness: float) -> float:
 
     A worn or rounded edge opens softly; the opening is 0 at u = 0 and never larger than u. With
     underlap, a negative width, both edges are open in the middle: there the slope is 2, and far
-    from it u has ``width`` more.
+    from it the opening is larger than u by the underlap.
     """
     if width == 0.0:
         return u

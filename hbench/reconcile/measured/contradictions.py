@@ -51,10 +51,14 @@ def _refuse_positions(logs: Sequence[Session], stroke_m: float) -> None:
 
 def _refuse_supply(logs: Sequence[Session], given_pa: float) -> None:
     """Raise ``DataError`` for a supply pressure that is not the model file's."""
-    measured = [log.channels["p_s_pa"] for log in logs if log.measured["p_s_pa"].any()]
-    if not measured:
+    parts = (
+        log.channels["p_s_pa"][np.repeat(log.measured["p_s_pa"], np.diff(log.edges))]
+        for log in logs
+    )
+    measured = np.concatenate(list(parts))
+    if not len(measured):
         return
-    usual_pa = float(np.median(np.concatenate(measured)))
+    usual_pa = float(np.median(measured))
     if abs(usual_pa / given_pa - 1) > _SUPPLY:
         raise DataError(
             f"p_s_pa: {usual_pa / 1e5:.4g} bar in the median, supply.pressure in the model file is "

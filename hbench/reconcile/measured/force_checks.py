@@ -55,8 +55,8 @@ def refuse_driving_friction(moving: Moving, par: PlantParameters) -> None:
         levels.append(fit[0] + SIGMAS * np.sqrt(covariance[0, 0]))
     if max(levels) < -_VISIBLE * np.sqrt(np.mean(moving.force_n**2)):
         raise DataError(
-            f"friction of both cylinders has the direction of the motion ({levels[0]:.3g} N at the "
-            f"test cylinder, {levels[1]:.3g} N at the load cylinder, or more)",
+            f"friction of both cylinders has the direction of the motion (at least "
+            f"{-levels[0]:.3g} N at the test cylinder and {-levels[1]:.3g} N at the load cylinder)",
             TURNED_HINT,
         )
 

@@ -100,7 +100,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     order = [law_words(law.law) for law in ranked_laws(identification)]
     parameters = _of_each_law(tables[PARAMETERS], order) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
-    terms = Section("How the errors and the parameters are judged", facts=facts, folded=True)
+    terms = Section("Criteria for the errors and the parameters", facts=facts, folded=True)
     named = f"The other laws over the profile ({len(others)})"
     rest = (Section(named, drawings=others, folded=True, printed=False),)
     sections = (
