@@ -295,6 +295,9 @@ def test_equal_errors_of_several_sensors_may_have_one_cause(offsets):
     apart = replace(pressures, changes=(p_tp, replace(p_tr, at_point=5.0, ci95=(4.0, 6.0))))
     text = summary(replace(offsets, practice=(cell, apart)))
     assert "a value for each of the 2 sensors" in text and "common cause" not in text
+    signs = (replace(p_tp, ci95=(-9.0, 9.0)), replace(p_tr, at_point=-1.3, ci95=(-9.0, 9.0)))
+    text = summary(replace(offsets, practice=(cell, replace(pressures, changes=signs))))
+    assert "a value for each of the 2 sensors" in text and "common cause" not in text
 
 
 def test_what_the_effects_do_not_explain_is_that_of_the_model_with_them(named, compared):

@@ -378,7 +378,7 @@ def test_a_model_that_agrees_as_given_is_kept(compared, given, kept):
             0.64,
             (0.64, 0.67),
             "lower",
-            "0.64 (0.64 to 0.67) (at its lower bound)",
+            "(at its lower bound)",
         ),
         ("valve.bandwidth", 0.64, (0.61, 0.67), None, ""),  # fitted: not known from a drawing
     ],
