@@ -180,6 +180,7 @@ def assembled(
         threshold=first.evaluated[0].candidate.threshold,
         refitted=factors,
         refit_priors={path: FACTORS[path] for path in factors},
+        delays=estimates.delays(),
         overlays=overlaid,
         heldout_runs=tuple(run.plan.run for run in runs if point_of(run.plan) in held_out_points),
         not_tried=dict(not_tried),

@@ -11,6 +11,7 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.gaps.gap_map import column_means
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
     Hypothesis,
@@ -19,10 +20,12 @@ from hbench.reconcile.hypothesis import (
 )
 from hbench.reconcile.likelihood import maximum_likelihood, spread
 from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
+from hbench.reconcile.measured.disturbances import DELAY_S, delayed_channel
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
 from hbench.units import parse_unit
 
+_MS = 1e3 * DELAY_S  # of a delay's standard deviation
 _AT_BOUND = 1e-6  # priors and typical sizes
 
 
@@ -75,6 +78,25 @@ class ParameterEstimates:
             ends = (value - half_width, value + half_width)
             parameters[key] = self._parameter(i, value, se, ends, unit)
         return parameters
+
+    def delays(self) -> dict[str, FitParameter]:
+        """Return the delays that matter against the position, by channel; see ``disturbances.py``.
+
+        Without one a balance would deviate by more than what is material.
+        """
+        gap_map, values = self.model.gap_map, self.hypothesis(self.beta).disturbances
+        delays = {}
+        for i, name in enumerate(self._names):
+            if not (channel := delayed_channel(name)):
+                continue
+            change = np.sqrt(column_means((self.model.columns[name] / gap_map.scatter) ** 2))
+            if not np.any(np.abs(values[name]) * change > gap_map.material):
+                continue
+            value, half_width = _MS * values[name], _MS * self._half_width(i)
+            ends = (value - half_width, value + half_width)
+            se = _MS * float(np.sqrt(self.covariance[i, i]))
+            delays[channel] = self._parameter(i, value, se, ends, "ms")
+        return delays
 
     def may_be_zero(self, name: str) -> bool:
         """Return whether an effect's coefficients together do not differ from 0 (95 %).

@@ -16,7 +16,7 @@ from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.learned.table import is_mode, mode_of
 from hbench.reconcile.likelihood import Priors
-from hbench.reconcile.measured.disturbances import is_disturbance
+from hbench.reconcile.measured.disturbances import is_disturbance, limits
 from hbench.reconcile.nuisance import BOUND, REPLACED, nuisances, standard_deviation
 from hbench.reconcile.products import Products
 from hbench.reconcile.window_sums import products
@@ -24,7 +24,6 @@ from hbench.reconcile.window_sums import products
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default
 _FIXED = 0.01  # standard deviation of a factor that is not refitted, in those of its prior
-_LARGEST_DISTURBANCE = 3**0.5  # in standard deviations: equally likely within its limit
 _NO_EFFECT = "/~#"  # first letters of the names of factors, disturbances and modes
 _LARGEST_MODE = 30.0  # of a learned law, in standard deviations of its prior
 Columns = Mapping[str, np.ndarray]  # by name: change of the residuals (w, c) by one unit
@@ -146,7 +145,8 @@ def linearise_residuals(
             continue
         if is_disturbance(name):
             at = hypothesis.disturbances.get(name, 0.0)
-            tight.append((-at, 1.0, -_LARGEST_DISTURBANCE - at, _LARGEST_DISTURBANCE - at))
+            low, high = limits(name)
+            tight.append((-at, 1.0, low - at, high - at))
             wide.append(tight[-1])
             continue
         if is_mode(name):

@@ -27,8 +27,11 @@ from hbench.reconcile.measured.balances import (
     rounding_error,
 )
 from hbench.reconcile.measured.disturbances import (
+    COMMANDS,
     CYLINDERS,
+    DELAY_S,
     Ripples,
+    delay_name,
     drift_name,
     is_disturbance,
     is_ripple,
@@ -73,6 +76,14 @@ class MeasuredCampaign:
         return drift_deviations(self.tolerances)
 
     @property
+    def delayed(self) -> tuple[str, ...]:
+        """What may be late against the position; nothing where the board is known.
+
+        It reads all channels at the same time.
+        """
+        return (*self.drifts, COMMANDS) if self.bench is None else ()
+
+    @property
     def cylinders(self) -> tuple[str, ...]:
         """Those whose dry friction has a ripple."""
         return CYLINDERS
@@ -91,6 +102,7 @@ class MeasuredCampaign:
             *(f"/{path}" for path in nuisances(self.plant)),
             *map(".".join, self.tolerances),
             *map(drift_name, self.drifts),
+            *map(delay_name, self.delayed),
             *(ripple_name(each, mode) for each in self.cylinders for mode in range(_RIPPLE_KNOTS)),
         ]
 
@@ -111,12 +123,13 @@ class MeasuredCampaign:
         """Return the model with the disturbances of a hypothesis."""
         at = hypothesis.disturbances
         drifts = {name: at.get(drift_name(name), 0.0) * size for name, size in self.drifts.items()}
+        delays = {name: DELAY_S * at.get(delay_name(name), 0.0) for name in self.delayed}
         modes = [
             [at.get(ripple_name(each, i), 0.0) for i in range(_RIPPLE_KNOTS)] for each in CYLINDERS
         ]
         (knots,) = self.ripple.knots.values()
         ripples = Ripples(np.array(knots), modes @ self.ripple.basis.T)
-        return replace(model, drifts=drifts, ripples=ripples)
+        return replace(model, drifts=drifts, delays_s=delays, ripples=ripples)
 
     def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
         """Return the residuals of all runs, with the levels of friction that are not known.

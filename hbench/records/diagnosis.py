@@ -332,6 +332,8 @@ class Diagnosis:
     held_out_loads: tuple[HeldOutLoad, ...] = ()  # where strokes are compared
     # Assumed standard deviation of the logarithm of each refitted factor, by dotted path.
     refit_priors: dict[str, FloatOrNan] = field(default_factory=dict)
+    # Of readings and commands [ms] against the position, where they matter, by channel.
+    delays: dict[str, FitParameter] = field(default_factory=dict)
     # Largest offset of each sensor within its tolerance, by reading, in a bench's unit.
     zero_tolerances: dict[str, FloatOrNan] = field(default_factory=dict)
     material: FloatOrNan = float("nan")  # share of a quantity's range up to which it may deviate

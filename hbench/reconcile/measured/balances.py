@@ -100,6 +100,7 @@ class BalanceModel:
     velocity_lag_s: float | None  # of the logged velocity; None: not known
     word_steps: Mapping[str, float]  # resolution of the sensors' log words, by channel, in SI
     drifts: Mapping[str, float] = field(default_factory=dict)  # [SI] of sensors, by channel
+    delays_s: Mapping[str, float] = field(default_factory=dict)  # of sensors, and of commands
     levels: tuple[float, float] = (1.0, 1.0)  # of dry friction, test and load cylinder
     ripples: Ripples | None = None  # of dry friction, along the stroke
     step_s: float = STEP_S  # of the laws' states
@@ -304,7 +305,8 @@ def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:
         for name, channel in zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)
     ]
     x = true_values(session, "x_m", model, "x")
-    commands = [session.channels[name] for name in COMMANDS]
+    delay_s = model.delays_s.get("commands", 0.0)
+    commands = [session.shifted(name, delay_s) for name in COMMANDS]
     signals = np.vstack([x, session.velocity_m_s, *pressures, *commands])
     if len(model.par.learned):
         corrected_motion(signals[0], signals[1], model.par.learned)
@@ -314,6 +316,8 @@ def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:
 def true_values(session: Session, channel: str, model: BalanceModel, sensor: str) -> np.ndarray:
     """Return the values (n,) that a sensor has shown, without its errors."""
     reading, (a, b) = session.channels[channel], model.sensors[sensor]
+    if delay_s := model.delays_s.get(sensor, 0.0):
+        reading = session.ahead(channel, delay_s)
     if drift := model.drifts.get(sensor, 0.0):
         reading = reading - session.drifting(drift)
     return reading if (a, b) == (1.0, 0.0) else (reading - b) / a

@@ -2,8 +2,10 @@
 
 A drift is the change of a sensor's reading from the middle of the campaign to its last run, linear
 from run to run. A ripple is a share of a cylinder's dry friction that depends on the position: no
-bore is the same along the whole stroke. It consists of modes (see ``learned/table.py``).
-The names of their columns begin with ``~``; values are in standard deviations of their priors.
+bore is the same along the whole stroke. It consists of modes (see ``learned/table.py``). A delay is
+the time by which the readings of a sensor, or the commands, are late against the position:
+amplifiers filter, and a logger may read one channel after another. The names of their columns begin
+with ``~``; values are in standard deviations of their priors.
 """
 
 from typing import NamedTuple
@@ -11,6 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 CYLINDERS = "test", "load"
+COMMANDS = "commands"  # of all valves, as one channel
+_DELAY = "~delay_"
+_LARGEST = 3**0.5  # equally likely within a limit
+DELAY_S = 30e-3 / _LARGEST  # assumed; a filter of 10 Hz takes 23 ms
 
 
 class Ripples(NamedTuple):
@@ -32,6 +38,24 @@ def drift_name(channel: str) -> str:
 def ripple_name(cylinder: str, mode: int) -> str:
     """Return the name of the column of a mode of a cylinder's ripple."""
     return f"~ripple_{cylinder}.{mode}"
+
+
+def delay_name(channel: str) -> str:
+    """Return the name of the column of a channel's delay."""
+    return f"{_DELAY}{channel}"
+
+
+def delayed_channel(name: str) -> str:
+    """Return the channel whose delay a column is that of; empty for another column."""
+    return name.removeprefix(_DELAY) if name.startswith(_DELAY) else ""
+
+
+def limits(name: str) -> tuple[float, float]:
+    """Return the limits of a disturbance, in standard deviations.
+
+    Commands that are early, against all else, are late valves.
+    """
+    return (0.0 if name == delay_name(COMMANDS) else -_LARGEST), _LARGEST
 
 
 def is_disturbance(name: str) -> bool:

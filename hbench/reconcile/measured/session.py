@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from itertools import pairwise
 from math import factorial
 from typing import Any
 
@@ -21,6 +22,7 @@ PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
 COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 _RECORD_S = 0.01  # of a log with the board's rate; the records of faster ones are averaged
 _SMOOTHED, _ORDER = 7, 4  # samples of a polynomial, and its order
+_FEWEST = 5  # samples of a polynomial of that order
 _VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least five samples
 _OSCILLATING = 10.0  # times the fluctuation of the median window
 _VISIBLE = 0.01  # of a channel's range: a smaller oscillation does not matter
@@ -65,6 +67,34 @@ class Session:
         """Return a sensor's drift (n,), from - ``drift`` in the first run to it in the last."""
         return drift * np.repeat(self.progress, np.diff(self.edges))
 
+    def ahead(self, name: str, by_s: float) -> np.ndarray:
+        """Return a channel (n,) as it is ``by_s`` later, by a Taylor series.
+
+        Its two terms also undo a Butterworth filter of second order, with the delay sqrt(2) / omega
+        at low frequencies.
+        """
+        slope, bend = self._derivatives[name]
+        return self.channels[name] + by_s * (slope + 0.5 * by_s * bend)
+
+    @cached_property
+    def _derivatives(self) -> dict[str, list[np.ndarray]]:
+        """First and second derivatives (n,) of forces and chamber pressures, hardly smoothed."""
+        return {
+            name: [
+                _filtered(self.channels[name], self.edges, _FEWEST, _ORDER, order, self.window.dt_s)
+                for order in (1, 2)
+            ]
+            for name in ("f_applied_n", *PRESSURES[:4])
+        }
+
+    def shifted(self, name: str, by_s: float) -> np.ndarray:
+        """Return a channel (n,), which may have steps, as it is ``by_s`` later."""
+        y, t_s = self.channels[name], self.channels["t_s"]
+        if by_s == 0.0:
+            return y
+        runs = (slice(*ends) for ends in pairwise(self.edges))
+        return np.concatenate([np.interp(t_s[own] + by_s, t_s[own], y[own]) for own in runs])
+
     @cached_property
     def _samples(self) -> np.ndarray:
         """Samples (w, k) of each window."""
@@ -81,7 +111,7 @@ class Session:
         There its noise would relax the bristles of a friction law, since the mean of |v| is not 0.
         """
         x, dt_s = self.channels["x_m"], self.window.dt_s
-        short, long = (max(5, _odd(duration / dt_s)) for duration in (_VELOCITY_S, REST_S))
+        short, long = (max(_FEWEST, _odd(duration / dt_s)) for duration in (_VELOCITY_S, REST_S))
         own = 1 - _weights(_SMOOTHED, _ORDER, 0, _SMOOTHED // 2)[_SMOOTHED // 2]
         noise = robust_sigma(x - self.smooth("x_m", _ORDER)) / np.sqrt(own)
         return np.where(

@@ -64,6 +64,11 @@ class MeasuredMotion(MeasuredCampaign):
         return {}
 
     @property
+    def delayed(self) -> tuple[str, ...]:
+        """No delay: the drive's force alone is compared with the motion."""
+        return ()
+
+    @property
     def cylinders(self) -> tuple[str, ...]:
         """The driven mass is that of the test cylinder."""
         return ("test",)

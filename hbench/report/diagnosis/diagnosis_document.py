@@ -42,7 +42,7 @@ LAYOUTS: Layouts = {
         **keys("where", "effects", "alternatives", "rest"),
         **keys("next_experiment", "next_schedule"),
         "gap": {"heldout": "gap_heldout", "train": "gap_train", "runs": "gap_runs"},
-        **keys("ranking", "threshold", "refitted", "refit_priors"),
+        **keys("ranking", "threshold", "refitted", "refit_priors", "delays"),
         "refit_refused": NullIfEmpty("refit_refused"),
         **keys("regions", "regions_after", "heldout_runs", "not_tried", "ruled_out"),
         **keys("missing", "left_out", "notes", "unnamed", "separability", "errors"),

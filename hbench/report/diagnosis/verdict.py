@@ -32,6 +32,7 @@ from hbench.report.diagnosis.words.coefficient import (
     parts_present,
     parts_words,
 )
+from hbench.report.diagnosis.words.delay import delay_words
 from hbench.report.diagnosis.words.deviation import (
     CLEARLY_WORSE,
     beyond_balances,
@@ -54,7 +55,7 @@ def verdict_words(diagnosis: Diagnosis) -> str:
     """Return the first paragraph of the page."""
     of_effects = _of_strokes if of_strokes(diagnosis) else _named
     words = {"named": of_effects, "ambiguous": _ambiguous, "none": _none, "unknown": _unknown}
-    return " ".join(filter(None, words[diagnosis.verdict](diagnosis)))
+    return " ".join(filter(None, [*words[diagnosis.verdict](diagnosis), delay_words(diagnosis)]))
 
 
 def _named(diagnosis: Diagnosis) -> Iterator[str]:

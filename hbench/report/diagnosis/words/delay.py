@@ -1,0 +1,38 @@
+"""Readings that are late against the position, in words."""
+
+from dataclasses import replace
+
+from hbench.analysis.statistics.intervals import Bound
+from hbench.records import Diagnosis, FitParameter
+from hbench.report.diagnosis.names import PRESSURE_SYMBOLS
+from hbench.report.diagnosis.words.coefficient import parameter_text
+from hbench.sentences import listed
+
+_READINGS = PRESSURE_SYMBOLS | {"f_applied": "the load cell", "commands": "the valves' commands"}
+_OPPOSITE: dict[Bound, Bound] = {"lower": "upper", "upper": "lower", None: None}
+
+
+def delay_words(diagnosis: Diagnosis) -> str:
+    """Return which readings are late or early by a time that matters; empty without any."""
+    by_way: dict[str, list[str]] = {}
+    for channel, delay in diagnosis.delays.items():
+        way = "late" if delay.value > 0 else "early"
+        by_way.setdefault(way, []).append(
+            f"{_READINGS[channel]} by {parameter_text(_magnitude(delay))}"
+        )
+    if not by_way:
+        return ""
+    parts = [f"{way}: {listed(each)}" for way, each in by_way.items()]
+    return (
+        f"Against the position these readings are {'; '.join(parts)}. Filters of amplifiers or a "
+        "logger that reads one channel after another cause this. Here it is taken into account; "
+        "correct the log before other evaluations of unsteady motion."
+    )
+
+
+def _magnitude(delay: FitParameter) -> FitParameter:
+    """Return the time without its sign."""
+    if delay.value >= 0:
+        return delay
+    ends = delay.ci95 and (-delay.ci95[1], -delay.ci95[0])
+    return replace(delay, value=-delay.value, ci95=ends, at_bound=_OPPOSITE[delay.at_bound])
