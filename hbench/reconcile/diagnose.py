@@ -98,6 +98,9 @@ def run_search(
     refuse_contradictions(measured.logs, measured.balance_model(measured.start))
     train, held_out = divided_points(len({point_of(run.plan) for run in task.runs}))
     search = CampaignSearch(measured, train, tuple(names), task.stage)
+    if search.shows_late_position:
+        measured = replace(measured, late_position=True)
+        search = replace(search, measured=measured)
     result = without_unconfirmed(search, search.run(), held_out)
     if not result.steps[-1].ambiguous:
         result = with_laws(search, result, held_out)

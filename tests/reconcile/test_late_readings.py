@@ -76,6 +76,15 @@ def test_late_commands_are_no_effect():
     assert found.delays["commands"].value == pytest.approx(20.0, abs=2.0)
 
 
+def test_a_late_position_is_no_lag_of_the_valves():
+    """All sensors are early against it, and so are the valves: they seem to be late."""
+    found = diagnosed("none-5", lambda run: late(run, 1, "x_m", "v_m_s"))
+    assert found.verdict == "none"
+    print({name: (round(each.value, 2), each.se) for name, each in found.delays.items()})
+    assert found.delays["x"].value == pytest.approx(10.0, abs=1.0)
+    assert "The position is late by " in verdict_words(found)
+
+
 def test_a_leak_is_named_behind_a_filter_of_the_load_cell():
     found = diagnosed("internal_leakage-clear-1", lambda run: filtered(run, "f_applied_n"))
     assert [each.name for each in found.effects] == ["internal_leakage"]

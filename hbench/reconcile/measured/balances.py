@@ -49,10 +49,11 @@ from hbench.model.sensors import (
     sensor_parameters,
 )
 from hbench.model.states import P_TP, P_TR
+from hbench.reconcile.measured import disturbances
 from hbench.reconcile.measured.along import STEP_S, AlongLog, along
-from hbench.reconcile.measured.disturbances import Ripples
+from hbench.reconcile.measured.disturbances import POSITION, Ripples
 from hbench.reconcile.measured.integration import Starts
-from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session, sessions
+from hbench.reconcile.measured.session import COMMANDS, PRESSURES, VELOCITY, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
 from hbench.reconcile.measured.weak import sampling
 from hbench.records import Run, RunPlan
@@ -305,9 +306,11 @@ def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:
         for name, channel in zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)
     ]
     x = true_values(session, "x_m", model, "x")
-    delay_s = model.delays_s.get("commands", 0.0)
+    delay_s = model.delays_s.get(disturbances.COMMANDS, 0.0)
     commands = [session.shifted(name, delay_s) for name in COMMANDS]
-    signals = np.vstack([x, session.velocity_m_s, *pressures, *commands])
+    late_s = model.delays_s.get(POSITION, 0.0)
+    velocity = session.ahead(VELOCITY, late_s) if late_s else session.velocity_m_s
+    signals = np.vstack([x, velocity, *pressures, *commands])
     if len(model.par.learned):
         corrected_motion(signals[0], signals[1], model.par.learned)
     return signals

@@ -4,8 +4,9 @@ A drift is the change of a sensor's reading from the middle of the campaign to i
 from run to run. A ripple is a share of a cylinder's dry friction that depends on the position: no
 bore is the same along the whole stroke. It consists of modes (see ``learned/table.py``). A delay is
 the time by which the readings of a sensor, or the commands, are late against the position:
-amplifiers filter, and a logger may read one channel after another. The names of their columns begin
-with ``~``; values are in standard deviations of their priors.
+amplifiers filter, and a logger may read one channel after another. Where all sensors are early, the
+position is late. The names of the columns begin with ``~``; values are in standard deviations of
+their priors.
 """
 
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 CYLINDERS = "test", "load"
-COMMANDS = "commands"  # of all valves, as one channel
+COMMANDS, POSITION = "commands", "x"  # channels; that of the commands is of all valves
 _DELAY = "~delay_"
 _LARGEST = 3**0.5  # equally likely within a limit
 DELAY_S = 30e-3 / _LARGEST  # assumed; a filter of 10 Hz takes 23 ms
@@ -55,7 +56,8 @@ def limits(name: str) -> tuple[float, float]:
 
     Commands that are early, against all else, are late valves.
     """
-    return (0.0 if name == delay_name(COMMANDS) else -_LARGEST), _LARGEST
+    is_late = delayed_channel(name) in (COMMANDS, POSITION)
+    return (0.0 if is_late else -_LARGEST), _LARGEST
 
 
 def is_disturbance(name: str) -> bool:

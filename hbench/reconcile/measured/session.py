@@ -19,6 +19,7 @@ from hbench.records import Run
 from hbench.records.diagnosis import REST_M_S
 
 PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
+VELOCITY = "velocity"  # of the position, see ``Session.velocity_m_s``
 COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 _RECORD_S = 0.01  # of a log with the board's rate; the records of faster ones are averaged
 _SMOOTHED, _ORDER = 7, 4  # samples of a polynomial, and its order
@@ -68,23 +69,23 @@ class Session:
         return drift * np.repeat(self.progress, np.diff(self.edges))
 
     def ahead(self, name: str, by_s: float) -> np.ndarray:
-        """Return a channel (n,) as it is ``by_s`` later, by a Taylor series.
+        """Return a channel or the velocity (n,) as it is ``by_s`` later, by a Taylor series.
 
         Its two terms also undo a Butterworth filter of second order, with the delay sqrt(2) / omega
         at low frequencies.
         """
-        slope, bend = self._derivatives[name]
-        return self.channels[name] + by_s * (slope + 0.5 * by_s * bend)
+        y, slope, bend = self._derivatives[name]
+        return y + by_s * (slope + 0.5 * by_s * bend)
 
     @cached_property
     def _derivatives(self) -> dict[str, list[np.ndarray]]:
-        """First and second derivatives (n,) of forces and chamber pressures, hardly smoothed."""
+        """Signals (n,) with their first and second derivatives, hardly smoothed."""
+        names = ("x_m", "f_applied_n", *PRESSURES[:4])
+        signals = {name: self.channels[name] for name in names} | {VELOCITY: self.velocity_m_s}
+        edges, dt_s = self.edges, self.window.dt_s
         return {
-            name: [
-                _filtered(self.channels[name], self.edges, _FEWEST, _ORDER, order, self.window.dt_s)
-                for order in (1, 2)
-            ]
-            for name in ("f_applied_n", *PRESSURES[:4])
+            name: [y, *(_filtered(y, edges, _FEWEST, _ORDER, order, dt_s) for order in (1, 2))]
+            for name, y in signals.items()
         }
 
     def shifted(self, name: str, by_s: float) -> np.ndarray:

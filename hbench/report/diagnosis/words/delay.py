@@ -14,17 +14,21 @@ _OPPOSITE: dict[Bound, Bound] = {"lower": "upper", "upper": "lower", None: None}
 
 def delay_words(diagnosis: Diagnosis) -> str:
     """Return which readings are late or early by a time that matters; empty without any."""
-    by_way: dict[str, list[str]] = {}
-    for channel, delay in diagnosis.delays.items():
+    delays, by_way = dict(diagnosis.delays), dict[str, list[str]]()
+    position = delays.pop("x", None)
+    for channel, delay in delays.items():
         way = "late" if delay.value > 0 else "early"
         by_way.setdefault(way, []).append(
             f"{_READINGS[channel]} by {parameter_text(_magnitude(delay))}"
         )
-    if not by_way:
-        return ""
     parts = [f"{way}: {listed(each)}" for way, each in by_way.items()]
+    words = [f"Against the position these readings are {'; '.join(parts)}."] if parts else []
+    if position:
+        words.insert(0, f"The position is late by {parameter_text(position)}.")
+    if not words:
+        return ""
     return (
-        f"Against the position these readings are {'; '.join(parts)}. Filters of amplifiers or a "
+        f"{' '.join(words)} Filters of amplifiers or a "
         "logger that reads one channel after another cause this. Here it is taken into account; "
         "correct the log before other evaluations of unsteady motion."
     )
