@@ -58,6 +58,7 @@ from hbench.records import (
 )
 from hbench.records.diagnosis import MATERIAL
 
+_ALIKE = 0.5  # share of the largest delay
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
 NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
 _ASSUMED = (
@@ -98,13 +99,23 @@ def run_search(
     refuse_contradictions(measured.logs, measured.balance_model(measured.start))
     train, held_out = divided_points(len({point_of(run.plan) for run in task.runs}))
     search = CampaignSearch(measured, train, tuple(names), task.stage)
-    if search.shows_late_position:
-        measured = replace(measured, late_position=True)
-        search = replace(search, measured=measured)
     result = without_unconfirmed(search, search.run(), held_out)
+    if _position_is_late(fit_coefficients(task.plant, result.final, result.confirmed, train)):
+        task.stage("all sensors are early, so the position is late")
+        search = replace(search, measured=replace(measured, late_position=True))
+        measured, result = search.measured, without_unconfirmed(search, search.run(), held_out)
     if not result.steps[-1].ambiguous:
         result = with_laws(search, result, held_out)
     return measured, result, held_out
+
+
+def _position_is_late(estimates: ParameterEstimates) -> bool:
+    """Return whether several sensors are early, each by at least half as much as another.
+
+    A late position is as good, and one late channel is likelier.
+    """
+    early = [-delay.value for delay in estimates.delays().values()]
+    return len(early) > 1 and min(early) > _ALIKE * max(early)
 
 
 def with_laws(search: CampaignSearch, result: SearchResult, held_out: np.ndarray) -> SearchResult:

@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 
-from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS, read_effects
@@ -52,7 +51,6 @@ _LAGS = frozenset(  # columns of times as short as such a step
 )  # fmt: skip
 _LEVEL_SCATTER = 0.04  # of dry friction from run to run, standard deviation: assumed
 _RIPPLE = standard_deviation(0.02)  # of dry friction along a honed bore: assumed
-_LATE_S, _SHARED = 1.5e-3, 0.5  # least delay of all sensors, and its share of the largest one
 _RIPPLE_KNOTS = 8  # over the positions that were reached
 
 
@@ -87,19 +85,6 @@ class MeasuredCampaign:
         """
         position = [POSITION] if self.late_position else []
         return (*self.drifts, COMMANDS, *position) if self.bench is None else ()
-
-    def shows_late_position(self, hypothesis: Hypothesis) -> bool:
-        """Return whether all sensors are early by about the same time: the position is late.
-
-        A late position and an early sensor each are as good, but one late channel is likelier.
-        """
-        measured = [
-            name
-            for name in self.drifts
-            if any(log.measured[RUN_FIELDS[name]].any() for log in self.logs)
-        ]
-        delays = [DELAY_S * hypothesis.disturbances.get(delay_name(each), 0.0) for each in measured]
-        return len(delays) > 1 and max(delays) < min(-_LATE_S, _SHARED * min(delays))
 
     @property
     def cylinders(self) -> tuple[str, ...]:

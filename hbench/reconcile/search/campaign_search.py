@@ -31,7 +31,6 @@ What becomes of added effects is ``refinement.py``.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -63,14 +62,10 @@ _REFUSED = (
 class CampaignSearch(EffectRefinement):
     """Search in the runs of a campaign."""
 
-    @property
-    def shows_late_position(self) -> bool:
-        """Whether the position is late against all sensors of the refitted model."""
-        return self.measured.shows_late_position(self._refitted[1].hypothesis)
-
     def run(self) -> SearchResult:
         """Refit the nuisances of the given model, then search for effects."""
-        given, refitted, refused = self._refitted
+        self.stage("refitting the poorly known values of the model")
+        given, refitted, refused = self._refitted()
         keys = [".".join(c) for name in self.candidates for c in effect_coefficients(name)]
         new = [key for key in keys if key not in refitted.columns]
         current = refitted = self.with_columns(refitted, new)
@@ -93,14 +88,12 @@ class CampaignSearch(EffectRefinement):
         final, ruled_out = self.refined_and_named(current, added_names(steps))
         return SearchResult(given, refitted, tuple(steps), final, refused, ruled_out=ruled_out)
 
-    @cached_property
     def _refitted(self) -> tuple[LinearisedModel, LinearisedModel, str]:
         """Return the given and the refitted model; if not better, the given one and the reason.
 
         The second refit has the scatter of the first, in which the given model's gaps have no part.
         For this scatter the columns at the given model do.
         """
-        self.stage("refitting the poorly known values of the model")
         start = self.measured.start
         columns = self.measured.columns(start, self.measured.nuisance_columns)
         given = linearise(self.measured, start, columns)

@@ -2,14 +2,12 @@
 
 from dataclasses import replace
 
-from hbench.analysis.statistics.intervals import Bound
 from hbench.records import Diagnosis, FitParameter
 from hbench.report.diagnosis.names import PRESSURE_SYMBOLS
 from hbench.report.diagnosis.words.coefficient import parameter_text
 from hbench.sentences import listed
 
 _READINGS = PRESSURE_SYMBOLS | {"f_applied": "the load cell", "commands": "the valves' commands"}
-_OPPOSITE: dict[Bound, Bound] = {"lower": "upper", "upper": "lower", None: None}
 
 
 def delay_words(diagnosis: Diagnosis) -> str:
@@ -39,4 +37,6 @@ def _magnitude(delay: FitParameter) -> FitParameter:
     if delay.value >= 0:
         return delay
     ends = delay.ci95 and (-delay.ci95[1], -delay.ci95[0])
-    return replace(delay, value=-delay.value, ci95=ends, at_bound=_OPPOSITE[delay.at_bound])
+    return replace(
+        delay, value=-delay.value, ci95=ends, at_bound="upper" if delay.at_bound else None
+    )
