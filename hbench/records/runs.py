@@ -177,6 +177,7 @@ class Run:
     at_reference: np.ndarray | None = None  # (n,) bool: v_ref has reached the plan's value
     sensor_saturated: np.ndarray | None = None  # (n,) bool
     valve_saturated: np.ndarray | None = None  # (n,) bool
+    in_gap: np.ndarray | None = None  # (n,) bool: interpolated between samples that are far apart
     missing_records: int = 0  # lost inside the log
     truncated: str = ""  # why the log is known to be incomplete; empty if it is whole
     aborted: str = ""  # why the run was stopped early; empty if it was not

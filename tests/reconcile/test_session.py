@@ -1,6 +1,6 @@
 """Runs of one session end to end: each has the values that it has alone."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -271,8 +271,43 @@ def test_fast_and_uneven_logs_become_means_over_10_ms(runs, rate_hz, count, jitt
 
 
 def test_a_gap_in_a_log_is_not_bridged(runs):
+    """Its records are marked, and no balance of a window with one of them is compared."""
     t = np.delete(0.004 * np.arange(500), slice(200, 210))
-    with pytest.raises(DataError, match=r"a gap of 0.044 s between samples \(limit: 0.03 s\)"):
+    run = averaged(Run(runs[0].plan, t_s=t, x_m=t))
+    inside = (run.t_s > t[199] - 0.005) & (run.t_s < t[200] + 0.005)
+    np.testing.assert_array_equal(run.in_gap, inside)
+    short = np.delete(0.004 * np.arange(500), slice(200, 206))
+    assert averaged(Run(runs[0].plan, t_s=short, x_m=short)).in_gap is None
+
+
+def test_balances_leave_the_windows_of_a_gap_out(model, runs):
+    """The flows of the others are those of the whole log, but for a spool's memory of the gap."""
+    fine = 0.002 * np.arange(1200)
+    channels = {
+        field.name: np.interp(fine, runs[2].t_s - runs[2].t_s[0], value)
+        for field in fields(Run)
+        if isinstance(value := getattr(runs[2], field.name), np.ndarray) and value.dtype == float
+    }
+    whole = replace(runs[2], **channels | {"t_s": fine})
+    kept = np.delete(np.arange(1200), slice(500, 530))
+    cut = replace(
+        runs[2], **{name: value[kept] for name, value in (channels | {"t_s": fine}).items()}
+    )
+    (expected,) = (balance_values(*sessions([averaged(each)]), model) for each in [whole])
+    (session,) = sessions([averaged(cut)])
+    found = balance_values(session, model)
+    assert session.with_gaps.any() and np.isnan(found[session.with_gaps]).all()
+    flows = BALANCES.index("flow_lr") + 1
+    others = ~session.with_gaps
+    error = np.abs(found - expected)[others, :flows]
+    assert np.isfinite(error).all()
+    assert np.all(error.max(axis=0) < 0.05 * np.abs(expected[:, :flows]).max(axis=0))
+    assert any("Samples are missing" in each for each in log_remarks([session]))
+
+
+def test_a_log_that_is_mostly_gaps_is_left_out(runs):
+    t = np.concatenate([0.004 * np.arange(100), 5.0 + 0.004 * np.arange(100)])
+    with pytest.raises(DataError, match=r"gaps of up to 4.6 s .* make up 86 % .*limit: 50 %"):
         averaged(Run(runs[0].plan, t_s=t, x_m=t))
 
 

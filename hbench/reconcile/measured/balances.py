@@ -214,6 +214,7 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
     supply = _supply(signals[_SUPPLY], means, session, par)
     values = np.column_stack([*flows, test, load, kinematics, supply])
     compared = _compared(session, model)[session.run_of_window]
+    compared &= ~session.with_gaps[:, None]
     compared[:, _WITH_LAWS] &= ~session.oscillating[:, None]
     compared[:, : len(FLOWS)] &= ~session.cavitating
     return np.where(compared, values, np.nan)

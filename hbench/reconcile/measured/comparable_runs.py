@@ -20,6 +20,11 @@ _CAVITATES = (
     "balance of its flow leaves these moments out. Raise the pressure, or brake more gently."
 )
 
+_HAS_GAPS = (
+    "Samples are missing for more than three records ({runs}). The balances leave these moments "
+    "out."
+)
+
 
 def comparable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
     """Return the complete runs, evenly sampled, and the reasons for which others are left out."""
@@ -39,7 +44,13 @@ def comparable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ..
 
 def log_remarks(logs: Sequence[Session]) -> tuple[str, ...]:
     """Return remarks on runs of which the balances leave moments out."""
-    return (*_oscillations(logs), *_cavitations(logs))
+    return (*_gaps(logs), *_oscillations(logs), *_cavitations(logs))
+
+
+def _gaps(logs: Sequence[Session]) -> tuple[str, ...]:
+    """Return a remark on runs with gaps between samples."""
+    runs = [run.plan.run for log in logs for run in log.runs if run.in_gap is not None]
+    return (_HAS_GAPS.format(runs=_first_of(runs)),) if runs else ()
 
 
 def _oscillations(logs: Sequence[Session]) -> tuple[str, ...]:

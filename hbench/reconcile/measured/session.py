@@ -27,6 +27,8 @@ _FEWEST = 5  # samples of a polynomial of that order
 _VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least five samples
 _OSCILLATING = 10.0  # times the fluctuation of the median window
 _VISIBLE = 0.01  # of a channel's range: a smaller oscillation does not matter
+_FEW = 3  # records or usual steps; samples that are further apart have a gap between them
+_MOST_IN_GAPS = 0.5  # of a run
 _SUSTAINED = 4  # windows: what ends earlier is a transient
 CAVITATES_PA = -0.3e5  # above the atmosphere; below it oil releases air, and no chamber stays full
 
@@ -134,6 +136,11 @@ class Session:
         return np.column_stack(lowest) < CAVITATES_PA
 
     @cached_property
+    def with_gaps(self) -> np.ndarray:
+        """Windows (w,) with a gap between samples."""
+        return self.channels["in_gap"][self._samples].any(axis=1)
+
+    @cached_property
     def resting(self) -> np.ndarray:
         """Windows (w,) in which the piston rests."""
         return np.abs(self.rate(self.channels["x_m"])) < REST_M_S
@@ -168,14 +175,16 @@ def averaged(run: Run) -> Run:
     """Return a run with means over 10 ms each; an even log of fewer records as it is.
 
     The laws take a record as a mean over its time, and each one costs the same. Between uneven
-    samples the signals are taken as straight. Raises ``DataError`` for a gap of three records.
+    samples the signals are taken as straight; records in a gap, of more than three records, are
+    marked. Raises ``DataError`` where these are more than half of the run.
     """
     steps = np.diff(run.t_s)
     if not steps.any():
         return run
     usual = float(np.median(steps))
     if np.abs(steps - usual).max() > EVEN * usual:
-        width = max(_RECORD_S, float(f"{steps.mean():.1g}"))  # one for all runs
+        together = steps[steps <= _FEW * usual]
+        width = max(_RECORD_S, float(f"{together.mean():.1g}"))  # one for all runs
     else:
         width = usual * max(1, int(_RECORD_S / usual + 1e-6))
         if width == usual:
@@ -185,11 +194,6 @@ def averaged(run: Run) -> Run:
             f"run {run.plan.run}: lasts {run.t_s[-1] - run.t_s[0]:.3g} s, with a sample every "
             f"{usual:.3g} s (two records of {width:.2g} s are required): check the unit of the time"
         )
-    longest, limit = steps.max(), 3 * width
-    if longest > limit:
-        raise DataError(
-            f"run {run.plan.run}: a gap of {longest:.3g} s between samples (limit: {limit:.2g} s)"
-        )
     edges = np.arange(run.t_s[0], run.t_s[-1] + 1e-6 * width, width)
     means: dict[str, Any] = {"t_s": 0.5 * (edges[1:] + edges[:-1])}
     for field in fields(run):
@@ -197,7 +201,23 @@ def averaged(run: Run) -> Run:
         if isinstance(channel, np.ndarray) and field.name != "t_s":
             mean = _means(run.t_s, channel.astype(float), edges)
             means[field.name] = mean > 1e-9 if channel.dtype == bool else mean
+    in_gap = _in_gaps(run.t_s, edges, _FEW * width)
+    if in_gap.mean() > _MOST_IN_GAPS:
+        raise DataError(
+            f"run {run.plan.run}: gaps of up to {steps.max():.3g} s between samples make up "
+            f"{100 * in_gap.mean():.0f} % of the run (limit: {100 * _MOST_IN_GAPS:g} %)"
+        )
+    if in_gap.any():
+        means["in_gap"] = in_gap
     return replace(run, **means)
+
+
+def _in_gaps(t: np.ndarray, edges: np.ndarray, longest: float) -> np.ndarray:
+    """Return which records between ``edges`` touch a gap between samples that is longer."""
+    gaps = np.flatnonzero(np.diff(t) > longest)
+    starts, stops = t[gaps], t[gaps + 1]
+    touched = (starts[:, None] < edges[1:]) & (stops[:, None] > edges[:-1])
+    return np.asarray(touched.any(axis=0))
 
 
 def _means(t: np.ndarray, y: np.ndarray, edges: np.ndarray) -> np.ndarray:
@@ -223,7 +243,7 @@ def sessions(runs: Iterable[Run]) -> tuple[Session, ...]:
 def _session(runs: Sequence[Run], dt_s: float, progress: np.ndarray) -> Session:
     channels = {
         name: np.concatenate([_channel(run, name) for run in runs])
-        for name in ("t_s", "x_m", "v_m_s", "f_applied_n", *PRESSURES, *COMMANDS)
+        for name in ("t_s", "x_m", "v_m_s", "f_applied_n", *PRESSURES, *COMMANDS, "in_gap")
     }
     return Session(tuple(runs), window(dt_s), channels, progress)
 
