@@ -82,7 +82,8 @@ class ParameterEstimates:
     def delays(self) -> dict[str, FitParameter]:
         """Return the delays that matter against the position, by channel; see ``disturbances.py``.
 
-        Without one a balance would deviate by more than what is material.
+        They are not 0 (95 %), and without one a balance would deviate by more than what is
+        material.
         """
         gap_map, values = self.model.gap_map, self.hypothesis(self.beta).disturbances
         delays = {}
@@ -93,6 +94,8 @@ class ParameterEstimates:
             if not np.any(np.abs(values[name]) * change > gap_map.material):
                 continue
             value, half_width = _MS * values[name], _MS * self._half_width(i)
+            if abs(value) < half_width:
+                continue
             ends = (value - half_width, value + half_width)
             se = _MS * float(np.sqrt(self.covariance[i, i]))
             delays[channel] = self._parameter(i, value, se, ends, "ms")

@@ -273,7 +273,7 @@ def test_runs_that_are_not_whole_take_no_part_and_it_is_told_why(bench):
     ]
     usable, left_out = comparable_runs(runs)
     assert usable == (whole, imported)
-    reasons = ("emergency stop", "the link broke", "7 records", "a gap of 1.51 s")
+    reasons = ("emergency stop", "the link broke", "7 records", "gaps of up to 1.51 s")
     assert len(left_out) == len(reasons)
     for said, reason in zip(left_out, reasons, strict=True):
         assert reason in said and said.startswith("run 0") and said.count("run ") == 1

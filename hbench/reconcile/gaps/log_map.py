@@ -25,12 +25,14 @@ from scipy.special import fdtrc
 from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
+from hbench.reconcile.measured.balances import FLOWS
 from hbench.records import Gap
 from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P, UNEXPLAINED_GAP
 
 _APART = 2  # windows
 _BLOCK = 4  # windows; those of a block may share samples with two of the next one
 _ALIKE = 0.8  # correlation of the velocities of two trials
+_IRREGULAR = 3.0  # times what is material
 _DEPENDENT = 0.1  # share of the largest function of the motion: a smaller one shows little alone
 
 
@@ -176,14 +178,25 @@ def ranked_gaps(residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
 
 
 def unexplained_gaps(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
-    """Return the gaps that are structured, material and too large for the scatter of the trials."""
-    return tuple(
-        gap
-        for gap in ranked
-        if gap.gap > UNEXPLAINED_GAP
+    """Return the gaps that are structured, material and too large for the scatter of the trials.
+
+    And those of flows that are far beyond what is material, although no trial is like another: what
+    does not repeat, such as a spool that sticks, raises the scatter that it is compared with.
+    Friction may differ from run to run.
+    """
+    return tuple(gap for gap in ranked if _is_structured(gap) or _is_irregular(gap))
+
+
+def _is_structured(gap: Gap) -> bool:
+    return (
+        gap.gap > UNEXPLAINED_GAP
         and gap.p_value < SIGNIFICANT_P
         and not gap.deviation <= gap.material
     )
+
+
+def _is_irregular(gap: Gap) -> bool:
+    return gap.name in FLOWS and gap.deviation > _IRREGULAR * gap.material
 
 
 def unexplained_at(residuals: GapMap, points: np.ndarray) -> tuple[Gap, ...]:

@@ -205,7 +205,7 @@ def averaged(run: Run) -> Run:
     if in_gap.mean() > _MOST_IN_GAPS:
         raise DataError(
             f"run {run.plan.run}: gaps of up to {steps.max():.3g} s between samples make up "
-            f"{100 * in_gap.mean():.0f} % of the run (limit: {100 * _MOST_IN_GAPS:g} %)"
+            f"{100 * in_gap.mean():.0f} % of its time (limit: {100 * _MOST_IN_GAPS:g} %)"
         )
     if in_gap.any():
         means["in_gap"] = in_gap

@@ -33,6 +33,11 @@ def unexplained_words(diagnosis: Diagnosis) -> Iterator[str]:
     more = len(gaps) - len(shown)
     also = f", as do {more} more quantities" if more else ""
     yield f"{capital(_sizes(diagnosis, shown))}{also}; no known effect explains this."
+    if not any(map(_repeats, gaps)):
+        yield (
+            "The deviations differ between runs of the same plan, as those of a spool that sticks, "
+            "of air in the oil or of a loose contact do."
+        )
     if not gaps[1:]:
         for place in worst_places(diagnosis, gaps[0].name)[:1]:
             size = rms_words(diagnosis, gaps[0].name, place.gap)
@@ -146,12 +151,19 @@ def _size(diagnosis: Diagnosis, gap: Gap, alone: bool) -> str:
     return f"{size} ({significant(100 * share, 2)} % of its range)"
 
 
+def _repeats(gap: Gap) -> bool:
+    """Return whether the trials of an operating point have a deviation in common."""
+    return not gap.p_value >= SIGNIFICANT_P
+
+
 def narrowing_words(diagnosis: Diagnosis, name: str) -> str:
     """Return which measurement narrows the cause of a balance's residual.
 
     Where no place stands out, one that is missing for a better verdict.
     """
     places = worst_places(diagnosis, name)
+    if not all(_repeats(gap) for gap in diagnosis.rest if gap.name == name):
+        return ""
     set_by_run = [place for place in places if place.axis != "time in the run"]
     if diagnosis.missing and not set_by_run:
         return f"To narrow the cause, measure {diagnosis.missing[0]}."
