@@ -12,7 +12,7 @@ from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.text import identification_json
 from hbench.report.render.figures import figure_files
-from hbench.store.campaign.folder import StoredCampaign, load_campaign
+from hbench.store.campaign.folder import load_campaign
 from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
@@ -58,7 +58,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     if not_verified:
         verified, scatter = VerifiedLaws(laws, ()), {}
     else:
-        verified = verify_laws(_bench_data(campaign), laws, measured, campaign.plans, report)
+        verified = verify_laws(campaign.bench_content, laws, measured, campaign.plans, report)
         scatter = trial_scatter(measured, mass_kg)
     return Identification(
         provenance=results.provenance,
@@ -104,7 +104,3 @@ def _not_verified(measured: Sequence[Run], *, has_bench: bool) -> str:
             "its verification runs (imported logs have none)"
         )
     return ""
-
-
-def _bench_data(campaign: StoredCampaign) -> dict:
-    return campaign.header["bench"]["content"]

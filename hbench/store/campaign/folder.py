@@ -114,6 +114,11 @@ class StoredCampaign:
         times = [moment(entry.stop.at) for entry in self.entries if entry.stop]
         return max((time for time in times if time is not None), default=None)
 
+    @property
+    def bench_content(self) -> dict[str, Any]:
+        """The bench file as it was read; empty for imported logs without one."""
+        return (self.header.get("bench") or {}).get("content") or {}
+
     def bench(self) -> Bench | None:
         """Return the bench of the measurement; None for imported logs without a bench file."""
         if not self.imported and not self.header.get("bench"):
