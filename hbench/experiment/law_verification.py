@@ -106,9 +106,7 @@ def _with_preceding_runs(plans: Sequence[RunPlan], wanted: set[str]) -> list[Run
 def _first_trials(runs: Sequence[Run]) -> list[Run]:
     chosen: dict[tuple, Run] = {}
     for run in runs:
-        plan = run.plan
-        key = plan.motion, plan.label, plan.f_load_n, plan.p_lr_ref_pa
-        chosen.setdefault(key, run)
+        chosen.setdefault(run.plan.operating_point, run)
     return list(chosen.values())
 
 

@@ -90,7 +90,7 @@ class WholeCampaign:
                     runs_done=runs_before + now.runs_done,
                     runs_total=runs_before + now.runs_total + len(part.undecided),
                     at_most=bool(part.undecided),
-                    trials=self._trials[_reference(now.plan)],
+                    trials=self._trials[now.plan.operating_point],
                     rejected=self._rejected,
                     last_rejected=self._last_rejected,
                     seconds_left=self._left(remaining),
@@ -109,9 +109,5 @@ class WholeCampaign:
 
     def _count_trials(self, plans: Iterable[RunPlan]) -> None:
         for plan in plans:
-            reference = _reference(plan)
-            self._trials[reference] = max(plan.trial, self._trials.get(reference, 0))
-
-
-def _reference(plan: RunPlan) -> tuple:
-    return (plan.kind, plan.label, plan.motion, plan.f_load_n, plan.p_lr_ref_pa)
+            point = plan.operating_point
+            self._trials[point] = max(plan.trial, self._trials.get(point, 0))

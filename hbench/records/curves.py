@@ -16,7 +16,7 @@ from hbench.records.numbers import (
     KindName,
     ParameterPair,
 )
-from hbench.records.runs import Direction, Factors, Specimen
+from hbench.records.runs import Direction, Factors, Series, Specimen
 
 # Fewest speeds of which each is held out: five, and enough others for five parameters.
 LEAST_HELD_OUT_SPEEDS = 7
@@ -163,6 +163,11 @@ class Curve:
     a_ref_m_s2: float | None = None  # of a ramp
     selection: Selection | None = None  # None with fewer than two laws or seven speeds
     factors: Factors = ()
+
+    @property
+    def series(self) -> Series:
+        """Series of the curve."""
+        return Series(self.label, self.f_load_n, self.p_lr_ref_pa)
 
     @property
     def factor_values(self) -> dict[str, str]:

@@ -80,6 +80,15 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Series:
+    """Label, load and rod-side pressure that averaged runs have in common."""
+
+    label: str
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+
+
+@dataclass(frozen=True)
 class RunPlan:
     """Planned or completed run: its kind, its set-up and its references."""
 
@@ -108,6 +117,16 @@ class RunPlan:
     def factor_values(self) -> dict[str, str]:
         """Value of each factor, such as a current or a lubricant, with its unit."""
         return dict(self.factors)
+
+    @property
+    def series(self) -> Series:
+        """Series of the run."""
+        return Series(self.label, self.f_load_n, self.p_lr_ref_pa)
+
+    @property
+    def operating_point(self) -> tuple[KindName, Series, Motion | None]:
+        """Key of a run that hbench planned, equal for all trials of its operating point."""
+        return self.kind, self.series, self.motion
 
     @property
     def planned_motion(self) -> Motion:

@@ -29,7 +29,7 @@ from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.config.sensors import Instruments
-from hbench.records import Breakaway, Curve, CurvePoint, DwellLaw, Run, RunPlan, ScreenedRun, Series
+from hbench.records import Breakaway, Curve, CurvePoint, DwellLaw, Run, RunPlan, ScreenedRun
 from hbench.records.rod_pressure import series_key
 
 _LEAST_DWELLS = 3  # for a law over the time at rest
@@ -146,7 +146,7 @@ def _mean(
     (point,) = with_instruments(curve, instruments).points
     area = plan.specimen.driving_area_m2(plan.direction)
     return Breakaway(
-        series=Series(plan.label, *load),
+        series=plan.series,
         direction=plan.direction,
         dwell_s=plan.dwell_s,
         rate_n_s=None if plan.force_rate_n_s is None else abs(plan.force_rate_n_s),

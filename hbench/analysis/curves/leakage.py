@@ -39,7 +39,7 @@ from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.statistics.intervals import covariance_over_runs, has_effect, parts_in
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Bench
-from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun, Series
+from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun
 from hbench.records.motions import BULK_MODULUS_ERROR, OIL_EXPANSION_1_K, TEMPERATURE_RATE_K_S
 from hbench.sentences import listed
 
@@ -280,7 +280,7 @@ def _hold(run: Run, bench: Bench) -> _Hold:
     t_mean, lost_p, lost_r = (y - y[0] for y in means)
     decay = Decay(
         run=plan.run,
-        series=Series(plan.label, plan.f_load_n, plan.p_lr_ref_pa),
+        series=plan.series,
         p_p_pa=float(p_p.mean()),
         p_r_pa=float(p_r.mean()),
         rate_p_pa_s=slope(p_p),

@@ -60,13 +60,12 @@ def step_levels(screened: Iterable[ScreenedRun], mass_kg: float) -> tuple[Level,
         run = verdict.run
         if verdict.accepted and run.v_ref_m_s is not None:
             steps = velocity_steps(run, mass_kg)
-            series = run.plan.label, run.plan.f_load_n, run.plan.p_lr_ref_pa
-            key = (*series, run.plan.kind, tuple(step.v_to_m_s for step in steps))
+            key = run.plan.series, run.plan.kind, tuple(step.v_to_m_s for step in steps)
             groups[key].append((run.plan.trial, run.plan.run, steps))
     return tuple(
-        _level(Series(*key[:3]), key[3], number, runs)
-        for key, runs in groups.items()
-        for number in range(len(key[4]))
+        _level(series, kind, number, runs)
+        for (series, kind, levels), runs in groups.items()
+        for number in range(len(levels))
     )
 
 

@@ -90,8 +90,7 @@ def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErr
     """
     profiles: dict[tuple, list[Run]] = defaultdict(list)
     for run in measured:
-        plan = run.plan
-        profiles[plan.motion, plan.label, plan.f_load_n, plan.p_lr_ref_pa].append(run)
+        profiles[run.plan.operating_point].append(run)
     scatter = _SectionErrors()
     for runs in profiles.values():
         if len(runs) < 2 or any(run.v_ref_m_s is None for run in runs):
