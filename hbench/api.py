@@ -23,7 +23,7 @@ from hbench.errors import ConfigError, DataError
 from hbench.model.build import plant_parameters
 from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate as trajectory
-from hbench.records import Curve, CurvePoint, Direction, Fit, Specimen
+from hbench.records import SIGNS, Curve, CurvePoint, Direction, Fit, Specimen
 from hbench.report.campaign.results_document import results_json
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.runs import channels
@@ -159,7 +159,7 @@ class FittedCurve(Fit):
         interval holds only if the law does. Raises ``ConfigError``.
         """
         v = np.asarray(v_m_s, dtype=float)
-        sign = 1.0 if self.direction == "extend" else -1.0
+        sign = SIGNS[self.direction]
         if not self.parameters:
             raise ConfigError(f"predict: {self.message}", "Fit more points.")
         if not np.isfinite(v).all() or (sign * v < 0).any() or (np.abs(v) > _FASTEST_M_S).any():

@@ -16,7 +16,7 @@ from hbench.records.numbers import (
     KindName,
     ParameterPair,
 )
-from hbench.records.runs import Direction, Factors, Series, Specimen
+from hbench.records.runs import SIGNS, Direction, Factors, Series, Specimen
 
 # Fewest speeds of which each is held out: five, and enough others for five parameters.
 LEAST_HELD_OUT_SPEEDS = 7
@@ -183,7 +183,7 @@ class Curve:
     @property
     def against_motion(self) -> float:
         """Factor from the points' friction to friction against the motion, which is positive."""
-        return 1.0 if self.direction == "extend" else -1.0
+        return SIGNS[self.direction]
 
     @property
     def over_velocity(self) -> bool:

@@ -17,6 +17,7 @@ from hbench.records.numbers import Count, KindName
 
 Direction = Literal["extend", "retract"]
 DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
+SIGNS: dict[Direction, float] = {"extend": 1.0, "retract": -1.0}  # of the velocity
 DIRECTION_WORDS: dict[str, str] = {"extend": "extending", "retract": "retracting"}
 Outcome = Literal["done", "aborted", "failed"]
 # What else was varied, such as ("current", "0.5 A"); the label contains it too.

@@ -148,9 +148,8 @@ def _by_trial(trials: Sequence[int], values: Sequence[float]) -> list[float]:
 def _levels(curve: Curve, speeds_m_s: np.ndarray) -> np.ndarray:
     """Return each trial's mean |F| over ``speeds_m_s``, straight between its points."""
     v = np.abs([point.v_m_s for point in curve.points])
-    of_trials = np.array([point.trials_n for point in curve.points]).T
-    sign = 1.0 if curve.direction == "extend" else -1.0
-    return np.array([np.interp(speeds_m_s, v, sign * trial).mean() for trial in of_trials])
+    of_trials = curve.against_motion * np.array([point.trials_n for point in curve.points]).T
+    return np.array([np.interp(speeds_m_s, v, trial).mean() for trial in of_trials])
 
 
 def _corrected(comparisons: list[Comparison]) -> list[Comparison]:

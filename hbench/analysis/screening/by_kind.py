@@ -32,7 +32,7 @@ from hbench.analysis.screening.steadiness import speeds_over_tenths
 from hbench.analysis.screening.zero_check import CHAMBERS, closed_part
 from hbench.config.schedule import Screening
 from hbench.motion.speeds import mean_speed
-from hbench.records import KINDS, Run
+from hbench.records import KINDS, SIGNS, Run
 
 _REACHED = 0.98  # of a ramp's top speed
 _NEAR_END_M = 0.005
@@ -161,7 +161,7 @@ def _rest(run: Run, rules: Screening) -> Iterator[str]:
 
 def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
     yield from _valve_limits(run, rules)
-    forward = 1.0 if run.plan.direction == "extend" else -1.0
+    forward = SIGNS[run.plan.direction]
     moved_mm = 1e3 * forward * float(run.x_m[-1] - run.x_m[0])
     segments = run.plan.motion.segments if run.plan.motion else ()
     for push in segments[:1]:

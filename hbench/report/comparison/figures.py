@@ -223,10 +223,9 @@ def _mark(axes: Axes, differences: CampaignDifferences) -> None:
 
 
 def _columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    sign = 1.0 if curve.direction == "extend" else -1.0
     points = curve.points
     return (
         1e3 * np.abs([point.v_m_s for point in points]),
-        sign * np.array([point.friction_n for point in points]),
+        curve.against_motion * np.array([point.friction_n for point in points]),
         np.array([np.nan if point.ci95_n is None else point.ci95_n for point in points]),
     )

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from hbench.records import (
     DIRECTIONS,
     KINDS,
+    SIGNS,
     Curve,
     CurvePoint,
     Direction,
@@ -131,7 +132,7 @@ def _one_direction(
         axes, below = figure.subplots(2, sharex=True, height_ratios=(5, 2))
     else:
         axes, below = figure.add_subplot(), None
-    sign = 1 if direction == "extend" else -1
+    sign = SIGNS[direction]
     for rank, curve in enumerate(by_load(curves)):
         look = load_style(curve, ranks)
         v, friction, interval = style.columns(curve)
@@ -217,7 +218,7 @@ def _expanded(
         axes.fill_between(speed, low, high, color=colour, alpha=0.13, linewidth=0, zorder=1)
 
 
-def _fitted(axes: Axes, curve: Curve, colour: str, sign: int) -> None:
+def _fitted(axes: Axes, curve: Curve, colour: str, sign: float) -> None:
     """Draw the first law: a line inside the measured speeds, dots where it is extrapolated.
 
     A fit that is not determined is dashed, and not extrapolated.

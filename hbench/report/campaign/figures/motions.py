@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import DIRECTIONS, Results, Surface
+from hbench.records import DIRECTIONS, SIGNS, Results, Surface
 from hbench.report.campaign.motion_rows import series_words
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render import style
@@ -223,5 +223,4 @@ def surfaces(results: Results) -> dict[str, Figure]:
 
 def _against_motion(surface: Surface) -> np.ndarray:
     """Return the loads [kN], positive where they oppose the motion."""
-    sign = 1.0 if surface.direction == "extend" else -1.0
-    return sign * np.array(surface.f_load_n) / 1e3
+    return SIGNS[surface.direction] * np.array(surface.f_load_n) / 1e3
