@@ -181,20 +181,16 @@ def judge(recorded: ClosedLoopRuns, bench: Bench, rules: Screening, plant: str) 
         p_lp, p_lr, v = run.p_lp_pa, run.p_lr_pa, run.v_m_s
         assert p_lp is not None and p_lr is not None and v is not None  # the board logs them all
         v_ref, window = run.plan.v_ref_m_s, _window(run, means.t_start_s, means.t_stop_s)
-        speed, side = abs(v_ref), np.sign(v_ref)
-        allowed = max(rules.low_speed_error, rules.low_speed_error_relative * speed)
-        if speed > rules.high_speed:
-            allowed = rules.high_speed_error
-        ripple = max(rules.speed_ripple, rules.speed_ripple_relative * speed)
-        beyond = OVERSHOOT * bench.limits.speed_error
+        over = max(0.0, (np.sign(v_ref) * v).max() - abs(v_ref))
         off = max(
             abs(p_lr[window].mean() - run.plan.p_lr_ref_pa),
             abs(p_lp[window].mean() - run.plan.p_lp_ref_pa),
         )
+        error, beyond = abs(means.v_m_s - v_ref), OVERSHOOT * bench.limits.speed_error
         for what, unit, value, limit in (
-            ("mean speed error", "mm/s", 1e3 * abs(means.v_m_s - v_ref), 1e3 * allowed),
-            ("speed ripple", "mm/s", 1e3 * v[window].std(), 1e3 * ripple),
-            ("overshoot", "mm/s", 1e3 * max(0.0, (side * v).max() - speed), 1e3 * beyond),
+            ("mean speed error", "mm/s", 1e3 * error, 1e3 * rules.speed_limit(v_ref)),
+            ("speed ripple", "mm/s", 1e3 * v[window].std(), 1e3 * rules.ripple_limit(v_ref)),
+            ("overshoot", "mm/s", 1e3 * over, 1e3 * beyond),
             ("load pressure error", "bar", off / 1e5, PRESSURE_ERROR * bench.supply.pressure / 1e5),
         ):
             rows_of_check.setdefault((what, unit), []).append((float(value), limit, _where(run)))

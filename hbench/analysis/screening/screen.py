@@ -216,7 +216,7 @@ def _steadiness(
             f"limit {1e3 * limit:.2f} mm/s"
         )
     # Noise widens the limit of the ripple: it is computed only where that matters.
-    if means and exceeds(means.v_ripple_m_s or 0.0, _ripple_limit(run, rules)):
+    if means and exceeds(means.v_ripple_m_s or 0.0, rules.ripple_limit(v_ref)):
         yield from _ripple(run, window, rules)
     known = np.zeros(0) if run.v_m_s is None else run.v_m_s[window]
     known = known[np.isfinite(known)]
@@ -257,16 +257,12 @@ def _ripple(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     t, x = run.t_s[window], run.x_m[window]
     foreign = run.plan.motion is None
     ripple = speed_ripple(t, x, noise_over_motion(run.t_s, run.x_m) if foreign else np.inf)
-    limit = _ripple_limit(run, rules)
+    limit = rules.ripple_limit(run.plan.v_ref_m_s)
     if exceeds(ripple.total_m_s, np.hypot(limit, ripple.noise_m_s)):
         yield (
             f"not_steady: speed over 0.1 s varies by {1e3 * ripple.total_m_s:.2f} mm/s (standard "
             f"deviation); limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} mm/s noise"
         )
-
-
-def _ripple_limit(run: Run, rules: Screening) -> float:
-    return max(rules.speed_ripple, rules.speed_ripple_relative * abs(run.plan.v_ref_m_s))
 
 
 def _too_short(run: Run, section: slice, window: slice, rules: Screening) -> str:
