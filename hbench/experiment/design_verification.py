@@ -7,7 +7,6 @@ stroke is too short is lowered. Each run is screened as by ``hbench analyze``.
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ from hbench.control.loops import LOOPS
 from hbench.control.propose import propose
 from hbench.control.sampled import Pi
 from hbench.experiment.closed_loop import ClosedLoopRuns, record
-from hbench.experiment.progress import Progress
+from hbench.experiment.progress import Report, report_of_part
 from hbench.model.build import plant_parameters
 from hbench.records import Check, Proposal, Run
 
@@ -34,9 +33,7 @@ _SLOWEST_M_S = 1e-3
 _LIMIT = re.compile(r"limits\.(\w+)")
 
 
-def proposal(
-    bench: Bench, ratio: float, point: OperatingPoint, report: Callable[[Progress], None]
-) -> Proposal:
+def proposal(bench: Bench, ratio: float, point: OperatingPoint, report: Report) -> Proposal:
     """Propose gains for ``bench``, designed at ``point``, and check them with the firmware.
 
     ``ratio`` is the ratio of neighbouring bandwidths. Raises ``ConfigError``, ``ConvergenceError``.
@@ -96,24 +93,17 @@ def with_gains(bench: Bench, loops: Sequence[Pi]) -> Bench:
     return bench
 
 
-def verify(
-    bench: Bench, report: Callable[[Progress], None] = lambda progress: None
-) -> tuple[Check, ...]:
+def verify(bench: Bench, report: Report) -> tuple[Check, ...]:
     """Make the runs with the bench's gains on each of ``plants``, and check them.
 
     Raises ``ConfigError`` where the bench can't make the runs at all.
     """
     rules, motions = Screening(), schedule(bench)
     checks: list[Check] = []
-    each, variants = len(motions["experiments"]), plants(bench)
-
-    for before, (name, factors) in enumerate(variants.items()):
-
-        def report_total(progress: Progress, runs_before: int = before * each) -> None:
-            total = len(variants) * each
-            report(replace(progress, runs_done=runs_before + progress.runs_done, runs_total=total))
-
-        recorded = record(bench, motions, _physics(bench, factors), report_total)
+    variants = plants(bench)
+    for number, (name, factors) in enumerate(variants.items()):
+        of_variant = report_of_part(report, number, len(variants), len(motions["experiments"]))
+        recorded = record(bench, motions, _physics(bench, factors), of_variant)
         checks += judge(recorded, bench, rules, name)
     return tuple(checks)
 

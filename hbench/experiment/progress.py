@@ -50,6 +50,20 @@ class Progress:
 Report = Callable[[Progress], None]
 
 
+def no_report(progress: Progress) -> None:
+    """Report nothing."""
+
+
+def report_of_part(report: Report, part: int, parts: int, runs: int) -> Report:
+    """Return the report of a part, from 0, of a whole of ``parts`` with ``runs`` runs each."""
+
+    def report_whole(progress: Progress) -> None:
+        done = part * runs + progress.runs_done
+        report(replace(progress, runs_done=done, runs_total=parts * runs))
+
+    return report_whole
+
+
 class WholeCampaign:
     """Progress of a whole campaign, from that of its parts."""
 

@@ -1,11 +1,11 @@
 """Identification of friction laws from a campaign, verified in a model of its bench."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from hbench.analysis.identification.usable_runs import identification_use, usable_runs
 from hbench.errors import DataError
-from hbench.experiment.progress import Progress
+from hbench.experiment.progress import Report
 from hbench.records import Identification, Run
 from hbench.report.identification.figures import draw_identification
 from hbench.report.identification.page import identification_page
@@ -23,7 +23,7 @@ _NOTES = (
 )
 
 
-def identify(folder: Path, report: Callable[[Progress], None]) -> Identification:
+def identify(folder: Path, report: Report) -> Identification:
     """Identify the test cylinder's friction laws, and verify each on the verification runs.
 
     Verification runs are not used for identification. Raises ``DataError``.
