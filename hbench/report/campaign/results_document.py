@@ -4,7 +4,6 @@ Other programs read the names (schema "hbench.results/1"), which don't change. A
 not exist, NaN included, is null.
 """
 
-import json
 from typing import Any
 
 from hbench.records import (
@@ -41,6 +40,7 @@ from hbench.report.json_documents.layout import (
     keys,
 )
 from hbench.report.json_documents.schema import Schema, schema
+from hbench.report.json_documents.values import json_text
 
 NAME = "results/1"
 _ABOUT = (
@@ -129,7 +129,7 @@ LAYOUTS: Layouts = {
 
 def results_json(results: Results) -> str:
     """Return the text of ``results.json``."""
-    return json.dumps(json_document(results, LAYOUTS), indent=1, allow_nan=False) + "\n"
+    return json_text(json_document(results, LAYOUTS))
 
 
 def results_schema() -> Schema:

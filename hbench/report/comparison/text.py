@@ -1,6 +1,5 @@
 """A comparison in words and numbers: for the terminal, as JSON, and its page."""
 
-import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 
@@ -42,7 +41,7 @@ from hbench.report.comparison.tables import (
     speeds_table,
 )
 from hbench.report.comparison.verdict import alarm, headline
-from hbench.report.json_documents.values import json_value
+from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.terminal_table import table_lines
@@ -141,7 +140,7 @@ def differences_json(differences: CampaignDifferences) -> str:
         **bands_document(differences),
         "notes": differences.notes,
     }
-    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
+    return json_text(json_value(document))
 
 
 def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawing]) -> str:

@@ -1,6 +1,5 @@
 """Tables of a fleet for the terminal and the page, and the fleet as JSON."""
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -27,7 +26,7 @@ from hbench.report.fleet.verdict import (
     change_words,
     steady_spreads,
 )
-from hbench.report.json_documents.values import json_value
+from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.numbers import (
     NONE,
     number,
@@ -57,7 +56,7 @@ def fleet_json(fleet: Fleet) -> str:
         shown["real"] = wear.real
     for shown, suspect in zip(document["worst"], fleet.worst, strict=True):
         shown["outlier"] = suspect.deviations[0].outlier
-    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
+    return json_text(json_value(document))
 
 
 _SPEED, _ALIKE = "Speed (mm/s)", 1.1
