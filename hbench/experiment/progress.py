@@ -67,17 +67,10 @@ def report_of_part(report: Report, part: int, parts: int, runs: int) -> Report:
 class WholeCampaign:
     """Progress of a whole campaign, from that of its parts."""
 
-    def __init__(
-        self,
-        report: Report,
-        bench: Bench,
-        plans: Iterable[RunPlan],
-        now: Callable[[], float] = time.monotonic,
-    ):
+    def __init__(self, report: Report, bench: Bench, plans: Iterable[RunPlan]):
         self._report = report
         self._bench = bench
-        self._now = now
-        self._start = self._last_end = now()
+        self._start = self._last_end = time.monotonic()
         self._seconds_done = 0.0  # as estimated
         self._rejected = 0
         self._last_rejected: Ended | None = None
@@ -91,7 +84,7 @@ class WholeCampaign:
 
         def report(now: Progress) -> None:
             for ended in now.ended:
-                self._last_end = self._now()
+                self._last_end = time.monotonic()
                 if not ended.again:
                     self._seconds_done += seconds[ended.plan.run]
                 if ended.reasons:
@@ -118,7 +111,7 @@ class WholeCampaign:
         if not self._seconds_done:
             return None
         pace = (self._last_end - self._start) / self._seconds_done
-        since = self._now() - self._last_end
+        since = time.monotonic() - self._last_end
         return pace * sum(remaining) - min(since, pace * remaining[0]) if remaining else 0.0
 
     def _count_trials(self, plans: Iterable[RunPlan]) -> None:

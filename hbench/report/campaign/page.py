@@ -23,7 +23,7 @@ from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.next_step import decided_step_words, next_step_words
 from hbench.report.oil_temperature import temperature_section
-from hbench.report.rejected_section import LONG_LIST, rejected_sections
+from hbench.report.rejected_section import rejected_sections
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span
@@ -100,7 +100,7 @@ def report_document(
         *_efficiency(results, figures.get("efficiency", ())),
         *more,
         *(() if first else rejected),
-        settings_section(results, LONG_LIST),
+        settings_section(results),
         method_section(results),
         *_points(results),
         *fit_remarks(results),

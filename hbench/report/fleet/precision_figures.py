@@ -31,7 +31,8 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
         studies = [study for study in fleet.precision if study.quantity == quantity]
         figure, cut = draw_components(quantity, studies, mark)
         caption = "Bars: 95 % intervals." + (" Bars at the edge continue." if cut else "")
-        yield _sketch("components", COMPONENTS, quantity, caption, figure)
+        name = f"components-{_name(quantity, None)}"
+        yield Sketch(name, COMPONENTS, quantity.words, caption, figure)
     for chart in fleet.charts:
         name = _name(chart.quantity, chart.direction)
         caption = (
@@ -184,10 +185,6 @@ def draw_wear(trends: list[WearTrend], mark: str) -> Figure:
     _head(axes, quantity, mark)
     style.legend_above(figure, axes)
     return figure
-
-
-def _sketch(kind: str, section: str, quantity: Quantity, caption: str, figure: Figure) -> Sketch:
-    return Sketch(f"{kind}-{_name(quantity, None)}", section, quantity.words, caption, figure)
 
 
 def _name(quantity: Quantity, direction: Side) -> str:

@@ -37,7 +37,7 @@ def open_file(path: Path, largest: int, hint: str = "") -> Iterator[BufferedRead
         raise DataError(f"{path}: {error.strerror or error}", hint) from None
 
 
-def check_size(file: BinaryIO, source: str, largest: int, hint: str = _TOO_LARGE) -> None:
+def check_size(file: BinaryIO, source: str, largest: int, hint: str) -> None:
     """Raise ``DataError`` for an open file of more than ``largest`` bytes."""
     size = os.fstat(file.fileno()).st_size
     if size > largest:

@@ -52,7 +52,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
         axes.set_ylim(_STEP * floor(low / _STEP), max(high, 100))
         style.head(axes, f"Efficiency, {TITLES[direction].lower()}", results)
         style.read_as(figure, _read(chosen))
-        load_legend(figure, axes, "Load $F_L$", chosen)
+        load_legend(figure, axes, chosen)
     style.share_limits(figure.axes[0] for figure in figures.values())
     return figures
 

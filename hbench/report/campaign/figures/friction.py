@@ -111,12 +111,12 @@ def load_helps(curve: AnyCurve) -> bool:
     return load is not None and load != 0 and (load < 0) == (curve.direction == "extend")
 
 
-def load_legend(figure: Figure, axes: Axes, load: str, curves: Iterable[AnyCurve]) -> None:
-    """Put the legend above the axes, titled ``load``, and P_Lr where the entries name it."""
+def load_legend(figure: Figure, axes: Axes, curves: Iterable[AnyCurve]) -> None:
+    """Put the legend of the loads above the axes, with P_Lr in its title where entries name it."""
     if any(curve.p_lr_ref_pa is not None for curve in curves):
-        style.legend_above(figure, axes, f"{load}, rod-side pressure $P_{{Lr}}$", columns=2)
+        style.legend_above(figure, axes, "Load $F_L$, rod-side pressure $P_{Lr}$", columns=2)
     else:
-        style.legend_above(figure, axes, load)
+        style.legend_above(figure, axes, "Load $F_L$")
 
 
 def _one_direction(
@@ -162,10 +162,10 @@ def _one_direction(
         below.set_ylabel("Measured\n− fitted (N)")
         reach = max(abs(limit) for limit in below.get_ylim())
         below.set_ylim(-reach, reach)
-    figure.axes[-1].set_xlabel(_speed_label("Speed |v| (mm/s)", curves))
+    figure.axes[-1].set_xlabel(_speed_label(curves))
     style.head(axes, f"{title}, {TITLES[direction].lower()}", results)
     style.read_as(figure, _read(curves))
-    load_legend(figure, axes, "Load $F_L$", curves)
+    load_legend(figure, axes, curves)
     return figure
 
 
@@ -235,11 +235,11 @@ def _fitted(axes: Axes, curve: Curve, colour: str, sign: float) -> None:
                 axes.plot(1e3 * np.abs(v), sign * friction, **look)
 
 
-def _speed_label(label: str, curves: Iterable[Curve]) -> str:
+def _speed_label(curves: Iterable[Curve]) -> str:
     """Return the words under the speeds, with a warning where lines are extrapolated."""
     fits = [fit for curve in curves for fit in curve.fits[:1]]
     beyond = any(fit.beyond and fit.verdict == "determined" for fit in fits)
-    return label + ("\ndotted: extrapolated beyond the measurement" if beyond else "")
+    return "Speed |v| (mm/s)" + ("\ndotted: extrapolated beyond the measurement" if beyond else "")
 
 
 def _at(fit: Fit, v_m_s: np.ndarray) -> np.ndarray:

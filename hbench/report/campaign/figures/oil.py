@@ -58,7 +58,7 @@ def friction_hersey(results: Results) -> dict[str, Figure]:
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         style.head(axes, f"Friction over Hersey number, {TITLES[direction].lower()}", results)
         style.read_as(figure, "Points: trials, each at its own temperature.")
-        load_legend(figure, axes, "Load $F_L$", chosen)
+        load_legend(figure, axes, chosen)
         figures[direction] = figure
     return figures
 

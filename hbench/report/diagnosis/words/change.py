@@ -171,7 +171,7 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
     return chosen
 
 
-def phrase(change: Change, direction: str, readings: int = 0, *, brief: bool = False) -> str:
+def phrase(change: Change, direction: str, readings: int, *, brief: bool) -> str:
     """Return a change at the working point as a clause; of ``readings`` that are wrong, if any.
 
     In brief, without its interval.
