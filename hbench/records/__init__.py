@@ -169,6 +169,7 @@ _MODULES = {
     "runs": (
         "DIRECTIONS",
         "DIRECTION_WORDS",
+        "RUN_FLAGS",
         "SIGNS",
         "TEMPERATURES",
         "Direction",

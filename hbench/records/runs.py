@@ -19,6 +19,7 @@ Direction = Literal["extend", "retract"]
 DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
 SIGNS: dict[Direction, float] = {"extend": 1.0, "retract": -1.0}  # of the velocity
 DIRECTION_WORDS: dict[str, str] = {"extend": "extending", "retract": "retracting"}
+RUN_FLAGS = ("at_reference", "sensor_saturated", "valve_saturated")  # fields of ``Run``, by sample
 Outcome = Literal["done", "aborted", "failed"]
 # What else was varied, such as ("current", "0.5 A"); the label contains it too.
 Factors = tuple[tuple[str, str], ...]

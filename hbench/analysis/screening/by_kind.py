@@ -38,7 +38,9 @@ _REACHED = 0.98  # of a ramp's top speed
 _NEAR_END_M = 0.005
 _LAST_S = 0.03  # a push that takes the whole time but this has not moved the piston
 _LEVEL_PA = 1e4  # change of a vented chamber's pressure
-_SUPPLY_OFF_PA = 10e5  # of a supply that is off, with the tank's pressure and a zero error
+# Of a supply that is off, with the tank's pressure and a zero error; the board's limit too, as
+# venting begins (firmware/core/vent.c).
+SUPPLY_OFF_PA = 10e5
 
 
 def motion_reasons(run: Run, rules: Screening) -> list[str]:
@@ -188,10 +190,10 @@ def _levelled(run: Run, rules: Screening) -> Iterator[str]:
         return
     yield from _rest(replace(run, x_m=run.x_m[closed]), rules)
     supply = None if run.p_s_pa is None else float(run.p_s_pa[closed].mean())
-    if supply is not None and supply > _SUPPLY_OFF_PA:
+    if supply is not None and supply > SUPPLY_OFF_PA:
         yield (
             f"not_steady: the supply was on, {supply / 1e5:.1f} bar; limit "
-            f"{_SUPPLY_OFF_PA / 1e5:g} bar"
+            f"{SUPPLY_OFF_PA / 1e5:g} bar"
         )
     for channel in CHAMBERS:
         if (values := getattr(run, channel)) is None:
