@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import DIRECTIONS, SIGNS, Results, Surface
 from hbench.report.campaign.motion_rows import series_words
-from hbench.report.campaign.series_words import TITLES
+from hbench.report.campaign.series_words import TITLES, within_title
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
@@ -215,7 +215,7 @@ def surfaces(results: Results) -> dict[str, Figure]:
         name = ", ".join(filter(None, (surface.label, TITLES[surface.direction])))
         if len(results.motions.surfaces) > 2 and surface.p_lr_ref_pa is not None:
             name += f", {short(from_si(surface.p_lr_ref_pa, 'bar'))} bar"
-        style.head(axes, f"Friction map, {name[0].lower()}{name[1:]}", results)
+        style.head(axes, f"Friction map, {within_title(name)}", results)
         style.read_as(figure, style.OF_MAPS)
         figures[name] = figure
     return figures
