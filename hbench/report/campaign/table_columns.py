@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 
-from hbench.records import Curve
-from hbench.report.campaign.series_words import TITLES, AnySeries, kind_words, load_words
+from hbench.records import DIRECTION_WORDS, Curve
+from hbench.report.campaign.series_words import AnySeries, kind_words, load_words
 from hbench.report.render.numbers import NONE, force, number
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
@@ -55,7 +55,7 @@ def table(
 def who(curve: AnySeries) -> tuple[str, ...]:
     """Return the identification of a curve, in the columns ``WHO``."""
     load = force(curve.f_load_n).removesuffix(" N")
-    direction = TITLES[curve.direction].lower()
+    direction = DIRECTION_WORDS[curve.direction]
     return curve.label, kind_words(curve), direction, load, rod_side(curve.p_lr_ref_pa)
 
 
@@ -67,7 +67,7 @@ def rod_side(pressure_pa: float | None) -> str:
 def who_text(curve: Curve) -> str:
     """Return the identification of a curve as text."""
     load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
-    texts = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
+    texts = curve.label, kind_words(curve), DIRECTION_WORDS[curve.direction], load
     return ", ".join(filter(None, texts))
 
 

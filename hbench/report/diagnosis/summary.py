@@ -74,7 +74,7 @@ from hbench.report.diagnosis.words.place import (
     where_words,
 )
 from hbench.report.diagnosis.words.unexplained import agreeing_words
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, uncapital
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 
@@ -210,7 +210,7 @@ def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
         return then
     first = confirmation(diagnosis, [effect])
     then = then.replace("model.yaml contains it", "the new model.yaml contains it")
-    return f"{first} If they confirm it: {then[:1].lower()}{then[1:]}" if then else first
+    return f"{first} If they confirm it: {uncapital(then)}" if then else first
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:

@@ -47,7 +47,7 @@ from hbench.report.diagnosis.words.unexplained import (
     narrowing_words,
     unexplained_words,
 )
-from hbench.sentences import capital, listed, plural
+from hbench.sentences import capital, listed, plural, uncapital
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:
@@ -91,7 +91,7 @@ def _several(diagnosis: Diagnosis) -> Iterator[str]:
     yield each_size(diagnosis, known)
     for effect in known:
         if words := too_small_words(diagnosis, effect):
-            yield f"{capital(in_words(effect.name))}: {words[:1].lower()}{words[1:]}"
+            yield f"{capital(in_words(effect.name))}: {uncapital(words)}"
 
 
 def _with_parts(effect: AddedEffect) -> str:

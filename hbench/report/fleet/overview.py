@@ -23,7 +23,7 @@ from hbench.report.fleet.verdict import (
 )
 from hbench.report.render.numbers import NONE, alike, significant
 from hbench.report.render.word_tables import Tile
-from hbench.sentences import capital
+from hbench.sentences import capital, uncapital
 
 _RANGES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 
@@ -67,7 +67,7 @@ def fleet_tiles(fleet: Fleet) -> Iterator[Tile]:
         words = check_words(least.requirement, least.series)
         count = len(fleet.capabilities)
         of = f"smallest of {count} limits: " if count > 1 else ""
-        caption = f"{of}{words[0].lower()}{words[1:]}"
+        caption = f"{of}{uncapital(words)}"
         yield Tile(significant(least.ppk.value, 2), "Ppk", caption, "method-capability")
     if not fleet.charts:
         yield from _ranges(fleet)
@@ -93,7 +93,7 @@ def _ranges(fleet: Fleet) -> Iterator[Tile]:
             scale = spread.quantity.scale
             value = alike((scale * spread.low, scale * spread.high))
             words = f"{without_condition(spread.quantity)}{of_side(spread.direction)}"
-            caption = f"{words[0].lower()}{words[1:]}: {range_words(spread.n)}"
+            caption = f"{uncapital(words)}: {range_words(spread.n)}"
             yield Tile(value, spread.quantity.unit, caption, "method-spread")
 
 

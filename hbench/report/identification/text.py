@@ -34,6 +34,7 @@ from hbench.report.render.numbers import (
     significant,
     with_ends,
 )
+from hbench.sentences import uncapital
 from hbench.units import from_si
 
 SCHEMA = "hbench.identification/1"
@@ -305,7 +306,7 @@ def _with_titles(fit: Fit) -> str:
 def _title(name: str) -> str:
     """Return a parameter's title within a sentence."""
     title, _ = parameter_words(name, "")
-    return title if title.startswith(_SURNAMES) else f"{title[:1].lower()}{title[1:]}"
+    return title if title.startswith(_SURNAMES) else uncapital(title)
 
 
 def _ramps(identification: Identification) -> list[tuple[str, ...]]:

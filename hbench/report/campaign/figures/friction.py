@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import (
+    DIRECTION_WORDS,
     DIRECTIONS,
     KINDS,
     SIGNS,
@@ -20,7 +21,7 @@ from hbench.records import (
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.fit_tables import determines_none, law_words
-from hbench.report.campaign.series_words import TITLES, load_words
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import number
 from hbench.report.render.series import behind
@@ -163,7 +164,7 @@ def _one_direction(
         reach = max(abs(limit) for limit in below.get_ylim())
         below.set_ylim(-reach, reach)
     figure.axes[-1].set_xlabel(_speed_label(curves))
-    style.head(axes, f"{title}, {TITLES[direction].lower()}", results)
+    style.head(axes, f"{title}, {DIRECTION_WORDS[direction]}", results)
     style.read_as(figure, _read(curves))
     load_legend(figure, axes, curves)
     return figure

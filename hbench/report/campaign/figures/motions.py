@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import DIRECTIONS, SIGNS, Results, Surface
+from hbench.records import DIRECTION_WORDS, DIRECTIONS, SIGNS, Results, Surface
 from hbench.report.campaign.motion_rows import series_words
 from hbench.report.campaign.series_words import TITLES, within_title
 from hbench.report.render import style
@@ -168,7 +168,7 @@ def breakaways(results: Results) -> dict[str, Figure]:
         style.plain_log(axes.xaxis)
         axes.set_xlabel("Time at rest (s)")
     else:
-        ticks = [f"{series_words(of)}\n{TITLES[direction].lower()}" for of, direction in series]
+        ticks = [f"{series_words(of)}\n{DIRECTION_WORDS[direction]}" for of, direction in series]
         axes.set_xticks(range(len(series)), ticks)
         axes.margins(x=0.2)
     axes.set_ylabel("Breakaway (N)")
