@@ -67,8 +67,7 @@ def fleet_tiles(fleet: Fleet) -> Iterator[Tile]:
         words = check_words(least.requirement, least.series)
         count = len(fleet.capabilities)
         of = f"smallest of {count} limits: " if count > 1 else ""
-        caption = f"{of}{uncapital(words)}"
-        yield Tile(significant(least.ppk.value, 2), "Ppk", caption, "method-capability")
+        yield Tile(significant(least.ppk.value, 2), "Ppk", of + words, "method-capability")
     if not fleet.charts:
         yield from _ranges(fleet)
 
