@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from hbench.records import DIRECTION_WORDS, Curve
 from hbench.report.campaign.series_words import AnySeries, kind_words, load_words
 from hbench.report.render.numbers import NONE, force, number
-from hbench.report.render.word_tables import Cell, Table
+from hbench.report.render.word_tables import Cell, Table, with_columns
 from hbench.units import from_si
 
 ROD_SIDE = "P_Lr (bar)"
@@ -44,12 +44,7 @@ def table(
         for i, name in enumerate(head)
         if name not in _WHERE_GIVEN or any(row[i].text not in ("", NONE) for row in cells)
     ]
-    return Table(
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in cells),
-        _WORDS | set(words),
-        tuple(messages),
-    )
+    return with_columns(Table(head, tuple(cells), _WORDS | set(words), tuple(messages)), kept)
 
 
 def who(curve: AnySeries) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from hbench.report.design.overview import SECTION, TITLE
 from hbench.report.design.verdict import loops_verdict, proposal_verdict, reproduced_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.word_tables import Cell, Table
+from hbench.report.render.word_tables import Cell, Table, with_columns
 from hbench.sentences import capital
 
 _LOOP_HEAD = (
@@ -169,9 +169,7 @@ def _check_table(rows: Sequence[tuple[Cell, ...]]) -> tuple[Table, ...]:
 def _without_empty(table: Table) -> Table:
     """Return the table without columns that have no entry."""
     kept = [i for i in range(len(table.head)) if any(r[i].text or r[i].flag for r in table.rows)]
-    head = tuple(table.head[i] for i in kept)
-    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
-    return replace(table, head=head, rows=rows)
+    return with_columns(table, kept)
 
 
 def _proposal(design: Design, proposal: Proposal) -> Section:

@@ -22,7 +22,7 @@ from hbench.report.fleet.verdict import (
     stepped_numbers,
 )
 from hbench.report.render.numbers import NONE, alike, significant
-from hbench.report.render.word_tables import Tile
+from hbench.report.render.word_tables import Tile, with_columns
 from hbench.sentences import capital, uncapital
 
 _RANGES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
@@ -120,11 +120,7 @@ def overview_table(fleet: Fleet) -> WordTable:
     head = ("Quantity", "Campaigns", "Median", ends, change, "Beyond control limits")
     of_all = {str(fleet.compared)}
     kept = [i for i in range(len(head)) if {row[i] for row in rows} not in ({NONE}, of_all)]
-    return WordTable(
-        "Numbers of the fleet",
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in rows),
-    )
+    return with_columns(WordTable("Numbers of the fleet", head, tuple(rows)), kept)
 
 
 def interval_facts(fleet: Fleet) -> tuple[tuple[str, str], ...]:

@@ -34,6 +34,7 @@ from hbench.report.render.numbers import (
     significant,
     with_ends,
 )
+from hbench.report.render.word_tables import with_columns
 
 SCHEMA = "hbench.fleet/1"
 
@@ -86,11 +87,7 @@ def campaign_table(fleet: Fleet) -> WordTable:
         kept = [i for i in kept if head[i] != _SPEED]
     if all(row[1] == row[0] for row in rows):  # folders have the cylinders' names
         kept = [i for i in kept if i != 1]
-    return WordTable(
-        "Campaigns",
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in rows),
-    )
+    return with_columns(WordTable("Campaigns", head, tuple(rows)), kept)
 
 
 def shared_intervals(fleet: Fleet) -> str:
@@ -179,11 +176,7 @@ def spread_table(fleet: Fleet) -> WordTable:
     between = "σ between campaigns, without steps and drifts (95 %)"
     head = ("Quantity", "Campaigns", "Median", ends, between, "σ by the trials")
     kept = [i for i in range(len(head)) if head[i] != between or not all(few)]
-    return WordTable(
-        "Distributions",
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in rows),
-    )
+    return with_columns(WordTable("Distributions", head, tuple(rows)), kept)
 
 
 def _between(spread: Spread) -> str:

@@ -28,6 +28,7 @@ from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike
+from hbench.report.render.word_tables import with_columns
 
 _SOURCE = (
     "Laws and verification profile",
@@ -246,8 +247,7 @@ def _of_each_law(table: WordTable, order: Sequence[str]) -> tuple[WordTable, ...
 def _without_empty(table: WordTable) -> WordTable:
     """Return a table without the columns that have no entry."""
     kept = [i for i, cells in enumerate(zip(*table.rows, strict=True)) if any(cells)]
-    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
-    return replace(table, head=tuple(table.head[i] for i in kept), rows=rows)
+    return with_columns(table, kept)
 
 
 def _once(table: WordTable) -> WordTable:
