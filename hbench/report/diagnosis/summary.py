@@ -38,6 +38,7 @@ from hbench.report.diagnosis.words.candidate import best_candidate, closeness, h
 from hbench.report.diagnosis.words.change import (
     READINGS,
     TEST_FRICTION,
+    alternatives,
     common_error,
     friction_words,
     main_changes,
@@ -175,7 +176,7 @@ def _of(part: str, question: str) -> str:
 
 
 def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    practice = diagnosis.in_practice.get(effect.name)
     several = len(diagnosis.confirmed) > 1 and effect.confirmed
     if several:
         yield _SIZE, f"{capital(description_words(effect))}."
@@ -204,7 +205,7 @@ def _condition(effect: AddedEffect) -> str:
 
 def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """Return what to inspect and repair, or how to confirm the effect first."""
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    practice = diagnosis.in_practice.get(effect.name)
     then = advice(diagnosis, practice) if practice else ""
     if effect.confirmed:
         return then
@@ -216,10 +217,8 @@ def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _SIZE, _ambiguous_sizes(diagnosis)
     yield _SIZE, undecided_words(diagnosis)
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    for candidate in diagnosis.alternatives:
-        if candidate.name in practice:
-            yield _SENSORS, common_error(practice[candidate.name])
+    for effect in alternatives(diagnosis):
+        yield _SENSORS, common_error(effect)
     yield _SIZE if of_strokes(diagnosis) else _FRICTION, friction_words(diagnosis)
     for sentence in zero_check(diagnosis) or separation(diagnosis):
         yield _ACTION, sentence
@@ -227,8 +226,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
 
 
 def _ambiguous_sizes(diagnosis: Diagnosis) -> str:
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    chosen = alternatives(diagnosis)
     point = diagnosis.working_point
     if point is None:
         return ""
