@@ -203,10 +203,10 @@ class Run:
     aborted: str = ""  # why the run was stopped early; empty if it was not
 
     def channel(self, name: str) -> np.ndarray:
-        """Return a channel (n,) by its field's name. Raises ``DataError`` if the run has none."""
+        """Return a channel (n,) by its field's name. Raises ``DataError`` where it is missing."""
         values = getattr(self, name)
         if values is None:
-            raise DataError(f"run {self.plan.run}: has no channel {name}")
+            raise DataError(f"run {self.plan.run}: {name} was not measured")
         return values
 
 

@@ -22,7 +22,6 @@ import numpy as np
 from hbench.analysis.curves.average import student_interval
 from hbench.analysis.screening.friction_channels import (
     missing_friction_channels,
-    required,
     test_force,
 )
 from hbench.analysis.screening.push_peak import first_peak
@@ -93,7 +92,7 @@ def _peak(run: Run) -> _Peak | None:
     if missing_friction_channels(run):
         return None
     sign = SIGNS[run.plan.direction]
-    f_test, f_applied = test_force(run, slice(None)), required(run, "f_applied_n")
+    f_test, f_applied = test_force(run, slice(None)), run.channel("f_applied_n")
     friction = sign * (f_test - f_applied)
     peak = first_peak(friction)
     if peak is None:

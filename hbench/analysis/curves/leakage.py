@@ -35,7 +35,6 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, distinct
-from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.statistics.intervals import covariance_over_runs, has_effect, parts_in
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Bench
@@ -226,8 +225,8 @@ def _chambers(
     middle = run.x_m[settled].mean()
     v_p = cylinder.dead_volume_piston + cylinder.area_piston_m2 * middle
     v_r = cylinder.dead_volume_rod + cylinder.area_rod_m2 * (cylinder.stroke - middle)
-    p_p = required(run, "p_tp_pa")
-    p_r = np.zeros(len(run.t_s)) if _is_plunger(run) else required(run, "p_tr_pa")
+    p_p = run.channel("p_tp_pa")
+    p_r = np.zeros(len(run.t_s)) if _is_plunger(run) else run.channel("p_tr_pa")
     return settled, ((p_p[settled], v_p / beta), (p_r[settled], v_r / beta))
 
 

@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
 from hbench.records import ModelErrors, Run
@@ -100,7 +99,7 @@ def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErr
         signals = np.array([_signals(motion, n) for motion in motions])
         factor = np.sqrt(len(runs) / (len(runs) - 1))
         for run, motion, trial in zip(runs, motions, signals, strict=True):
-            v_ref = required(run, "v_ref_m_s")[:n]
+            v_ref = run.channel("v_ref_m_s")[:n]
             scatter.add(v_ref, motion, factor * (trial - signals.mean(axis=0)))
     return scatter.rms() if scatter else {}
 

@@ -21,9 +21,8 @@ import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.screening.friction_channels import (
+    friction_with_inertia,
     missing_friction_channels,
-    required,
-    test_force,
 )
 from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
@@ -175,7 +174,7 @@ def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
             )
             return
     if not missing_friction_channels(run):
-        friction = forward * (test_force(run, slice(None)) - required(run, "f_applied_n"))
+        friction = forward * (friction_with_inertia(run))
         if first_peak(friction) is None:
             yield (
                 f"incomplete: friction was still rising when the piston had moved by "

@@ -10,8 +10,8 @@ from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.screening.by_kind import RULES, motion_notes, motion_reasons, near_end
 from hbench.analysis.screening.friction_channels import (
     friction_channels,
+    friction_with_inertia,
     missing_friction_channels,
-    required,
     test_force,
 )
 from hbench.analysis.screening.log_steps import rounding_errors
@@ -230,7 +230,7 @@ def _steadiness(
             )
     if means is None or means.friction_n is None:
         return
-    f_applied = required(run, "f_applied_n")[window]
+    f_applied = run.channel("f_applied_n")[window]
     # A board of hbench controls the load itself; in other logs it may come late.
     step = load_step(f_applied) if run.plan.motion is None else 0.0
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(np.mean(f_applied)))
@@ -322,7 +322,7 @@ def _stroke_work(run: Run, rules: Screening) -> float | None:
 
 def _work(run: Run) -> float:
     """Return the integral of F_T - F_applied over the distance of a run [J]."""
-    force = test_force(run, slice(0, None)) - required(run, "f_applied_n")
+    force = friction_with_inertia(run)
     return float((force[1:] + force[:-1]) @ np.diff(run.x_m) / 2)
 
 
