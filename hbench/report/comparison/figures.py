@@ -217,10 +217,8 @@ def _draw_differences(
 
 def _mark(axes: Axes, differences: CampaignDifferences) -> None:
     """Mark the figure of simulated campaigns."""
-    sources = {differences.a.source, differences.b.source}
-    if "simulated" in sources:
-        mark = "simulated" if len(sources) == 1 else "one is simulated"
-        axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
+    sources = differences.a.source, differences.b.source
+    style.mark_sources(axes, sources, "one is simulated")
 
 
 def _columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
