@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from functools import partial
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
@@ -37,7 +38,7 @@ from hbench.report.diagnosis.text import gap_line, in_page_words, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
 from hbench.report.render.document import Section, document
-from hbench.report.render.figures import Drawing
+from hbench.report.render.figures import Drawing, of_section
 from hbench.sentences import capital, listed
 
 _MOST_RUNS = 40  # rows of the page
@@ -45,10 +46,7 @@ _MOST_RUNS = 40  # rows of the page
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-
-    def drawn(section: str) -> tuple[Drawing, ...]:
-        return tuple(drawing for drawing in drawings if drawing.section == section)
-
+    drawn = partial(of_section, drawings)
     unnamed = Section(
         "Unnamed laws in the revised model",
         items=law_lines(diagnosis),

@@ -73,6 +73,11 @@ def _draw_sketch(sketch: Sketch, png: bool) -> Drawing:
     return Drawing(name, section, title, caption, svg, pixels, wide, csv, seen, read)
 
 
+def of_section(drawings: Iterable[Drawing], section: str) -> tuple[Drawing, ...]:
+    """Return the drawings of a section."""
+    return tuple(drawing for drawing in drawings if drawing.section == section)
+
+
 def figure_files(drawings: Iterable[Drawing]) -> dict[str, bytes]:
     """Return the files of drawings, SVG, any PNG and their data as CSV, by their paths."""
     files = {}
