@@ -23,8 +23,8 @@ from hbench.errors import ConfigError, DataError
 from hbench.model.build import plant_parameters
 from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate as trajectory
-from hbench.records import SIGNS, Curve, CurvePoint, Direction, Fit, Specimen
-from hbench.report.campaign.results_document import SERIES, results_json
+from hbench.records import SERIES_FIELDS, SIGNS, Curve, CurvePoint, Direction, Fit, Specimen
+from hbench.report.campaign.results_document import results_json
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.runs import channels
 from hbench.workflow.results import derive, screened_runs
@@ -80,7 +80,7 @@ class Campaign:
     def fits(self) -> pd.DataFrame:
         """One row per fitted parameter; joint fits of all loads have no direction and no load."""
         return pd.DataFrame(
-            {name: curve.get(name) for name in SERIES}
+            {name: curve.get(name) for name in SERIES_FIELDS}
             | {name: fit[name] for name in _FIT}
             | {"parameter": parameter, **values}
             for curve in [*self.results["curves"], *self.results["joint_fits"]]
@@ -135,7 +135,7 @@ class Campaign:
 
     def _points(self, key: str) -> pd.DataFrame:
         return pd.DataFrame(
-            {name: curve[name] for name in SERIES} | point
+            {name: curve[name] for name in SERIES_FIELDS} | point
             for curve in self.results[key]
             for point in curve["points"]
         )

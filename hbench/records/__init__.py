@@ -170,6 +170,7 @@ _MODULES = {
         "DIRECTIONS",
         "DIRECTION_WORDS",
         "RUN_FLAGS",
+        "SERIES_FIELDS",
         "SIGNS",
         "TEMPERATURES",
         "Direction",

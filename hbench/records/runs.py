@@ -19,6 +19,8 @@ Direction = Literal["extend", "retract"]
 DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
 SIGNS: dict[Direction, float] = {"extend": 1.0, "retract": -1.0}  # of the velocity
 DIRECTION_WORDS: dict[str, str] = {"extend": "extending", "retract": "retracting"}
+# Fields that identify a curve, in records of curves, efficiencies and their numbers.
+SERIES_FIELDS = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
 RUN_FLAGS = ("at_reference", "sensor_saturated", "valve_saturated")  # fields of ``Run``, by sample
 Outcome = Literal["done", "aborted", "failed"]
 # What else was varied, such as ("current", "0.5 A"); the label contains it too.

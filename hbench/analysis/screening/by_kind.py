@@ -46,7 +46,8 @@ def motion_reasons(run: Run, rules: Screening) -> list[str]:
     """Return the reasons to reject a non-steady run, except those of its log's integrity."""
     if len(run.t_s) < 2:
         return ["too_short: the log has fewer than 2 records; limit 2"]
-    return [*_end_stop(run, rules), *RULES[KINDS[run.plan.kind].screening](run, rules)]
+    rule = RULES[KINDS[run.plan.kind].screening]
+    return [*end_stop_reasons(run.x_m, run, rules), *rule(run, rules)]
 
 
 def motion_notes(run: Run) -> list[str]:
@@ -68,9 +69,12 @@ def near_end(x_m: np.ndarray, stroke_m: float, margin_m: float) -> float | None:
     return high if stroke_m - high <= least else None
 
 
-def _end_stop(run: Run, rules: Screening) -> Iterator[str]:
+def end_stop_reasons(x_m: np.ndarray, run: Run, rules: Screening) -> Iterator[str]:
+    """Yield the reason for positions of a run near an end of its stroke, if it is known."""
     stroke, margin = run.plan.specimen.stroke_m, rules.end_stop_margin
-    if stroke is not None and (nearest := near_end(run.x_m, stroke, margin)) is not None:
+    if not len(x_m) or stroke is None:
+        return
+    if (nearest := near_end(x_m, stroke, margin)) is not None:
         yield (
             f"end_stop: the piston is at {1e3 * nearest:.1f} mm of a stroke of "
             f"{1e3 * stroke:g} mm; limit {1e3 * margin:g} mm from either end"

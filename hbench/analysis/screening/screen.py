@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, exceeds
-from hbench.analysis.screening.by_kind import RULES, motion_notes, motion_reasons, near_end
+from hbench.analysis.screening.by_kind import RULES, end_stop_reasons, motion_notes, motion_reasons
 from hbench.analysis.screening.friction_channels import (
     friction_channels,
     friction_with_inertia,
@@ -185,13 +185,9 @@ def _of_log(faults: str) -> Iterator[str]:
 
 def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterator[str]:
     """Yield the reasons found in the piston's position and the valve."""
-    x, stroke, margin = run.x_m[window], run.plan.specimen.stroke_m, rules.end_stop_margin
     standing = 0.0 if run.at_reference is None else standstill_s(run, section)
-    if len(x) and stroke is not None and (nearest := near_end(x, stroke, margin)) is not None:
-        yield (
-            f"end_stop: the piston is at {1e3 * nearest:.1f} mm of a stroke of "
-            f"{1e3 * stroke:g} mm; limit {1e3 * margin:g} mm from either end"
-        )
+    if at_end := list(end_stop_reasons(run.x_m[window], run, rules)):
+        yield from at_end
     elif standing >= _STANDSTILL_S:
         yield (
             f"stalled: the piston rests at {1e3 * run.x_m[section][-1]:.1f} mm for the last "

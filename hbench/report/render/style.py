@@ -211,3 +211,14 @@ def safe(text: str, most: int = 42) -> str:
     line = " ".join(text.split())
     line = line if len(line) <= most else line[: most - 1] + "…"
     return line.replace("$", r"\$")
+
+
+def broken_line(
+    t_s: np.ndarray, values: np.ndarray, longest: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Break a line over time where a step is longer than ``longest`` times their median."""
+    if len(t_s) < 3:
+        return t_s, values
+    steps = np.diff(t_s)
+    gaps = np.flatnonzero(steps > longest * np.median(steps)) + 1
+    return np.insert(t_s, gaps, np.nan), np.insert(values.astype(float), gaps, np.nan)

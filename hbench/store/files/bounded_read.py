@@ -44,6 +44,14 @@ def check_size(file: BinaryIO, source: str, largest: int, hint: str) -> None:
         raise DataError(f"{source}: is {size / 1e6:.6g} MB large; limit {largest / 1e6:g} MB", hint)
 
 
+def check_unpacked(size: int, source: str, hint: str) -> None:
+    """Raise ``DataError`` for a compressed file that takes more than ``LARGEST_UNPACKED``."""
+    if size > LARGEST_UNPACKED:
+        raise DataError(
+            f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB", hint
+        )
+
+
 def read_whole(file: BinaryIO, source: str, largest: int = LARGEST_LOG) -> bytes:
     """Return the bytes of an open file. Raises ``DataError`` for more than ``largest``.
 
