@@ -23,13 +23,12 @@ from hbench.errors import ConfigError, DataError
 from hbench.model.build import plant_parameters
 from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate as trajectory
-from hbench.records import Curve, CurvePoint, Direction, Fit, Specimen
+from hbench.records import SERIES_FIELDS, SIGNS, Curve, CurvePoint, Direction, Fit, Specimen
 from hbench.report.campaign.results_document import results_json
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.runs import channels
 from hbench.workflow.results import derive, screened_runs
 
-_SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
 _HEADLINE = ("friction_n", "breakaway_n", "efficiency")
 _HEADLINE_COLUMNS = {"": "value", "_u95": "u95", "_ci95": "ci95", "_se": "se", "_basis": "basis"}
 _FIT = ("law", "rmse_n", "converged", "verdict", "message")
@@ -81,7 +80,7 @@ class Campaign:
     def fits(self) -> pd.DataFrame:
         """One row per fitted parameter; joint fits of all loads have no direction and no load."""
         return pd.DataFrame(
-            {name: curve.get(name) for name in _SERIES}
+            {name: curve.get(name) for name in SERIES_FIELDS}
             | {name: fit[name] for name in _FIT}
             | {"parameter": parameter, **values}
             for curve in [*self.results["curves"], *self.results["joint_fits"]]
@@ -136,7 +135,7 @@ class Campaign:
 
     def _points(self, key: str) -> pd.DataFrame:
         return pd.DataFrame(
-            {name: curve[name] for name in _SERIES} | point
+            {name: curve[name] for name in SERIES_FIELDS} | point
             for curve in self.results[key]
             for point in curve["points"]
         )
@@ -159,7 +158,7 @@ class FittedCurve(Fit):
         interval holds only if the law does. Raises ``ConfigError``.
         """
         v = np.asarray(v_m_s, dtype=float)
-        sign = 1.0 if self.direction == "extend" else -1.0
+        sign = SIGNS[self.direction]
         if not self.parameters:
             raise ConfigError(f"predict: {self.message}", "Fit more points.")
         if not np.isfinite(v).all() or (sign * v < 0).any() or (np.abs(v) > _FASTEST_M_S).any():

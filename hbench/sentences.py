@@ -23,6 +23,11 @@ def capital(text: str) -> str:
     return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
 
 
+def uncapital(text: str) -> str:
+    """Write the first letter of a text in lower case, as within a sentence."""
+    return text[:1].lower() + text[1:]
+
+
 def plural(count: int | None, singular: str, several: str) -> str:
     """Return the form of a noun or verb that agrees with a count."""
     return singular if count == 1 else several

@@ -10,11 +10,10 @@ from functools import partial
 from typing import TextIO
 
 from hbench.channels import CHANNELS
-from hbench.cli.progress import write_if_open
+from hbench.cli.progress import bar, write_if_open
 from hbench.experiment.progress import Ended, Progress
 from hbench.records import KINDS, RunPlan
 
-_BAR = 24
 _EVERY_S = 0.1  # shortest interval between redraws
 _HIGH = 0.9  # of the limit: a higher pressure is marked
 _CHAMBERS = {  # keys of the status, and symbols
@@ -82,7 +81,6 @@ class BenchDisplay:
 
 def _block(now: Progress) -> list[str]:
     total = max(now.runs_total, 1)
-    filled = _BAR * now.runs_done // total
     plan = now.plan
     again = f", attempt {now.attempt}" if now.attempt > 1 else ""
     count = _count(min(now.runs_done + 1, total), now)
@@ -93,7 +91,7 @@ def _block(now: Progress) -> list[str]:
         if key in now.pressures_pa
     )
     return [
-        f"[{'#' * filled}{'.' * (_BAR - filled)}] {_left(now)}",
+        f"{bar(now.runs_done, total)} {_left(now)}",
         *([f"WAITING   {now.waiting}"] if now.waiting else []),
         f"run       {count}, trial {plan.trial} of {now.trials}{again}: {_motion(plan)}; "
         f"{_PHASES.get(now.phase, 'at rest')}",

@@ -17,6 +17,11 @@ def write_if_open(stream: TextIO, text: str) -> None:
         stream.flush()
 
 
+def bar(done: int, total: int) -> str:
+    """Return a bar of signs for the share that is done."""
+    return f"[{'#' * (_BAR * done // total):.<{_BAR}}]"
+
+
 class ProgressLine:
     """Display of finished runs, current reference and remaining wall time.
 
@@ -58,7 +63,7 @@ class ProgressLine:
     def counted(self, done: int, total: int) -> None:
         """Show the number of finished simulations of a round, on a terminal only."""
         if self._redraws:
-            self._redraw(f"[{'#' * (_BAR * done // total):.<{_BAR}}] {done}/{total} simulations")
+            self._redraw(f"{bar(done, total)} {done}/{total} simulations")
 
     def close(self, last: str = "") -> None:
         """Clear the line, then print ``last``."""
@@ -70,8 +75,7 @@ class ProgressLine:
 
     def _show(self, done: int, total: int, text: str) -> None:
         if self._redraws:
-            filled = _BAR * done // total
-            self._redraw(f"[{'#' * filled}{'.' * (_BAR - filled)}] {text}")
+            self._redraw(f"{bar(done, total)} {text}")
         elif 10 * done // total > self._shown:
             self._shown = 10 * done // total
             self._write(text + "\n")

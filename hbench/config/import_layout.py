@@ -11,8 +11,6 @@ from hbench.config.sensors import LoadCell
 from hbench.units import parse_unit
 
 ROTARY = {"m": "rad", "m/s": "rad/s", "N": "N m"}  # units of a rotary actuator's channels
-# 0 or 1, in files of the default layout.
-FLAGS = ("at_reference", "sensor_saturated", "valve_saturated")
 # By the unit of a channel: larger values are no measurements.
 LIMITS = {"s": 1e12, "m": 1e3, "m/s": 1e3, "Pa": 1e11, "N": 1e10, "V": 1e6, "K": 473.15}
 LEAST = {"K": 193.15}  # smaller values are no measurements

@@ -247,7 +247,7 @@ class ImportMap(CampaignSettings):
     def _constants(self) -> "ImportMap":
         for name, constant in self.constants.items():
             if name in self.columns:
-                raise ValueError(f"{name} stands both in columns and in constants")
+                raise ValueError(f"{name} is both a column and a constant; remove one of them")
             fields = [field for field in FIELDS if f"{{{field}}}" in constant]
             for field in fields:
                 if any(f"{{{field}}}" not in series.files for series in self.series):

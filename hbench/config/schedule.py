@@ -42,6 +42,10 @@ class Screening(ConfigSection):
             return self.high_speed_error
         return max(self.low_speed_error, self.low_speed_error_relative * speed)
 
+    def ripple_limit(self, v_ref_m_s: float) -> float:
+        """Return the largest standard deviation of the speed over 0.1 s means [m/s]."""
+        return max(self.speed_ripple, self.speed_ripple_relative * abs(v_ref_m_s))
+
 
 class Schedule(Identified):
     """Schedule of a campaign: experiments in order, or one trial of every point per pass.

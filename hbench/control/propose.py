@@ -59,11 +59,6 @@ class Proposed:
     points: int
     left_out: tuple[str, ...]  # of the grid, with the reason
 
-    @property
-    def velocity_constant(self) -> float:
-        """K_v of the velocity loop [1/s]: on a ramp of slope a it lags by a / K_v (4.37)."""
-        return self.bandwidths_rad_s[self.order.index(T)]
-
 
 def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
     """Return gains for ``bench``, designed at ``point`` and checked over the grid.

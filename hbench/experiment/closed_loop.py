@@ -1,6 +1,6 @@
 """Closed-loop runs of the firmware on a simulated bench, kept in memory."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
@@ -12,7 +12,7 @@ from hbench.config.bench import Bench, Plant
 from hbench.config.schedule import parse_schedule
 from hbench.errors import DeviceError
 from hbench.experiment.plan import plan_runs, run_seconds
-from hbench.experiment.progress import Progress
+from hbench.experiment.progress import Progress, Report, no_report
 from hbench.experiment.recorder import LOG_CHANNELS
 from hbench.experiment.runner import run_campaign
 from hbench.protocol.dictionary import RECORD_FLAGS
@@ -55,7 +55,7 @@ def record(
     bench: Bench,
     schedule: Mapping[str, Any],
     plant: Plant | None = None,
-    report: Callable[[Progress], None] = lambda progress: None,
+    report: Report = no_report,
     seed: int = 1,
 ) -> ClosedLoopRuns:
     """Make the runs of a schedule (as in its file) on the virtual rig, in simulated time.
@@ -71,7 +71,7 @@ def record_plans(
     bench: Bench,
     plans: Sequence[RunPlan],
     plant: Plant | None = None,
-    report: Callable[[Progress], None] = lambda progress: None,
+    report: Report = no_report,
     seed: int = 1,
 ) -> ClosedLoopRuns:
     """Make planned runs on the virtual rig; otherwise as ``record``.

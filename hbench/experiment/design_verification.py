@@ -7,7 +7,6 @@ stroke is too short is lowered. Each run is screened as by ``hbench analyze``.
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ from hbench.control.loops import LOOPS
 from hbench.control.propose import propose
 from hbench.control.sampled import Pi
 from hbench.experiment.closed_loop import ClosedLoopRuns, record
-from hbench.experiment.progress import Progress
+from hbench.experiment.progress import Report, report_of_part
 from hbench.model.build import plant_parameters
 from hbench.records import Check, Proposal, Run
 
@@ -34,9 +33,7 @@ _SLOWEST_M_S = 1e-3
 _LIMIT = re.compile(r"limits\.(\w+)")
 
 
-def proposal(
-    bench: Bench, ratio: float, point: OperatingPoint, report: Callable[[Progress], None]
-) -> Proposal:
+def proposal(bench: Bench, ratio: float, point: OperatingPoint, report: Report) -> Proposal:
     """Propose gains for ``bench``, designed at ``point``, and check them with the firmware.
 
     ``ratio`` is the ratio of neighbouring bandwidths. Raises ``ConfigError``, ``ConvergenceError``.
@@ -96,24 +93,17 @@ def with_gains(bench: Bench, loops: Sequence[Pi]) -> Bench:
     return bench
 
 
-def verify(
-    bench: Bench, report: Callable[[Progress], None] = lambda progress: None
-) -> tuple[Check, ...]:
+def verify(bench: Bench, report: Report) -> tuple[Check, ...]:
     """Make the runs with the bench's gains on each of ``plants``, and check them.
 
     Raises ``ConfigError`` where the bench can't make the runs at all.
     """
     rules, motions = Screening(), schedule(bench)
     checks: list[Check] = []
-    each, variants = len(motions["experiments"]), plants(bench)
-
-    for before, (name, factors) in enumerate(variants.items()):
-
-        def report_total(progress: Progress, runs_before: int = before * each) -> None:
-            total = len(variants) * each
-            report(replace(progress, runs_done=runs_before + progress.runs_done, runs_total=total))
-
-        recorded = record(bench, motions, _physics(bench, factors), report_total)
+    variants = plants(bench)
+    for number, (name, factors) in enumerate(variants.items()):
+        of_variant = report_of_part(report, number, len(variants), len(motions["experiments"]))
+        recorded = record(bench, motions, _physics(bench, factors), of_variant)
         checks += judge(recorded, bench, rules, name)
     return tuple(checks)
 
@@ -181,20 +171,16 @@ def judge(recorded: ClosedLoopRuns, bench: Bench, rules: Screening, plant: str) 
         p_lp, p_lr, v = run.p_lp_pa, run.p_lr_pa, run.v_m_s
         assert p_lp is not None and p_lr is not None and v is not None  # the board logs them all
         v_ref, window = run.plan.v_ref_m_s, _window(run, means.t_start_s, means.t_stop_s)
-        speed, side = abs(v_ref), np.sign(v_ref)
-        allowed = max(rules.low_speed_error, rules.low_speed_error_relative * speed)
-        if speed > rules.high_speed:
-            allowed = rules.high_speed_error
-        ripple = max(rules.speed_ripple, rules.speed_ripple_relative * speed)
-        beyond = OVERSHOOT * bench.limits.speed_error
+        over = max(0.0, (np.sign(v_ref) * v).max() - abs(v_ref))
         off = max(
             abs(p_lr[window].mean() - run.plan.p_lr_ref_pa),
             abs(p_lp[window].mean() - run.plan.p_lp_ref_pa),
         )
+        error, beyond = abs(means.v_m_s - v_ref), OVERSHOOT * bench.limits.speed_error
         for what, unit, value, limit in (
-            ("mean speed error", "mm/s", 1e3 * abs(means.v_m_s - v_ref), 1e3 * allowed),
-            ("speed ripple", "mm/s", 1e3 * v[window].std(), 1e3 * ripple),
-            ("overshoot", "mm/s", 1e3 * max(0.0, (side * v).max() - speed), 1e3 * beyond),
+            ("mean speed error", "mm/s", 1e3 * error, 1e3 * rules.speed_limit(v_ref)),
+            ("speed ripple", "mm/s", 1e3 * v[window].std(), 1e3 * rules.ripple_limit(v_ref)),
+            ("overshoot", "mm/s", 1e3 * over, 1e3 * beyond),
             ("load pressure error", "bar", off / 1e5, PRESSURE_ERROR * bench.supply.pressure / 1e5),
         ):
             rows_of_check.setdefault((what, unit), []).append((float(value), limit, _where(run)))

@@ -5,7 +5,7 @@ noise, under the firmware in closed loop. It makes the measured runs, and before
 run of the campaign, so that bristles and oil start in the same state.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from hbench.analysis.identification.verification import model_errors, steady_par
 from hbench.analysis.screening.sample_friction import logged_motion
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record_plans
-from hbench.experiment.progress import Progress
+from hbench.experiment.progress import Report, report_of_part
 from hbench.records import Followed, IdentifiedLaw, Run, RunPlan, Trace
 
 _EXACT = {
@@ -35,7 +35,7 @@ def verify_laws(
     laws: Sequence[IdentifiedLaw],
     measured: Sequence[Run],
     campaign_plans: Sequence[RunPlan],
-    report: Callable[[Progress], None] = lambda progress: None,
+    report: Report,
 ) -> VerifiedLaws:
     """Simulate the ``measured`` verification runs with each identified law, and compare both.
 
@@ -51,13 +51,9 @@ def verify_laws(
     plans = [replace(plan, run=f"{i:04d}") for i, plan in enumerate(chosen, 1)]
     fitted = [law for law in laws if law.fit is not None]
     verified, runs_of_law = {}, {}
-    for before, law in enumerate(fitted):
-
-        def report_total(progress: Progress, runs_before: int = before * len(plans)) -> None:
-            total = len(fitted) * len(plans)
-            report(replace(progress, runs_done=runs_before + progress.runs_done, runs_total=total))
-
-        recorded = record_plans(bench, plans, _plant(bench_data, law), report_total)
+    for number, law in enumerate(fitted):
+        of_law = report_of_part(report, number, len(fitted), len(plans))
+        recorded = record_plans(bench, plans, _plant(bench_data, law), of_law)
         whole = [run for run in recorded.runs if not run.aborted and not run.truncated]
         simulated = {chosen[int(run.plan.run) - 1].run: run for run in whole}
         compared = [run for run in measured if run.plan.run in simulated]
@@ -106,9 +102,7 @@ def _with_preceding_runs(plans: Sequence[RunPlan], wanted: set[str]) -> list[Run
 def _first_trials(runs: Sequence[Run]) -> list[Run]:
     chosen: dict[tuple, Run] = {}
     for run in runs:
-        plan = run.plan
-        key = plan.motion, plan.label, plan.f_load_n, plan.p_lr_ref_pa
-        chosen.setdefault(key, run)
+        chosen.setdefault(run.plan.operating_point, run)
     return list(chosen.values())
 
 

@@ -24,7 +24,7 @@ from hbench.config.schedule import Screening
 from hbench.config.velocities import AdaptiveSpeeds
 from hbench.errors import ConfigError
 from hbench.experiment.fixed_speeds import speeds
-from hbench.records import KINDS, LevelReference, Motion, Segment
+from hbench.records import KINDS, SIGNS, LevelReference, Motion, Segment
 
 _TIME_MARGIN = 1.05  # of a segment that ends at a position, over its ideal time
 
@@ -140,7 +140,7 @@ def _ramp(experiment: Ramp, screening: Screening, bench: Bench, key: str) -> Ite
 
 
 def _signed(experiment: Steady | Ramp, speed: float) -> float:
-    return speed if experiment.direction == "extend" else -speed
+    return SIGNS[experiment.direction] * speed
 
 
 def _one_way(experiment: Steady | Ramp, segment: Segment) -> Reference:
@@ -191,7 +191,7 @@ def _hold(experiment: Hold, screening: Screening, bench: Bench, key: str) -> Ite
 def _breakaway(
     experiment: Breakaway, screening: Screening, bench: Bench, key: str
 ) -> Iterator[Reference]:
-    x, sign = experiment.position, 1.0 if experiment.direction == "extend" else -1.0
+    x, sign = experiment.position, SIGNS[experiment.direction]
     push = Segment(
         0.0,
         bench.controllers.acceleration,

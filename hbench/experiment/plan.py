@@ -139,14 +139,11 @@ class _Planner:
 
 def trials_in_a_row(plans: Sequence[RunPlan]) -> list[list[RunPlan]]:
     """Group consecutive runs that differ only in their trial; each group is a step of the board."""
-
-    def same(plan: RunPlan) -> tuple:
-        return (plan.kind, plan.label, plan.f_load_n, plan.p_lr_ref_pa, plan.motion)
-
     steps: list[list[RunPlan]] = []
     for plan in plans:
         before = steps[-1][-1] if steps else None
-        if before and int(plan.run) == int(before.run) + 1 and same(plan) == same(before):
+        follows = before is not None and int(plan.run) == int(before.run) + 1
+        if before and follows and plan.operating_point == before.operating_point:
             steps[-1].append(plan)
         else:
             steps.append([plan])

@@ -50,20 +50,27 @@ class Progress:
 Report = Callable[[Progress], None]
 
 
+def no_report(progress: Progress) -> None:
+    """Report nothing."""
+
+
+def report_of_part(report: Report, part: int, parts: int, runs: int) -> Report:
+    """Return the report of a part, from 0, of a whole of ``parts`` with ``runs`` runs each."""
+
+    def report_whole(progress: Progress) -> None:
+        done = part * runs + progress.runs_done
+        report(replace(progress, runs_done=done, runs_total=parts * runs))
+
+    return report_whole
+
+
 class WholeCampaign:
     """Progress of a whole campaign, from that of its parts."""
 
-    def __init__(
-        self,
-        report: Report,
-        bench: Bench,
-        plans: Iterable[RunPlan],
-        now: Callable[[], float] = time.monotonic,
-    ):
+    def __init__(self, report: Report, bench: Bench, plans: Iterable[RunPlan]):
         self._report = report
         self._bench = bench
-        self._now = now
-        self._start = self._last_end = now()
+        self._start = self._last_end = time.monotonic()
         self._seconds_done = 0.0  # as estimated
         self._rejected = 0
         self._last_rejected: Ended | None = None
@@ -77,7 +84,7 @@ class WholeCampaign:
 
         def report(now: Progress) -> None:
             for ended in now.ended:
-                self._last_end = self._now()
+                self._last_end = time.monotonic()
                 if not ended.again:
                     self._seconds_done += seconds[ended.plan.run]
                 if ended.reasons:
@@ -90,7 +97,7 @@ class WholeCampaign:
                     runs_done=runs_before + now.runs_done,
                     runs_total=runs_before + now.runs_total + len(part.undecided),
                     at_most=bool(part.undecided),
-                    trials=self._trials[_reference(now.plan)],
+                    trials=self._trials[now.plan.operating_point],
                     rejected=self._rejected,
                     last_rejected=self._last_rejected,
                     seconds_left=self._left(remaining),
@@ -104,14 +111,10 @@ class WholeCampaign:
         if not self._seconds_done:
             return None
         pace = (self._last_end - self._start) / self._seconds_done
-        since = self._now() - self._last_end
+        since = time.monotonic() - self._last_end
         return pace * sum(remaining) - min(since, pace * remaining[0]) if remaining else 0.0
 
     def _count_trials(self, plans: Iterable[RunPlan]) -> None:
         for plan in plans:
-            reference = _reference(plan)
-            self._trials[reference] = max(plan.trial, self._trials.get(reference, 0))
-
-
-def _reference(plan: RunPlan) -> tuple:
-    return (plan.kind, plan.label, plan.motion, plan.f_load_n, plan.p_lr_ref_pa)
+            point = plan.operating_point
+            self._trials[point] = max(plan.trial, self._trials.get(point, 0))

@@ -11,7 +11,7 @@ from hbench.config.bench import Bench
 from hbench.errors import DeviceError
 from hbench.experiment.progress import Ended, Progress
 from hbench.experiment.run_journal import Journal
-from hbench.protocol.dictionary import PHASES, RECORD, RECORD_FLAGS, STATES
+from hbench.protocol.dictionary import PHASES, PRESSURES, RECORD, RECORD_FLAGS, STATES
 from hbench.records import LogChannel, Outcome, RawRun, RunPlan, ScreenedRun
 
 LOG_CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
@@ -25,7 +25,6 @@ _LAST, _SETTLED = (1 << RECORD_FLAGS.index(name) for name in ("last", "settled")
 _MOVING = tuple(
     PHASES.index(name) for name in ("accelerate", "steady", "closed", "push", "vent")
 )  # the phases in which a run is logged
-_PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 
 Judge = Callable[[RawRun], ScreenedRun]
 
@@ -93,7 +92,7 @@ class Recorder:
             f_applied_n=status["f_applied_n"],
             v_ref_m_s=status["v_ref_m_s"],
             f_load_n=p_lp * cylinder.area_piston_m2 - p_lr * cylinder.area_rod_m2,
-            pressures_pa={name: status[f"{name}_pa"] for name in _PRESSURES},
+            pressures_pa={name: status[f"{name}_pa"] for name in PRESSURES},
             pressure_max_pa=self.bench.limits.pressure_max,
             x_m=status["x_m"],
             travel_m=(self.bench.limits.travel_min, self.bench.limits.travel_max),

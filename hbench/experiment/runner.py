@@ -10,6 +10,7 @@ from contextlib import suppress
 from datetime import datetime
 from typing import Any
 
+from hbench.analysis.screening.by_kind import SUPPLY_OFF_PA
 from hbench.config.bench import Bench
 from hbench.errors import ConfigError, DeviceError
 from hbench.experiment.progress import Report
@@ -22,7 +23,6 @@ from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient, Identity, NoAnswer
 
 POLL_S = 0.25  # between two status requests
-SUPPLY_OFF_PA = 10e5  # the board's own limit as venting begins (firmware/core/schedule.c)
 _SUPPLY_ON = 0.8  # of the supply's pressure
 _SUPPLY_S = 600.0  # longest wait for the operator
 LEAST_LOG_S = 4.0  # capacity of the board's log: some lost requests and their repetitions

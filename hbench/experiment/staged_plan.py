@@ -51,10 +51,7 @@ def planned_runs(
     """
     if campaign.imported:
         return None, ()
-    friction = {
-        run.run.plan: run.means.friction_n if run.accepted and run.means else None
-        for run in screened
-    }
+    friction = {run.run.plan: _mean_friction_n(run) for run in screened}
     try:
         schedule, bench = campaign.schedule(), campaign.bench()
         if schedule is None or bench is None:
@@ -73,6 +70,9 @@ def _friction(
     entries = tuple(entry for entry in campaign.entries if entry.plan in plans)
     found = {}
     for raw in replace(campaign, entries=entries).raw_runs():
-        run = screen(calibrate(raw, bench), schedule.screening)
-        found[raw.plan] = run.means.friction_n if run.accepted and run.means else None
+        found[raw.plan] = _mean_friction_n(screen(calibrate(raw, bench), schedule.screening))
     return found
+
+
+def _mean_friction_n(run: ScreenedRun) -> float | None:
+    return run.means.friction_n if run.accepted and run.means else None

@@ -13,6 +13,7 @@ from hbench.config.sensors import Sensors, Transducer
 # In the converter's order. The auxiliary input has the oil's temperature or an accelerometer.
 SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
 INPUTS = (*SENSORS, "auxiliary")
+PRESSURES = SENSORS[1:6]
 N_CHANNELS, N_INPUTS = len(SENSORS), len(INPUTS)
 N_SENSED = N_CHANNELS + 1  # and the acceleration
 

@@ -178,16 +178,16 @@ SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
 # which is only logged, or an accelerometer.
 INPUTS = (*SENSORS, "auxiliary")
 
-_PRESSURES = tuple(name for name in SENSORS if name.startswith("p_"))
+PRESSURES = tuple(name for name in SENSORS if name.startswith("p_"))
 # Settings of the bench that the host uploads, in this order, with the range in which the board
 # starts. SI; gains per 1/16 ADC count. The ranges are wider than any bench and exclude wrong units.
 # Within them all products are finite, and no step of a ramp is lost in rounding.
 SETTING_RANGES: dict[str, tuple[float, float]] = {
     "gain_x": (1e-9, 1e-3),
-    **{f"gain_{name}": (1e-3, 1e5) for name in _PRESSURES},
+    **{f"gain_{name}": (1e-3, 1e5) for name in PRESSURES},
     "gain_f_applied": (1e-6, 1e6),
     "offset_x": (-100.0, 100.0),
-    **{f"offset_{name}": (-1e9, 1e9) for name in (*_PRESSURES, "f_applied")},
+    **{f"offset_{name}": (-1e9, 1e9) for name in (*PRESSURES, "f_applied")},
     "velocity_gain_v_m": (1e-6, 1e6),
     "velocity_time_constant_s": (0.0, 60.0),
     "force_gain_v_n": (1e-12, 1e3),

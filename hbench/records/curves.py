@@ -16,7 +16,7 @@ from hbench.records.numbers import (
     KindName,
     ParameterPair,
 )
-from hbench.records.runs import Direction, Factors, Specimen
+from hbench.records.runs import SIGNS, Direction, Factors, Series, Specimen
 
 # Fewest speeds of which each is held out: five, and enough others for five parameters.
 LEAST_HELD_OUT_SPEEDS = 7
@@ -165,6 +165,11 @@ class Curve:
     factors: Factors = ()
 
     @property
+    def series(self) -> Series:
+        """Series of the curve."""
+        return Series(self.label, self.f_load_n, self.p_lr_ref_pa)
+
+    @property
     def factor_values(self) -> dict[str, str]:
         """Value of each factor, such as a current or a lubricant, with its unit."""
         return dict(self.factors)
@@ -178,7 +183,7 @@ class Curve:
     @property
     def against_motion(self) -> float:
         """Factor from the points' friction to friction against the motion, which is positive."""
-        return 1.0 if self.direction == "extend" else -1.0
+        return SIGNS[self.direction]
 
     @property
     def over_velocity(self) -> bool:

@@ -339,6 +339,11 @@ class Diagnosis:
     material: FloatOrNan = float("nan")  # share of a quantity's range up to which it may deviate
 
     @property
+    def in_practice(self) -> dict[str, EffectInPractice]:
+        """What effects change at the bench, by their names."""
+        return {effect.name: effect for effect in self.practice}
+
+    @property
     def confirmed(self) -> tuple[AddedEffect, ...]:
         """The effects that the revised model contains: those that held-out runs confirm."""
         return tuple(effect for effect in self.effects if effect.confirmed)

@@ -5,16 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hbench.records.numbers import Count, FloatOrNan, KindName
-from hbench.records.runs import Direction
-
-
-@dataclass(frozen=True)
-class Series:
-    """Label, load and rod-side pressure that averaged runs have in common."""
-
-    label: str
-    f_load_n: float | None
-    p_lr_ref_pa: float | None
+from hbench.records.runs import Direction, Series
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,11 @@ from hbench.records.numbers import Count, KindName
 
 Direction = Literal["extend", "retract"]
 DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
+SIGNS: dict[Direction, float] = {"extend": 1.0, "retract": -1.0}  # of the velocity
 DIRECTION_WORDS: dict[str, str] = {"extend": "extending", "retract": "retracting"}
+# Fields that identify a curve, in records of curves, efficiencies and their numbers.
+SERIES_FIELDS = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
+RUN_FLAGS = ("at_reference", "sensor_saturated", "valve_saturated")  # fields of ``Run``, by sample
 Outcome = Literal["done", "aborted", "failed"]
 # What else was varied, such as ("current", "0.5 A"); the label contains it too.
 Factors = tuple[tuple[str, str], ...]
@@ -80,6 +84,15 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Series:
+    """Label, load and rod-side pressure that averaged runs have in common."""
+
+    label: str
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+
+
+@dataclass(frozen=True)
 class RunPlan:
     """Planned or completed run: its kind, its set-up and its references."""
 
@@ -108,6 +121,16 @@ class RunPlan:
     def factor_values(self) -> dict[str, str]:
         """Value of each factor, such as a current or a lubricant, with its unit."""
         return dict(self.factors)
+
+    @property
+    def series(self) -> Series:
+        """Series of the run."""
+        return Series(self.label, self.f_load_n, self.p_lr_ref_pa)
+
+    @property
+    def operating_point(self) -> tuple[KindName, Series, Motion | None]:
+        """Key of a run that hbench planned, equal for all trials of its operating point."""
+        return self.kind, self.series, self.motion
 
     @property
     def planned_motion(self) -> Motion:
@@ -183,10 +206,10 @@ class Run:
     aborted: str = ""  # why the run was stopped early; empty if it was not
 
     def channel(self, name: str) -> np.ndarray:
-        """Return a channel (n,) by its field's name. Raises ``DataError`` if the run has none."""
+        """Return a channel (n,) by its field's name. Raises ``DataError`` where it is missing."""
         values = getattr(self, name)
         if values is None:
-            raise DataError(f"run {self.plan.run}: has no channel {name}")
+            raise DataError(f"run {self.plan.run}: {name} was not measured")
         return values
 
 

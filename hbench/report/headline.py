@@ -3,10 +3,9 @@
 from collections.abc import Collection, Iterable, Sequence
 from statistics import median_low
 
-from hbench.records import Direction, HeadlineNumber, HeadlineSeries, Results
+from hbench.records import DIRECTION_WORDS, Direction, HeadlineNumber, HeadlineSeries, Results
 from hbench.report.campaign.quality.verdict import quality_count
 from hbench.report.campaign.reasons import aborted_words
-from hbench.report.campaign.series_words import TITLES
 from hbench.report.drift import possible_words
 from hbench.report.render.numbers import (
     alike,
@@ -227,7 +226,7 @@ def _span_words(
         remarks.append(f"U {most}{half_width(max(halves))} {points}{_shares(numbers, unit)}")
     text = listed(
         [
-            f"{_ends(side, scale)} {unit}{f' {TITLES[way].lower()}' if len(sides) > 1 else ''}"
+            f"{_ends(side, scale)} {unit}{f' {DIRECTION_WORDS[way]}' if len(sides) > 1 else ''}"
             for way, side in sides.items()
         ]
     )

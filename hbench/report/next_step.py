@@ -6,6 +6,7 @@ from hbench.records import Results
 from hbench.report.campaign.page_tables import friction_budget_table
 from hbench.report.campaign.quality.verdict import next_step
 from hbench.report.campaign.reasons import aborted_words
+from hbench.sentences import uncapital
 
 
 def next_step_words(results: Results) -> str:
@@ -37,7 +38,7 @@ def next_step_of(results: Results, beyond_u: bool = False) -> str:
 
 
 def _step_words(step: str) -> str:
-    return f"Next step: {step[:1].lower()}{step[1:]}" if step else ""
+    return f"Next step: {uncapital(step)}" if step else ""
 
 
 def _largest(results: Results, table: str) -> str:

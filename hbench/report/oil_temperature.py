@@ -4,11 +4,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 from statistics import fmean
 
-from hbench.records import Curve, OilTemperature, Reduction, Results
+from hbench.records import DIRECTION_WORDS, Curve, OilTemperature, Reduction, Results
 from hbench.records.rod_pressure import series_key, without_common_rod_pressure
 from hbench.records.summary import SEPARATED_VIF
 from hbench.report.campaign.fit_tables import fit_tables, law_words
-from hbench.report.campaign.series_words import TITLES
 from hbench.report.campaign.table_columns import WHO, table, who
 from hbench.report.drift import drift_words
 from hbench.report.oil_words import PLACES, celsius
@@ -63,7 +62,7 @@ def _reduction_words(reduction: Reduction) -> Iterable[str]:
         )
     left = [effect for effect in reduction.effects if effect.reason]
     for effect in left:
-        series = ", ".join(filter(None, (effect.label, TITLES[effect.direction].lower())))
+        series = ", ".join(filter(None, (effect.label, DIRECTION_WORDS[effect.direction])))
         start = series[:1].upper() + series[1:]
         yield f"{start}: friction is not reduced to {ref} °C, since {effect.reason}."
     if any(effect.speed_vif > SEPARATED_VIF for effect in left):
@@ -152,7 +151,7 @@ def _effect_table(reduction: Reduction) -> Table:
     rows = [
         (
             effect.label,
-            TITLES[effect.direction].lower(),
+            DIRECTION_WORDS[effect.direction],
             with_interval(effect.dry_n, effect.dry_ci95_n),
             with_interval(effect.viscous_n_s_m, effect.viscous_ci95_n_s_m),
             with_interval(effect.correction_n, effect.correction_ci95_n),

@@ -56,6 +56,10 @@ def with_fit(par: PlantParameters, fit: PrintedFit, law: str) -> PlantParameters
         viscous=fit.viscous_n_s_m,
         bristle_stiffness=SIGMA_0,
     )
+    return _with_friction(par, friction)
+
+
+def _with_friction(par: PlantParameters, friction: FrictionParameters) -> PlantParameters:
     return par._replace(
         test=par.test._replace(friction=friction), load=par.load._replace(friction=friction)
     )
@@ -87,9 +91,7 @@ def fastest(par: PlantParameters, fit: PrintedFit, speed_m_s: float, loops: list
 
 def _viscous(par: PlantParameters, total_n_s_m: float) -> PlantParameters:
     friction = FrictionParameters(law=LAWS["tustin"].code, viscous=0.5 * total_n_s_m)
-    return par._replace(
-        test=par.test._replace(friction=friction), load=par.load._replace(friction=friction)
-    )
+    return _with_friction(par, friction)
 
 
 def least_slope(par: PlantParameters, loops: list[Pi], filters_s: tuple[float, float]) -> float:

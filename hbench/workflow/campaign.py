@@ -25,7 +25,7 @@ from hbench.experiment.staged_plan import plan_parts
 from hbench.protocol.dictionary import RECORD
 from hbench.records import RunPlan
 from hbench.rig.board_settings import board_settings
-from hbench.rig.client import BoardClient
+from hbench.rig.client import BoardClient, Identity
 from hbench.rig.ports import Port
 from hbench.store.campaign.folder import StoredCampaign, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
@@ -196,13 +196,7 @@ def measure(
             now = _session_clock(port, clock(), campaign if simulated else None)
             identity = client.identify()
             bring_to_rest(client, resume or take_over)  # before the folder is created
-            header = campaign_header(
-                experiment.schedule.name, experiment.files, identity, bench, line.port, now()
-            )
-            if simulated:  # the seed of a rig served by another process is not known
-                header["seed"] = line.seed
-            if line.plant is not None:
-                header["plant"] = {"sha256": file_sha256(line.plant)}
+            header = _header(experiment, line, identity, now())
             if campaign is not None:
                 refuse_another(campaign, header)
                 journal = CampaignWriter.resume(folder)
@@ -232,6 +226,19 @@ def measure(
             return MeasurementSummary(runs_made, port.now() - start, damaged)
         finally:
             port.close()
+
+
+def _header(
+    experiment: Experiment, line: Line, identity: Identity, now: datetime
+) -> dict[str, Any]:
+    """Return the header of a campaign on ``line``, whose board has the ``identity``."""
+    schedule, bench = experiment.schedule, experiment.bench
+    header = campaign_header(schedule.name, experiment.files, identity, bench, line.port, now)
+    if line.port == "sim":  # the seed of a rig served by another process is not known
+        header["seed"] = line.seed
+    if line.plant is not None:
+        header["plant"] = {"sha256": file_sha256(line.plant)}
+    return header
 
 
 def _session_clock(

@@ -43,7 +43,7 @@ def diagnosed(
 ) -> Diagnosis:
     """Diagnose the runs of a campaign. Raises ``ConfigError``, ``DataError``."""
     bench = campaign.bench()
-    content: dict[str, Any] = (campaign.header.get("bench") or {}).get("content") or {}
+    content = campaign.bench_content
     source = str(model_file)
     sections = plant_sections(content, read_yaml(model_file), source)
     opposed = any(run.p_lp_pa is not None or run.p_lr_pa is not None for run in runs)

@@ -1,6 +1,6 @@
 """Analysis of a bench's controllers, and proposal of gains."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import date
 from functools import partial
@@ -11,7 +11,7 @@ from hbench.config.files.edited_yaml import with_values
 from hbench.config.files.loading import read_text, read_yaml
 from hbench.config.files.yaml_text import parse_yaml
 from hbench.errors import ConfigError, ConvergenceError
-from hbench.experiment.progress import Progress
+from hbench.experiment.progress import Report
 from hbench.model.build import plant_parameters
 from hbench.records import Design, DesignBasis
 from hbench.report.design.figures import draw_design
@@ -29,7 +29,7 @@ def design(
     point: Mapping[str, float],
     source: bool,
     ratio: float | None,
-    report: Callable[[Progress], None],
+    report: Report,
 ) -> Design:
     """Analyze the controllers of a bench at an operating point, and propose gains.
 

@@ -65,8 +65,7 @@ def export(
         results = derive(campaign)
         write_atomic(destination / "curves.mat", mat_curves(results.curves, results.joint_fits))
     runs = ((screened.run, "; ".join(screened.reasons)) for screened in screened_runs(campaign))
-    bench = (campaign.header.get("bench") or {}).get("content")
-    files = {"bench.yaml": bench, "settings.yaml": exported_settings(campaign)}
+    files = {"bench.yaml": campaign.bench_content, "settings.yaml": exported_settings(campaign)}
     beside = {name: content for name, content in files.items() if content}
     count = int(kind == "mat")
     for name, data in FORMATS[kind](runs, beside):

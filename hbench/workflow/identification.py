@@ -1,18 +1,18 @@
 """Identification of friction laws from a campaign, verified in a model of its bench."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from hbench.analysis.identification.usable_runs import identification_use, usable_runs
 from hbench.errors import DataError
-from hbench.experiment.progress import Progress
+from hbench.experiment.progress import Report
 from hbench.records import Identification, Run
 from hbench.report.identification.figures import draw_identification
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.text import identification_json
 from hbench.report.render.figures import figure_files
-from hbench.store.campaign.folder import StoredCampaign, load_campaign
+from hbench.store.campaign.folder import load_campaign
 from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
@@ -23,7 +23,7 @@ _NOTES = (
 )
 
 
-def identify(folder: Path, report: Callable[[Progress], None]) -> Identification:
+def identify(folder: Path, report: Report) -> Identification:
     """Identify the test cylinder's friction laws, and verify each on the verification runs.
 
     Verification runs are not used for identification. Raises ``DataError``.
@@ -58,7 +58,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     if not_verified:
         verified, scatter = VerifiedLaws(laws, ()), {}
     else:
-        verified = verify_laws(_bench_data(campaign), laws, measured, campaign.plans, report)
+        verified = verify_laws(campaign.bench_content, laws, measured, campaign.plans, report)
         scatter = trial_scatter(measured, mass_kg)
     return Identification(
         provenance=results.provenance,
@@ -104,7 +104,3 @@ def _not_verified(measured: Sequence[Run], *, has_bench: bool) -> str:
             "its verification runs (imported logs have none)"
         )
     return ""
-
-
-def _bench_data(campaign: StoredCampaign) -> dict:
-    return campaign.header["bench"]["content"]

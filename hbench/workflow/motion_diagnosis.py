@@ -31,10 +31,9 @@ def diagnosed_motion(
     ``DataError``.
     """
     label = chosen_series(campaign, series, "The drive force is known")
-    bench = (campaign.header.get("bench") or {}).get("content")
     data = read_yaml(model_file)
-    if bench:
-        data = plant_sections(bench, data, str(model_file))
+    if campaign.bench_content:
+        data = plant_sections(campaign.bench_content, data, str(model_file))
     sections = motion_sections(data)
     return diagnose_motion(
         MotionTask(

@@ -6,7 +6,7 @@ from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from hbench.experiment.progress import Progress
+from hbench.experiment.progress import no_report
 from hbench.parallel.process_pool import map_on_cores
 from hbench.store.campaign.folder import JOURNAL
 from hbench.workflow.board import Line, open_port, physics_of
@@ -61,10 +61,6 @@ def _measure_seed(
         line,
         resume=resume and (destination / JOURNAL).exists(),
         clock=clock,
-        report=_ignore,
+        report=no_report,
         retry=retry,
     )
-
-
-def _ignore(progress: Progress) -> None:
-    pass

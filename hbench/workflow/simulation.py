@@ -63,7 +63,7 @@ def replay(folder: Path, model_file: Path) -> Replay:
     bench = campaign.bench()
     if bench is None:
         raise DataError(f"{folder}: contains no bench, which the model needs", ADD_A_BENCH)
-    content = campaign.header["bench"]["content"]
+    content = campaign.bench_content
     plant = physics_of(content, model_file) or bench
     measured = tuple(r for r in calibrated_runs(campaign) if KINDS[r.plan.kind].is_reconciled)
     simulated, left_out = replay_runs(measured, bench, plant)

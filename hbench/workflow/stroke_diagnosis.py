@@ -24,10 +24,9 @@ def diagnosed_strokes(
     needs only test_cylinder and friction.test. Raises ``ConfigError``, ``DataError``.
     """
     chosen = chosen_series(campaign, series, f"Without {listed(absent)} flows are not known")
-    bench = (campaign.header.get("bench") or {}).get("content")
     data = read_yaml(model_file)
-    if bench:
-        data = plant_sections(bench, data, str(model_file))
+    if campaign.bench_content:
+        data = plant_sections(campaign.bench_content, data, str(model_file))
     by_label: dict[str, list[ScreenedRun]] = {chosen: []}
     for screened in screened_runs(_of_the_same_cylinder(campaign, chosen)):
         by_label.setdefault(screened.run.plan.label, []).append(screened)

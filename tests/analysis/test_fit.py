@@ -10,7 +10,7 @@ from scipy.optimize import curve_fit
 from hbench.analysis.fitting.fit import fit_law, fits, unfitted_curves
 from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TUSTIN_LAW, tustin_friction
 from hbench.config.fitting import TABLE_6_1, Fitting
-from tests.support.analysis.fits import fit_tustin
+from tests.support.analysis.fits import fit_tustin, stribeck
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 SOURCES_BOUNDS = dict(TABLE_6_1)
@@ -18,13 +18,10 @@ LAWS_OF_A_CURVE = ["tustin", "marton_lantos"]
 TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])
 
 
-def law(v, f_c, f_s, v_s, b):
-    """Equation 3.2 written out for the other libraries."""
-    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
-
-
 def noisy(seed, sigma=3.0, truth=TRUTH):
-    return law(SPEEDS, *truth) + sigma * np.random.default_rng(seed).standard_normal(len(SPEEDS))
+    return stribeck(SPEEDS, *truth) + sigma * np.random.default_rng(seed).standard_normal(
+        len(SPEEDS)
+    )
 
 
 def values(fit):
@@ -37,7 +34,7 @@ def errors(fit):
 
 @pytest.mark.parametrize("direction", ["extend", "retract"])
 def test_exact_data_gives_its_parameters_in_both_directions(make_curve, direction):
-    fit = fit_tustin(make_curve(SPEEDS, law(SPEEDS, *TRUTH), direction))
+    fit = fit_tustin(make_curve(SPEEDS, stribeck(SPEEDS, *TRUTH), direction))
     np.testing.assert_allclose(values(fit), TRUTH, rtol=1e-6)
     assert fit.rmse_n < 1e-6 and fit.converged and fit.message == ""
     assert [fit.parameters[name].unit for name in PARAMETER_NAMES] == ["N", "N", "m/s", "N s/m"]
@@ -48,7 +45,7 @@ def test_values_and_standard_errors_are_those_of_curve_fit(make_curve, seed):
     friction = noisy(seed)
     wide = dict.fromkeys(PARAMETER_NAMES, (-1e6, 1e6)) | {"v_stribeck_m_s": (1e-3, 10.0)}
     fit = fit_tustin(make_curve(SPEEDS, friction), wide)
-    expected, covariance = curve_fit(law, SPEEDS, friction, p0=TRUTH, xtol=1e-12, ftol=1e-12)
+    expected, covariance = curve_fit(stribeck, SPEEDS, friction, p0=TRUTH, xtol=1e-12, ftol=1e-12)
     np.testing.assert_allclose(values(fit), expected, rtol=2e-4)
     np.testing.assert_allclose(errors(fit), np.sqrt(np.diag(covariance)), rtol=2e-3)
     ends = [fit.parameters[name].intervals["linearised"] for name in PARAMETER_NAMES]
@@ -60,7 +57,7 @@ def test_values_and_standard_errors_are_those_of_curve_fit(make_curve, seed):
 def test_within_the_bounds_of_table_6_1_it_agrees_with_lmfit(make_curve, seed):
     lmfit = pytest.importorskip("lmfit")
     friction = noisy(seed, sigma=1.0)
-    model = lmfit.Model(law)
+    model = lmfit.Model(stribeck)
     parameters = model.make_params(**dict(zip(("f_c", "f_s", "v_s", "b"), TRUTH, strict=True)))
     for name, key in zip(("f_c", "f_s", "v_s", "b"), PARAMETER_NAMES, strict=True):
         parameters[name].set(min=SOURCES_BOUNDS[key][0], max=SOURCES_BOUNDS[key][1])
@@ -115,7 +112,7 @@ def test_by_default_the_bounds_of_the_stribeck_velocity_are_the_measured_speeds(
     ]
     assert np.median([values(fit) for fit in found], axis=0) == pytest.approx(truth, rel=0.1)
     assert not any(fit.parameters["v_stribeck_m_s"].at_bound for fit in found)
-    steep = law(SPEEDS, 300, 535, 0.002, 2250)  # below the lowest speed
+    steep = stribeck(SPEEDS, 300, 535, 0.002, 2250)  # below the lowest speed
     fit = fit_law(TUSTIN_LAW, [make_curve(SPEEDS, steep)], Fitting())
     assert fit.parameters["v_stribeck_m_s"].value == SPEEDS[0]
     assert fit.parameters["v_stribeck_m_s"].at_bound == "lower"
@@ -162,7 +159,7 @@ def test_each_bound_is_found_active(make_curve, truth, name, side):
 
 def test_a_parameter_near_its_bound_but_not_drawn_to_it_is_free(make_curve):
     truth = np.array([0.2, 600.0, 0.1, 1300.0])
-    fit = fit_tustin(make_curve(SPEEDS, law(SPEEDS, *truth)))
+    fit = fit_tustin(make_curve(SPEEDS, stribeck(SPEEDS, *truth)))
     assert fit.parameters["f_coulomb_n"].at_bound is None
     np.testing.assert_allclose(values(fit), truth, rtol=1e-4)
 
@@ -205,9 +202,9 @@ def test_the_line_is_the_law_at_the_points_and_between_them_only(make_curve, sig
     v, friction = np.array(fit.line).T
     assert {point.v_m_s for point in curve.points} <= set(v.tolist())
     assert np.abs(v).min() == SPEEDS.min() and np.abs(v).max() == SPEEDS.max()
-    np.testing.assert_allclose(friction, sign * law(np.abs(v), *values(fit)))
+    np.testing.assert_allclose(friction, sign * stribeck(np.abs(v), *values(fit)))
     np.testing.assert_allclose(
-        tustin_friction(np.abs(v), values(fit)), law(np.abs(v), *values(fit))
+        tustin_friction(np.abs(v), values(fit)), stribeck(np.abs(v), *values(fit))
     )
 
 
@@ -220,7 +217,7 @@ def test_without_a_stribeck_part_its_speed_is_not_determined(make_curve):
 def test_low_speeds_alone_do_not_determine_the_viscous_part(make_curve):
     slow = SPEEDS / 10
     rest = np.random.default_rng(0).standard_normal(len(slow))
-    fit = fit_tustin(make_curve(slow, law(slow, *TRUTH) + rest))
+    fit = fit_tustin(make_curve(slow, stribeck(slow, *TRUTH) + rest))
     assert re.search(r"\bb_viscous_n_s_m\b.* needs? \w+ above 20 mm/s\b", fit.message)
 
 
@@ -241,13 +238,13 @@ def test_a_parameter_whose_interval_a_bound_cuts_off_is_not_determined(make_curv
 
 def test_as_many_points_as_parameters_leave_no_standard_error(make_curve):
     speeds = SPEEDS[[0, 3, 7, 14]]
-    fit = fit_tustin(make_curve(speeds, law(speeds, *TRUTH)))
+    fit = fit_tustin(make_curve(speeds, stribeck(speeds, *TRUTH)))
     assert fit.converged and "standard errors" in fit.message
     assert all(p.se is None and p.ci95 is None for p in fit.parameters.values())
 
 
 def test_fewer_points_than_parameters_do_not_converge_and_raise_nothing(make_curve):
-    fit = fit_tustin(make_curve(SPEEDS[:3], law(SPEEDS[:3], *TRUTH)))
+    fit = fit_tustin(make_curve(SPEEDS[:3], stribeck(SPEEDS[:3], *TRUTH)))
     assert not fit.converged and "3 points" in fit.message and not fit.parameters
 
 

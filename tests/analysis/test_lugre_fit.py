@@ -15,6 +15,7 @@ from hbench.model.build import friction_parameters
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
 from hbench.records import Run, RunPlan, Specimen
+from tests.support.analysis.fits import stribeck
 from tests.support.analysis.other_plant import (
     OTHER_MASS_KG,
     OTHER_PLANT,
@@ -222,10 +223,6 @@ def another_benchs_log(number, rate_hz):
     )
 
 
-def steady(v, f_c, f_s, v_s, b):
-    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
-
-
 @pytest.mark.parametrize("rate_hz", [100, 500])
 def test_noise_of_the_position_at_rest_is_no_static_friction(rate_hz):
     motions = [logged_motion(another_benchs_log(n, rate_hz), 0.0) for n in range(6)]
@@ -234,4 +231,4 @@ def test_noise_of_the_position_at_rest_is_no_static_friction(rate_hz):
     assert fit.parameters["f_stiction_n"].value == pytest.approx(480.0, rel=0.01)
     v = np.array([0.003, 0.01, 0.04, 0.08])
     found = [fit.parameters[name].value for name in STEADY]
-    np.testing.assert_allclose(steady(v, *found), steady(v, 310, 480, 0.055, 2350), rtol=0.005)
+    np.testing.assert_allclose(stribeck(v, *found), stribeck(v, 310, 480, 0.055, 2350), rtol=0.005)

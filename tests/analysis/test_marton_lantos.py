@@ -8,16 +8,12 @@ import pytest
 from hbench import workflow
 from hbench.analysis.fitting.marton_lantos import PARAMETER_UNITS, lines, lines_from_tustin
 from hbench.analysis.fitting.tustin import PARAMETER_NAMES
-from tests.support.analysis.fits import fit_tustin
+from tests.support.analysis.fits import fit_tustin, stribeck
 from tests.support.analysis.other_plant import STEADY
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 TRUTH = (250.0, 500.0, 0.07, 1500.0)
 V_MAX = SPEEDS[-1]
-
-
-def law(v, f_c, f_s, v_s, b):
-    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
 
 
 def found(make_curve, friction, direction="extend"):
@@ -31,22 +27,24 @@ def values(fit):
 
 @pytest.mark.parametrize("direction", ["extend", "retract"])
 def test_the_lines_touch_the_curve_at_rest_and_at_the_largest_speed(make_curve, direction):
-    a_1, b_1, a_2, b_2, _ = values(found(make_curve, law(SPEEDS, *TRUTH), direction))
+    a_1, b_1, a_2, b_2, _ = values(found(make_curve, stribeck(SPEEDS, *TRUTH), direction))
     h = 1e-6
-    assert a_1 == pytest.approx(law(0.0, *TRUTH))
-    assert b_1 == pytest.approx((law(h, *TRUTH) - law(0.0, *TRUTH)) / h, rel=1e-4)
-    assert a_2 + b_2 * V_MAX == pytest.approx(law(V_MAX, *TRUTH))
-    assert b_2 == pytest.approx((law(V_MAX + h, *TRUTH) - law(V_MAX - h, *TRUTH)) / (2 * h))
+    assert a_1 == pytest.approx(stribeck(0.0, *TRUTH))
+    assert b_1 == pytest.approx((stribeck(h, *TRUTH) - stribeck(0.0, *TRUTH)) / h, rel=1e-4)
+    assert a_2 + b_2 * V_MAX == pytest.approx(stribeck(V_MAX, *TRUTH))
+    assert b_2 == pytest.approx(
+        (stribeck(V_MAX + h, *TRUTH) - stribeck(V_MAX - h, *TRUTH)) / (2 * h)
+    )
 
 
 def test_the_lines_meet_at_the_switch_velocity(make_curve):
-    a_1, b_1, a_2, b_2, v_switch = values(found(make_curve, law(SPEEDS, *TRUTH)))
+    a_1, b_1, a_2, b_2, v_switch = values(found(make_curve, stribeck(SPEEDS, *TRUTH)))
     assert v_switch == pytest.approx((a_1 - a_2) / (b_2 - b_1))  # equation 3.6
     assert 0 < v_switch < V_MAX
 
 
 def test_the_line_to_draw_is_signed_like_the_curve_and_bends_once(make_curve):
-    fit = found(make_curve, law(SPEEDS, *TRUTH), "retract")
+    fit = found(make_curve, stribeck(SPEEDS, *TRUTH), "retract")
     v, friction = np.array(fit.line).T
     assert (v < 0).all() and (friction < 0).all()
     bends = np.abs(np.diff(np.diff(friction) / np.diff(v))) > 1e-3
@@ -57,13 +55,13 @@ def test_standard_errors_are_the_scatter_of_repeated_fits(make_curve):
     """To first order: over 150 draws a standard deviation is known to 6 %."""
     rng = np.random.default_rng(3)
     fits = [
-        found(make_curve, law(SPEEDS, *TRUTH) + rng.standard_normal(len(SPEEDS)))
+        found(make_curve, stribeck(SPEEDS, *TRUTH) + rng.standard_normal(len(SPEEDS)))
         for _ in range(150)
     ]
     drawn = np.array([values(fit) for fit in fits])
     stated = np.array([[fit.parameters[name].se for name in PARAMETER_UNITS] for fit in fits])
     np.testing.assert_allclose(np.sqrt(np.mean(stated**2, axis=0)), drawn.std(axis=0), rtol=0.15)
-    true = values(found(make_curve, law(SPEEDS, *TRUTH)))
+    true = values(found(make_curve, stribeck(SPEEDS, *TRUTH)))
     lower, upper = np.moveaxis(
         [[f.parameters[name].ci95 for name in PARAMETER_UNITS] for f in fits], 2, 0
     )
@@ -71,7 +69,7 @@ def test_standard_errors_are_the_scatter_of_repeated_fits(make_curve):
 
 
 def test_what_the_tustin_fit_says_against_itself_stays_said(make_curve):
-    curve = make_curve(SPEEDS, law(SPEEDS, 300, 535, 0.02, 2250))
+    curve = make_curve(SPEEDS, stribeck(SPEEDS, 300, 535, 0.02, 2250))
     tustin = fit_tustin(curve)
     assert tustin.parameters["v_stribeck_m_s"].at_bound == "lower"
     fit = lines_from_tustin([curve], tustin)
@@ -82,7 +80,7 @@ def test_what_the_tustin_fit_says_against_itself_stays_said(make_curve):
 
 def test_a_line_whose_interval_exceeds_its_value_is_not_determined(make_curve):
     noise = 40.0 * np.random.default_rng(5).standard_normal(len(SPEEDS))
-    fit = found(make_curve, law(SPEEDS, 250.0, 500.0, 0.07, 200.0) + noise)
+    fit = found(make_curve, stribeck(SPEEDS, 250.0, 500.0, 0.07, 200.0) + noise)
     slope = fit.parameters["high_slope_n_s_m"]
     assert slope.ci95[1] - slope.value > max(abs(slope.value), 0.1 * 500.0 / V_MAX)
     assert "high_slope_n_s_m" in fit.undetermined
@@ -93,7 +91,7 @@ def test_a_line_whose_interval_exceeds_its_value_is_not_determined(make_curve):
 def test_the_force_at_rest_has_the_same_error_as_in_the_tustin_fit_weighted_by_trials(make_curve):
     rng = np.random.default_rng(4)
     noise = 60.0 * SPEEDS[:, None] * rng.standard_normal((len(SPEEDS), 3))  # grows with speed
-    trials = law(SPEEDS, *TRUTH)[:, None] + noise
+    trials = stribeck(SPEEDS, *TRUTH)[:, None] + noise
     curve = make_curve(SPEEDS, trials.mean(axis=1))
     points = zip(curve.points, trials.tolist(), strict=True)
     curve = replace(curve, points=tuple(replace(p, trials_n=tuple(t)) for p, t in points))
@@ -106,7 +104,7 @@ def test_the_force_at_rest_has_the_same_error_as_in_the_tustin_fit_weighted_by_t
 
 def test_where_the_stribeck_speed_is_at_its_bound_the_switch_velocity_has_no_interval(make_curve):
     noise = np.random.default_rng(1).standard_normal(len(SPEEDS))
-    fit = found(make_curve, law(SPEEDS, 300, 535, 0.02, 2250) + noise)
+    fit = found(make_curve, stribeck(SPEEDS, 300, 535, 0.02, 2250) + noise)
     switch = fit.parameters["v_switch_m_s"]
     assert switch.se is None and switch.ci95 is None and "v_switch_m_s" in fit.message
     assert fit.parameters["low_force_n"].ci95
@@ -117,7 +115,7 @@ def test_a_switch_velocity_beyond_the_speeds_is_never_in_its_interval(make_curve
     without = 0
     for seed in range(12):
         noise = 3.0 * np.random.default_rng(seed).standard_normal(len(SPEEDS))
-        fit = found(make_curve, law(SPEEDS, 200, 300, 0.1, 1500) + noise)
+        fit = found(make_curve, stribeck(SPEEDS, 200, 300, 0.1, 1500) + noise)
         switch = fit.parameters["v_switch_m_s"]
         assert 0 < switch.value < V_MAX
         if switch.ci95:

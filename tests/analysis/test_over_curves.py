@@ -9,14 +9,11 @@ from scipy.optimize import curve_fit
 from hbench.analysis.fitting.tustin import PARAMETER_NAMES
 from hbench.analysis.identification.identify import identify_laws
 from hbench.analysis.statistics.student import student_factor
+from tests.support.analysis.fits import stribeck
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 TRUTH = (250.0, 500.0, 0.07, 1500.0)
 CONDITIONS = [(way, load) for way in ("extend", "retract") for load in (-1e3, 0.0, 1e3, 2e3)]
-
-
-def law(v, f_c, f_s, v_s, b):
-    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
 
 
 @pytest.fixture
@@ -24,7 +21,7 @@ def frictions():
     """Friction (8, 15) of curves whose level scatters by 2 %, and points by 0.5 N."""
     rng = np.random.default_rng(1)
     level = 1 + 0.02 * rng.standard_normal((8, 1))
-    return level * law(SPEEDS, *TRUTH) + 0.5 * rng.standard_normal((8, 15))
+    return level * stribeck(SPEEDS, *TRUTH) + 0.5 * rng.standard_normal((8, 15))
 
 
 @pytest.fixture
@@ -43,7 +40,9 @@ def test_standard_errors_of_several_curves_are_those_of_refits_without_one(tusti
     fit = tustin(SPEEDS, frictions)
     refits = np.array(
         [
-            curve_fit(law, np.tile(SPEEDS, 7), np.delete(frictions, i, axis=0).ravel(), p0=TRUTH)[0]
+            curve_fit(
+                stribeck, np.tile(SPEEDS, 7), np.delete(frictions, i, axis=0).ravel(), p0=TRUTH
+            )[0]
             for i in range(8)
         ]
     )
@@ -65,7 +64,7 @@ def test_the_same_points_again_narrow_no_interval(tustin, frictions):
 
 def test_an_interval_over_curves_that_leaves_the_bounds_is_not_given(tustin):
     stribeck_speeds = np.array([0.006] * 6 + [0.03] * 2)
-    fit = tustin(SPEEDS, np.array([law(SPEEDS, 250, 500, v, 1500) for v in stribeck_speeds]))
+    fit = tustin(SPEEDS, np.array([stribeck(SPEEDS, 250, 500, v, 1500) for v in stribeck_speeds]))
     stribeck = fit.parameters["v_stribeck_m_s"]
     assert stribeck.at_bound is None and stribeck.ci95 is None and stribeck.se is None
     assert re.search(r"\bv_stribeck_m_s\b.*\blinearised\b", fit.message)

@@ -30,8 +30,8 @@ from hbench.analysis.uncertainty.efficiency import SteadyForces, driving_side, e
 from hbench.config.fitting import Fitting
 from hbench.config.schedule import Screening
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen
+from tests.support.analysis.shaking import shaken
 
-SHAKE = 1e-13
 SPEEDS = np.linspace(0.005, 0.2, 15)
 seeds = st.integers(0, 2**32 - 1)
 pure = [HealthCheck.function_scoped_fixture]  # the fixtures return functions without a state
@@ -55,12 +55,6 @@ TRUTHS = {
 }
 truths = st.sampled_from(sorted(TRUTHS))
 noises = st.sampled_from([0.0, 0.0, 0.3, 3.0])
-
-
-def shaken(values, seed):
-    """Return values with each changed by 1e-13 of itself at most."""
-    values = np.asarray(values, dtype=float)
-    return values * (1 + SHAKE * np.random.default_rng(seed).uniform(-1, 1, values.shape))
 
 
 def curve_of(truth, noise, seed):

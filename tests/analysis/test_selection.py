@@ -8,13 +8,10 @@ from scipy.optimize import curve_fit
 
 from hbench.analysis.fitting.joint import fitted, joint_fits
 from hbench.config.fitting import Fitting
+from tests.support.analysis.fits import stribeck
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 EQUAL = Fitting(weights="equal")
-
-
-def law(v, f_c, f_s, v_s, b):
-    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
 
 
 def lines(v, a_1, b_1, b_2, v_switch):
@@ -26,21 +23,23 @@ def noise(seed, sigma=3.0):
 
 
 def test_the_error_of_a_law_is_that_of_fits_without_each_speed(make_curve):
-    friction = law(SPEEDS, 250, 500, 0.07, 1500) + noise(0)
+    friction = stribeck(SPEEDS, 250, 500, 0.07, 1500) + noise(0)
     found = fitted(make_curve(SPEEDS, friction), EQUAL).selection
     errors = []
     for i in range(1, 14):
         rest = np.arange(15) != i
         start = (250, 500, 0.07, 1500)
-        best, _ = curve_fit(law, SPEEDS[rest], friction[rest], p0=start, xtol=1e-12)
-        errors.append(law(SPEEDS[i], *best) - friction[i])
+        best, _ = curve_fit(stribeck, SPEEDS[rest], friction[rest], p0=start, xtol=1e-12)
+        errors.append(stribeck(SPEEDS[i], *best) - friction[i])
     tustin = next(one for one in found.laws if one.law == "tustin")
     assert tustin.rmse_n == pytest.approx(np.sqrt(np.mean(np.square(errors))), rel=1e-3)
     assert found.speeds == 13
 
 
 def test_the_law_that_made_the_data_is_distinguished(make_curve):
-    curved = fitted(make_curve(SPEEDS, law(SPEEDS, 100, 600, 0.06, 2500) + noise(1, 1.0)), EQUAL)
+    curved = fitted(
+        make_curve(SPEEDS, stribeck(SPEEDS, 100, 600, 0.06, 2500) + noise(1, 1.0)), EQUAL
+    )
     assert curved.selection.laws[0].law == "tustin" and curved.selection.distinguishable
     bent = fitted(make_curve(SPEEDS, lines(SPEEDS, 500, -3000, 1500, 0.08) + noise(2, 1.0)), EQUAL)
     assert bent.selection.laws[0].law == "marton_lantos" and bent.selection.distinguishable
@@ -59,9 +58,9 @@ def test_laws_that_are_equally_good_are_distinguished_by_chance_alone(make_curve
 
 def test_few_speeds_or_one_law_leave_nothing_to_select(make_curve):
     few = SPEEDS[::3]
-    assert fitted(make_curve(few, law(few, 250, 500, 0.07, 1500)), EQUAL).selection is None
+    assert fitted(make_curve(few, stribeck(few, 250, 500, 0.07, 1500)), EQUAL).selection is None
     alone = Fitting(laws=("tustin",))
-    curve = make_curve(SPEEDS, law(SPEEDS, 250, 500, 0.07, 1500) + noise(0))
+    curve = make_curve(SPEEDS, stribeck(SPEEDS, 250, 500, 0.07, 1500) + noise(0))
     assert fitted(curve, alone).selection is None
 
 

@@ -26,6 +26,7 @@ from hbench.store.campaign.folder import load_campaign
 from tests.support import ROOT
 from tests.support.faults.fault_story import check_against_board, check_nothing_rewritten
 from tests.support.faults.faulty_line import attempts
+from tests.support.waiting import wait_until
 
 PATIENCE_S = 120.0
 TAPPED_RIG = ROOT / "tests" / "support" / "faults" / "tapped_rig.py"
@@ -39,13 +40,6 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 from hbench.cli.main import main
 main()
 """
-
-
-def wait_until(holds):
-    deadline = time.monotonic() + PATIENCE_S
-    while not holds():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.01)
 
 
 class Lab:
@@ -132,7 +126,9 @@ def kill_and_resume(lab, schedule, kills, seed):
         host = lab.host()
         logged = len(lab.logged())
         if rng.random() < 0.8:  # else it dies while it starts
-            wait_until(lambda n=logged, h=host: len(lab.logged()) > n or h.poll() is not None)
+            wait_until(
+                lambda n=logged, h=host: len(lab.logged()) > n or h.poll() is not None, PATIENCE_S
+            )
         time.sleep(rng.uniform(0.0, 1.0))
         host.kill()
         if host.wait() != -signal.SIGKILL:
@@ -181,7 +177,7 @@ def test_five_hundred_killed_hosts_lose_no_run(lab, quick_schedule):
 def interrupted(lab, interrupt, terminal=None) -> subprocess.Popen:
     """Start a host, wait until its bench moves, interrupt it; the bench must then stand still."""
     host, logged = lab.host(terminal), len(lab.logged())
-    wait_until(lambda: len(lab.logged()) > logged + 5 or host.poll() is not None)
+    wait_until(lambda: len(lab.logged()) > logged + 5 or host.poll() is not None, PATIENCE_S)
     interrupt(host)
     assert host.wait(PATIENCE_S) == 130
     status = lab.status()
@@ -216,7 +212,7 @@ def test_an_interrupted_host_and_a_closed_terminal_stop_the_board_at_once(lab, q
 def test_a_host_that_sleeps_finds_a_board_that_has_stopped_itself(lab, quick_schedule):
     lab = lab(quick_schedule({"limits": {"heartbeat": "1 s"}}))
     host = lab.host()
-    wait_until(lambda: len(lab.logged()) > 5 or host.poll() is not None)
+    wait_until(lambda: len(lab.logged()) > 5 or host.poll() is not None, PATIENCE_S)
     host.send_signal(signal.SIGSTOP)
     time.sleep(1.3)
     logged = len(lab.logged())

@@ -10,7 +10,8 @@ from collections import Counter
 import pytest
 
 from hbench.errors import DataError
-from hbench.store.campaign.folder import load_campaign, sha256
+from hbench.store.campaign.checksums import sha256
+from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.watching import live
 from tests.support.faults.power_cut import Trace, leftovers, write_tree
 from tests.support.rig_campaign import measure_on_rig

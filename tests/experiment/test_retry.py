@@ -6,7 +6,8 @@ from hbench import workflow
 from hbench.model.plant import V
 from hbench.model.sensors import SENSORS
 from hbench.rig import virtual
-from hbench.store.campaign.folder import load_campaign, sha256
+from hbench.store.campaign.checksums import sha256
+from hbench.store.campaign.folder import load_campaign
 from tests.support.rig_campaign import measure_on_rig
 
 LOAD_CELL = SENSORS.index("f_applied")

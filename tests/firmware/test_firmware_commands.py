@@ -9,12 +9,10 @@ import pytest
 from hbench.protocol.codec import BY_NAME, pack_settings, unpack
 from hbench.protocol.dictionary import (
     CRC_START,
-    FAULTS,
     PROTOCOL,
     RECORD,
     SETTING_RANGES,
     SETTINGS,
-    STATES,
     dictionary_hash,
 )
 
@@ -24,11 +22,6 @@ DEPENDENT = {  # on each other, on the DAC or on the schedule
     *("voltage_limit_v", "travel_min_m", "travel_max_m"),
     *("pressure_max_pa", "speed_max_m_s"),
 }
-
-
-def state(board):
-    status = board.status()
-    return STATES[status["state"]], FAULTS[status["fault"]]
 
 
 def test_identify_reports_dictionary_firmware_and_boots(new_board):
@@ -48,7 +41,7 @@ def test_identify_reports_dictionary_firmware_and_boots(new_board):
 
 def test_a_board_from_reset_is_idle_and_not_ready(new_board):
     board = new_board()
-    assert state(board) == ("idle", "none")
+    assert board.cause() == ("idle", "none")
     assert board.tick() == [0, 0, 0]
     assert board.request("start", bytes(4)) == "not_ready"
     board.write_settings()
@@ -257,7 +250,7 @@ def test_a_running_board_refuses_uploads_and_a_second_start(board):
     assert board.write_segment() == "busy"
     assert board.request("clear_fault") == "busy"
     assert board.start() == "busy"
-    assert state(board) == ("running", "none")
+    assert board.cause() == ("running", "none")
 
 
 def test_a_repeated_start_is_answered_without_effect(board):
@@ -268,7 +261,7 @@ def test_a_repeated_start_is_answered_without_effect(board):
     assert board.start(again=True) == b""
     after = board.status()
     assert before["phase"] == after["phase"] != 1
-    assert state(board) == ("running", "none")
+    assert board.cause() == ("running", "none")
 
 
 def test_stop_makes_the_valves_neutral_and_reports_stopped_until_the_next_start(board):
@@ -277,11 +270,11 @@ def test_stop_makes_the_valves_neutral_and_reports_stopped_until_the_next_start(
     assert board.tick()[0] > 0.1, "it accelerates"
     assert board.request("stop") == b""
     assert board.tick() == [0, 0, 0]
-    assert state(board) == ("idle", "stopped")
+    assert board.cause() == ("idle", "stopped")
     assert board.request("stop") == b"", "again, without effect"
-    assert state(board) == ("idle", "stopped")
+    assert board.cause() == ("idle", "stopped")
     assert board.start() == b""
-    assert state(board) == ("running", "none")
+    assert board.cause() == ("running", "none")
 
 
 @pytest.mark.parametrize("name", ["identify", "stop", "clear_fault", "status"])
@@ -359,7 +352,7 @@ def test_future_records_are_not_returned(logged):
 
 
 def test_record_numbers_go_on_from_one_schedule_to_the_next(logged):
-    assert state(logged) == ("done", "none")
+    assert logged.cause() == ("done", "none")
     logged.start()
     logged.rest(0.5, x=0.05)
     assert logged.status()["log_next"] == 3000

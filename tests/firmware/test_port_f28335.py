@@ -11,7 +11,6 @@ import subprocess
 import numpy as np
 import pytest
 
-from hbench.protocol.dictionary import FAULTS, STATES
 from hbench.rig import firmware
 from tests.support.board.f28335_board import COMPILER, CORE, PORT, SOURCES, OnChip, build
 from tests.support.board.f28335_chip import ADC_VECTOR, ILLEGAL_VECTOR, Chip
@@ -49,11 +48,6 @@ def upload(board):
     assert board.write_settings() == b""
     assert board.write_motion(hold_s=0.002) == b""
     return board
-
-
-def state(board):
-    status = board.status()
-    return STATES[status["state"]], FAULTS[status["fault"]]
 
 
 def test_the_valves_are_neutral_before_the_clock_is_set(chip):
@@ -147,7 +141,7 @@ def test_a_run_gives_the_codes_of_the_host_build(board, chip, new_board, monkeyp
         codes = list(twin.firmware.tick(words))
         assert board.firmware.tick(words) == codes
         seen.add(tuple(codes))
-    assert len(seen) > 100 and state(board) == state(twin) == ("running", "none")
+    assert len(seen) > 100 and board.cause() == twin.cause() == ("running", "none")
 
 
 def test_requests_in_flight_are_all_answered(board, chip):
@@ -198,7 +192,7 @@ def test_the_watchdog_does_not_reset_while_loop_and_interrupt_run(board, chip):
 def start(board):
     assert board.start() == b""
     board.rest(0.05, x=0.0505)
-    assert state(board) == ("running", "none") and board.firmware.last_words() != NEUTRAL
+    assert board.cause() == ("running", "none") and board.firmware.last_words() != NEUTRAL
 
 
 def test_a_tick_longer_than_its_period_is_a_fault(board, chip):
@@ -208,7 +202,7 @@ def test_a_tick_longer_than_its_period_is_a_fault(board, chip):
     chip.access_us = 0.04
     chip.run(400)
     assert board.firmware.last_words() == NEUTRAL
-    assert state(board) == ("fault", "overrun")
+    assert board.cause() == ("fault", "overrun")
 
 
 def test_a_lost_tick_is_a_fault(board, chip):
@@ -216,7 +210,7 @@ def test_a_lost_tick_is_a_fault(board, chip):
     chip.pass_time(170)
     chip.run(60)
     assert board.firmware.last_words() == NEUTRAL
-    assert state(board) == ("fault", "overrun")
+    assert board.cause() == ("fault", "overrun")
 
 
 def test_ticks_lost_while_start_checks_are_no_fault(board, chip, monkeypatch):
@@ -232,7 +226,7 @@ def test_ticks_lost_while_start_checks_are_no_fault(board, chip, monkeypatch):
     before = chip.ticks
     assert board.start() == b""
     monkeypatch.undo()
-    assert chip.ticks > before and state(board) == ("running", "none")
+    assert chip.ticks > before and board.cause() == ("running", "none")
 
 
 def fail(chip, what):

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from hbench.analysis.screening.calibrate import calibrate
-from hbench.config.import_layout import FLAGS
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
@@ -19,6 +18,7 @@ from hbench.model.sensors import FRACTION, sensor_parameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 from hbench.protocol.dictionary import RECORD
 from hbench.reconcile.nuisance import BACKGROUND
+from hbench.records import RUN_FLAGS
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.runs import channels
 from hbench.store.importing.importer import import_folder
@@ -393,7 +393,7 @@ def test_logs_with_a_map_keep_kind_speed_load_trial_and_channels(tmp_path, store
             assert run.plan.v_ref_m_s == pytest.approx(source.plan.v_ref_m_s)
         assert run.plan.f_load_n == pytest.approx(source.plan.f_load_n)
         for name, values in channels(source).items():
-            if name not in FLAGS:
+            if name not in RUN_FLAGS:
                 assert getattr(run, name) == pytest.approx(values, rel=1e-8, abs=1e-9), name
 
 

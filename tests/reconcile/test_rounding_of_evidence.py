@@ -21,17 +21,11 @@ from hbench.reconcile.measured.balances import WindowedRun
 from hbench.reconcile.products import Products, column_products
 from hbench.reconcile.strokes.series import MeasuredStrokes, Stroke, StrokePair
 from hbench.records import RunPlan, Specimen
+from tests.support.analysis.shaking import shaken
 
-SHAKE = 1e-13
 seeds = st.integers(0, 2**32 - 1)
 shaking = settings(max_examples=30, deadline=None)
 PLAN = RunPlan("0001", "steady", 1, 0.05, Specimen(1e-3, 8e-4))
-
-
-def shaken(values, seed):
-    """Return values with each changed by 1e-13 of itself at most."""
-    values = np.asarray(values, dtype=float)
-    return values * (1 + SHAKE * np.random.default_rng(seed).uniform(-1, 1, values.shape))
 
 
 def products(d, columns):

@@ -15,7 +15,7 @@ from hbench.records.conformity.acceptance import Requirement
 from hbench.records.fleet.campaign_names import distinct_names
 from hbench.report.fleet.charts import chart_table, step_table
 from hbench.report.fleet.figures import draw_fleet
-from hbench.report.fleet.overview import overview_table
+from hbench.report.fleet.overview import fleet_tiles, overview_table
 from hbench.report.fleet.page import fleet_document, fleet_page
 from hbench.report.fleet.terminal import fleet_text
 from hbench.report.fleet.text import (
@@ -180,7 +180,7 @@ def test_the_terminal_gets_ascii_and_json_the_verdicts(found):
 
 def test_decisions_are_counted_and_ppk_stands_on_page_in_text_and_json(tmp_path, undrawn):
     made_table(tmp_path, 12)
-    requirement = Requirement("friction", "N", low=None, high=900.0)
+    requirement = Requirement("friction", "N", low=None, high=900.0, name="ISO <b>")
     of_a_load = replace(requirement, f_load_n=500.0, name="loaded <b>")
     decisions = {f"{i:07}": "PASS" if i else "FAIL" for i in range(12)}
     limits = [requirement, of_a_load]
@@ -190,6 +190,7 @@ def test_decisions_are_counted_and_ppk_stands_on_page_in_text_and_json(tmp_path,
     page, text = fleet_page(fleet, draw_fleet(fleet)), fleet_text(fleet)
     assert "Ppk" in text and "Cpk" in text and "1 FAIL, 11 PASS" in text
     assert "Capability" in page and "at most 900" in page
+    assert any("limits: ISO <b>: friction" in tile.more for tile in fleet_tiles(fleet))
     assert "No Ppk for the limit of loaded &lt;b&gt;: it applies to one load" in page
     assert "No Ppk for the limit of loaded" in text
     assert json.loads(fleet_json(fleet))["capabilities"][0]["ppk"]["value"] == pytest.approx(

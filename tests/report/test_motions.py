@@ -321,6 +321,15 @@ def test_ramps_stand_on_one_figure_with_the_steady_points_of_their_load(moving):
     assert (back.lines[0].get_ydata() > 0).all()
 
 
+def test_a_label_keeps_its_capitals_in_the_titles_of_ramps_and_maps(moving):
+    labelled = replace(moving, curves=tuple(replace(c, label="NBR") for c in moving.curves))
+    maps = tuple(replace(each, label="NBR") for each in moving.motions.surfaces)
+    labelled = replace(labelled, motions=replace(labelled.motions, surfaces=maps))
+    for figure in (*ramps.ramps(labelled).values(), *motions.surfaces(labelled).values()):
+        title = figure.axes[0].get_title() or figure.axes[0].get_title("left")
+        assert re.search(r"(Ramps|Friction map), NBR, (extending|retracting)", title)
+
+
 def test_a_fit_of_a_ramp_that_is_not_determined_is_grey_and_dashed_and_none_is_no_line(moving):
     ramp = next(c for c in moving.curves if c.kind == "ramp" and c.direction == "extend")
     (fit, *_) = ramp.fits

@@ -24,16 +24,10 @@ from hbench.rig.serve import FullSpeed, WallClock, serve
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign.folder import load_campaign
 from tests.support.rig_campaign import measure_on_rig
+from tests.support.waiting import wait_until
 
 PATIENCE_S = 30.0
 ADDRESSES = [None, "localhost:0"]  # pseudo-terminal, socket
-
-
-def wait_until(holds):
-    deadline = time.monotonic() + PATIENCE_S
-    while not holds():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.01)
 
 
 @pytest.fixture
@@ -116,7 +110,7 @@ def test_a_client_that_leaves_in_the_middle_of_a_run_leaves_a_bench_that_stops_i
     client.start(client.write_settings(settings), schedule_crc)
     port.close()
     left_at = rig.now()
-    wait_until(lambda: rig.now() > left_at + 0.5)
+    wait_until(lambda: rig.now() > left_at + 0.5, PATIENCE_S)
 
     port = SerialPort(line.name)
     client = BoardClient(port)
@@ -162,7 +156,7 @@ def test_a_client_that_never_reads_does_not_hold_up_the_rig(served, address):
     for _ in range(3000):  # more answers than the line holds
         port.write(b"\x00\x01\x02\x00")
     now = rig.now()
-    wait_until(lambda: rig.now() > now + 0.1)
+    wait_until(lambda: rig.now() > now + 0.1, PATIENCE_S)
     port.close()
     port = SerialPort(line.name)
     assert BoardClient(port).identify().board == "host"

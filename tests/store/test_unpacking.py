@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hbench.errors import DataError
-from hbench.store.formats import parquet
+from hbench.store.files import bounded_read
 from hbench.store.formats.matlab import mat_sizes
 from hbench.store.formats.matlab.mat import read_mat
 from hbench.store.formats.parquet import read_parquet
@@ -103,7 +103,7 @@ def test_a_parquet_file_that_unpacks_to_too_much_is_refused_before_it_is():
 
 def test_what_fits_is_read(monkeypatch):
     """The same checks on sound files: those of an export (test_export.py) and a full one."""
-    monkeypatch.setattr(parquet, "LARGEST_UNPACKED", 95)
+    monkeypatch.setattr(bounded_read, "LARGEST_UNPACKED", 95)
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
     file = io.BytesIO()

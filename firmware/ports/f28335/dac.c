@@ -1,6 +1,7 @@
 /* Never compiled by TI's compiler, never run on hardware. */
 #include "dac.h"
 
+#include "../ad5724r.h"
 #include "compiler.h"
 #include "registers.h"
 #include "system.h"
@@ -12,18 +13,6 @@
 
 #define CLOCK_DIVIDER 3u /* SCLK = LSPCLK / 4 = 9.4 MHz of at most 30 */
 #define WORD_US 20u      /* timeout: a word takes 2.6 us, 51 us before the PLL runs */
-#define POWER_UP_US 200u /* check: at least 10 us, and the settling of the reference */
-
-/* Words of 24 bits, split: upper 8 bits, lower 16 bits. */
-#define DAC_REGISTER 0x00u /* | channel */
-#define DAC_RANGE 0x08u    /* | channel */
-#define DAC_POWER 0x10u
-#define DAC_CONTROL 0x19u
-#define DAC_CLEAR 0x1Cu
-#define ALL_CHANNELS 0x04u
-#define PLUS_MINUS_10_V 0x0004u
-#define POWER_A_B_C_REFERENCE 0x0017u /* bit 4, the internal reference: check */
-#define CLEAR_TO_0_V 0x0000u
 
 static bool send(hb_u16 upper, hb_u16 lower)
 {
@@ -109,5 +98,3 @@ void hb_dac_clear(void)
     (void)send(DAC_CLEAR, 0u);
     (void)send(DAC_REGISTER | ALL_CHANNELS, 0u);
 }
-
-HB_ASSERT(valves_are_the_first_channels, HB_VALVE_T == 0 && HB_VALVE_L1 == 1 && HB_VALVE_L2 == 2);

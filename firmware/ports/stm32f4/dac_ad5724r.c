@@ -1,8 +1,10 @@
 /* AD5724R: words of 24 bits over SPI2. Channels A, B, C drive T, L1, L2 at +-10 V. Wiring: PB15 to
  * SDIN, PB13 to SCLK, PB12 to SYNC, LDAC low, BIN/2sCOMP low (codes are two's complement), the
  * released line (see emergency_stop.h) to CLR. Never run on hardware. */
-#include "clock.h"
 #include "dac.h"
+
+#include "../ad5724r.h"
+#include "clock.h"
 #include "pins.h"
 #include "timer.h"
 
@@ -13,20 +15,6 @@
 #define FUNCTION_SPI2 5u
 
 #define OCTET_US 10u     /* timeout: an octet takes 0.8 us, 2 us before clock_start */
-#define POWER_UP_US 200u /* at least 10 us, and the settling of the reference (check) */
-
-/* Words of 24 bits, split: upper 8 bits, lower 16 bits. */
-#define DAC_REGISTER 0x00u /* | channel */
-#define DAC_RANGE 0x08u    /* | channel */
-#define DAC_POWER 0x10u
-#define DAC_CONTROL 0x19u
-#define DAC_CLEAR 0x1Cu
-#define ALL_CHANNELS 0x04u
-#define PLUS_MINUS_10_V 0x0004u
-#define POWER_A_B_C_REFERENCE 0x0017u /* bit 4, the internal reference (check) */
-#define CLEAR_TO_0_V 0x0000u
-
-HB_ASSERT(valves_are_the_first_channels, HB_VALVE_T == 0 && HB_VALVE_L1 == 1 && HB_VALVE_L2 == 2);
 
 static bool becomes(uint32_t mask, uint32_t value)
 {

@@ -23,7 +23,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtr
 
-from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import satterthwaite, student_factor
@@ -120,7 +119,7 @@ def mean_with_test(value: float, curves: Iterable[WeightedCurve]) -> tuple[float
             order = np.argsort(point.trials)
             shared = frozenset(setups.get(run, f"run {run}") for run in point.runs)
             key = (factor > 0, shared, tuple(sorted(point.trials)))
-            trials = factor * weight * sign(curve) * np.array(point.trials_n)[order]
+            trials = factor * weight * curve.against_motion * np.array(point.trials_n)[order]
             sums[key] = sums.get(key, 0.0) + trials
     error = welch([(1.0, trials.tolist()) for trials in sums.values()])
     if error is None:

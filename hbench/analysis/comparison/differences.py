@@ -34,7 +34,6 @@ from hbench.analysis.comparison.matching import (
 )
 from hbench.analysis.comparison.point_weights import Weights, mean_weights, paired_weights
 from hbench.analysis.curves.ramps import sliding
-from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.uncertainty.budget import friction_contributions
 from hbench.config.sensors import Instruments
@@ -213,13 +212,13 @@ def _terms(weighted_points: WeightedPoints) -> list[tuple[float, list[float]]]:
     curve, weights = weighted_points
     points = [(w, curve.points[i]) for i, w in weights.items()]
     if KINDS[curve.kind].has_constant_speed or len(points) == 1:
-        return [(w, [sign(curve) * trial for trial in p.trials_n]) for w, p in points]
+        return [(w, [curve.against_motion * trial for trial in p.trials_n]) for w, p in points]
     by_trial = [dict(zip(p.trials, p.trials_n, strict=True)) for _, p in points]
     common = set.intersection(*map(set, by_trial))
     if not common:
-        return [(w, [sign(curve) * p.friction_n]) for w, p in points]
+        return [(w, [curve.against_motion * p.friction_n]) for w, p in points]
     sums = [
-        sign(curve)
+        curve.against_motion
         * sum(w * values[trial] for (w, _), values in zip(points, by_trial, strict=True))
         for trial in sorted(common)
     ]

@@ -24,8 +24,8 @@ from hbench.records import (
     ScreenedRun,
 )
 from hbench.records.conformity.acceptance import LimitQuantity, Measurement, Requirement
-from hbench.records.motions import Series
 from hbench.records.rod_pressure import series_key
+from hbench.records.runs import Series
 
 TOLERANCE = 0.05  # relative difference from the stated speed, load or pressure
 _UNSTEADY = "not_steady"  # reason for rejection

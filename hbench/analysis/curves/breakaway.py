@@ -22,14 +22,13 @@ import numpy as np
 from hbench.analysis.curves.average import student_interval
 from hbench.analysis.screening.friction_channels import (
     missing_friction_channels,
-    required,
     test_force,
 )
 from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.config.sensors import Instruments
-from hbench.records import Breakaway, Curve, CurvePoint, DwellLaw, Run, RunPlan, ScreenedRun, Series
+from hbench.records import SIGNS, Breakaway, Curve, CurvePoint, DwellLaw, Run, RunPlan, ScreenedRun
 from hbench.records.rod_pressure import series_key
 
 _LEAST_DWELLS = 3  # for a law over the time at rest
@@ -92,8 +91,8 @@ def _peak(run: Run) -> _Peak | None:
     """Return the moment of breakaway; None if there is no maximum, or a channel is missing."""
     if missing_friction_channels(run):
         return None
-    sign = 1.0 if run.plan.direction == "extend" else -1.0
-    f_test, f_applied = test_force(run, slice(None)), required(run, "f_applied_n")
+    sign = SIGNS[run.plan.direction]
+    f_test, f_applied = test_force(run, slice(None)), run.channel("f_applied_n")
     friction = sign * (f_test - f_applied)
     peak = first_peak(friction)
     if peak is None:
@@ -125,7 +124,7 @@ def _mean(
     by_trial = [_Peak(*np.mean([peak for _, peak in runs], axis=0)) for runs in trials.values()]
     mean = _Peak(*np.mean(by_trial, axis=0).tolist())
     friction = np.array([peak.friction_n for peak in by_trial])
-    sign = 1.0 if plan.direction == "extend" else -1.0
+    sign = SIGNS[plan.direction]
     hydraulic = plan.specimen.area_piston_m2 > 0
     point = CurvePoint(
         v_m_s=0.0,
@@ -146,7 +145,7 @@ def _mean(
     (point,) = with_instruments(curve, instruments).points
     area = plan.specimen.driving_area_m2(plan.direction)
     return Breakaway(
-        series=Series(plan.label, *load),
+        series=plan.series,
         direction=plan.direction,
         dwell_s=plan.dwell_s,
         rate_n_s=None if plan.force_rate_n_s is None else abs(plan.force_rate_n_s),

@@ -21,7 +21,7 @@ from hbench.analysis.rounding import is_constant
 from hbench.analysis.screening.reference_sections import cycles_with_rise
 from hbench.analysis.screening.sample_friction import logged_motion
 from hbench.errors import DataError
-from hbench.records import Loop, LoopWidth, Run, ScreenedRun, Series
+from hbench.records import Loop, LoopWidth, Run, ScreenedRun
 
 _SHARES = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the top speed, at which widths are read
 _SPAN = 0.1  # of the top speed, to either side: samples for a width's parabolas
@@ -52,8 +52,8 @@ def hysteresis(
     for verdict in screened:
         plan = verdict.run.plan
         if verdict.accepted:
-            load = plan.f_load_n, plan.p_lr_ref_pa, plan.specimen
-            groups[plan.kind, plan.label, *load, abs(plan.v_ref_m_s)].append(verdict.run)
+            key = plan.kind, plan.series, plan.specimen, abs(plan.v_ref_m_s)
+            groups[key].append(verdict.run)
     loops, notes = [], []
     for runs in (alike for group in groups.values() for alike in _of_one_travel(group)):
         trials: dict[int, list[Cycle]] = defaultdict(list)
@@ -139,7 +139,7 @@ def _loop(runs: Sequence[Run], trials: list[list[Cycle]]) -> Loop:
     board = np.mean([cycle.board_n for cycle in cycles], axis=0)
     trace = np.mean([cycle.trace[:phases] for cycle in cycles], axis=0)
     return Loop(
-        series=Series(plan.label, plan.f_load_n, plan.p_lr_ref_pa),
+        series=plan.series,
         v_top_m_s=abs(plan.v_ref_m_s),
         a_m_s2=plan.a_ref_m_s2,
         cycles=len(cycles),

@@ -35,11 +35,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, distinct
-from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.statistics.intervals import covariance_over_runs, has_effect, parts_in
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Bench
-from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun, Series
+from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun
 from hbench.records.motions import BULK_MODULUS_ERROR, OIL_EXPANSION_1_K, TEMPERATURE_RATE_K_S
 from hbench.sentences import listed
 
@@ -226,8 +225,8 @@ def _chambers(
     middle = run.x_m[settled].mean()
     v_p = cylinder.dead_volume_piston + cylinder.area_piston_m2 * middle
     v_r = cylinder.dead_volume_rod + cylinder.area_rod_m2 * (cylinder.stroke - middle)
-    p_p = required(run, "p_tp_pa")
-    p_r = np.zeros(len(run.t_s)) if _is_plunger(run) else required(run, "p_tr_pa")
+    p_p = run.channel("p_tp_pa")
+    p_r = np.zeros(len(run.t_s)) if _is_plunger(run) else run.channel("p_tr_pa")
     return settled, ((p_p[settled], v_p / beta), (p_r[settled], v_r / beta))
 
 
@@ -280,7 +279,7 @@ def _hold(run: Run, bench: Bench) -> _Hold:
     t_mean, lost_p, lost_r = (y - y[0] for y in means)
     decay = Decay(
         run=plan.run,
-        series=Series(plan.label, plan.f_load_n, plan.p_lr_ref_pa),
+        series=plan.series,
         p_p_pa=float(p_p.mean()),
         p_r_pa=float(p_r.mean()),
         rate_p_pa_s=slope(p_p),

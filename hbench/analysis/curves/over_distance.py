@@ -20,9 +20,8 @@ import numpy as np
 
 from hbench.analysis.rounding import is_constant
 from hbench.analysis.screening.friction_channels import (
+    friction_with_inertia,
     missing_friction_channels,
-    required,
-    test_force,
 )
 from hbench.analysis.screening.reference_sections import whole_cycles
 from hbench.analysis.statistics.holm import holm
@@ -100,10 +99,10 @@ def _of_cycles(
         is_triangle = KINDS[plan.kind].analysis == "hysteresis"
         if not (each.accepted and is_triangle) or missing_friction_channels(run):
             continue
-        friction = test_force(run, slice(None)) - required(run, "f_applied_n")
+        friction = friction_with_inertia(run)
         at = spans[plan.run].begin_m
-        key = plan.kind, Series(plan.label, plan.f_load_n, plan.p_lr_ref_pa), abs(plan.v_ref_m_s)
-        for window in whole_cycles(required(run, "v_ref_m_s")):
+        key = plan.kind, plan.series, abs(plan.v_ref_m_s)
+        for window in whole_cycles(run.channel("v_ref_m_s")):
             x, force = run.x_m[window], friction[window]
             length = travel(run.t_s[window], x)
             work = float((force[1:] + force[:-1]) @ np.diff(x) / 2)
@@ -120,10 +119,8 @@ def _of_steady(curves: Iterable[Curve], spans: Mapping[str, _Span]) -> Iterator[
                 values = [curve.against_motion * value for value in point.trials_n]
                 middles = [spans[run].middle_m for run in point.runs]
                 points = list(zip(middles, values, strict=True))
-                series = Series(curve.label, curve.f_load_n, curve.p_lr_ref_pa)
-                v = abs(point.v_m_s)
-                direction = curve.direction
-                yield from _trend("friction_n", curve.kind, series, direction, points, v_m_s=v)
+                of_curve = curve.kind, curve.series, curve.direction
+                yield from _trend("friction_n", *of_curve, points, v_m_s=abs(point.v_m_s))
 
 
 def _of_breakaways(

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from hbench.analysis.curves.ramps import sliding
-from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.fitting.tustin import PARAMETER_NAMES, tustin_friction
 from hbench.records import KINDS, Curve, Fit, RampComparison
 
@@ -33,7 +32,7 @@ def curve_error(fit: Fit, curve: Curve) -> float:
     """Return the root mean square [N] of a Tustin fit's differences from a curve's points."""
     p = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
     v = np.abs([point.v_m_s for point in curve.points])
-    measured = sign(curve) * np.array([point.friction_n for point in curve.points])
+    measured = curve.against_motion * np.array([point.friction_n for point in curve.points])
     return float(np.sqrt(np.mean((tustin_friction(v, p) - measured) ** 2)))
 
 

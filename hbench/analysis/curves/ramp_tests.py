@@ -22,7 +22,7 @@ import numpy as np
 from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import student_factor
-from hbench.records import KINDS, Comparison, Curve, Series
+from hbench.records import KINDS, Comparison, Curve
 
 _GRID = 10  # speeds of a half at which ramps are compared
 _LEAST = 2  # steady speeds in a range
@@ -74,7 +74,7 @@ def _anova(ramps: list[Curve], groups: list[np.ndarray], low: float, high: float
         message = ""
     return Comparison(
         what="acceleration",
-        series=_series(ramps[0]),
+        series=ramps[0].series,
         direction=ramps[0].direction,
         a_m_s2=tuple(ramp.a_ref_m_s2 or 0.0 for ramp in ramps),
         v_low_m_s=low,
@@ -116,7 +116,7 @@ def _steady(ramp: Curve, steady: Curve) -> Iterable[Comparison]:
             message = ""
         yield Comparison(
             what="steady",
-            series=_series(ramp),
+            series=ramp.series,
             direction=ramp.direction,
             a_m_s2=(ramp.a_ref_m_s2 or 0.0,),
             v_low_m_s=float(speeds.min()),
@@ -148,13 +148,8 @@ def _by_trial(trials: Sequence[int], values: Sequence[float]) -> list[float]:
 def _levels(curve: Curve, speeds_m_s: np.ndarray) -> np.ndarray:
     """Return each trial's mean |F| over ``speeds_m_s``, straight between its points."""
     v = np.abs([point.v_m_s for point in curve.points])
-    of_trials = np.array([point.trials_n for point in curve.points]).T
-    sign = 1.0 if curve.direction == "extend" else -1.0
-    return np.array([np.interp(speeds_m_s, v, sign * trial).mean() for trial in of_trials])
-
-
-def _series(curve: Curve) -> Series:
-    return Series(curve.label, curve.f_load_n, curve.p_lr_ref_pa)
+    of_trials = curve.against_motion * np.array([point.trials_n for point in curve.points]).T
+    return np.array([np.interp(speeds_m_s, v, trial).mean() for trial in of_trials])
 
 
 def _corrected(comparisons: list[Comparison]) -> list[Comparison]:

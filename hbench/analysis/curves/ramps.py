@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.analysis.curves.average import student_interval
-from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
 from hbench.records import Curve, CurvePoint, RunPlan, ScreenedRun
@@ -72,7 +71,7 @@ def sliding(curve: Curve) -> Curve:
     if not curve.a_ref_m_s2:
         return curve
     travel = np.array([point.v_m_s**2 / (2 * curve.a_ref_m_s2) for point in curve.points])
-    friction = [sign(curve) * point.friction_n for point in curve.points]
+    friction = [curve.against_motion * point.friction_n for point in curve.points]
     early = friction[: int(np.sum(travel < _MEMORY_M))]
     return replace(curve, points=curve.points[int(np.argmax(early)) :]) if early else curve
 
@@ -91,7 +90,7 @@ def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndar
     bins = np.digitize(np.abs(v), speeds_m_s)
     points = []
     for i in range(1, len(speeds_m_s)):
-        chosen = (bins == i) & (sign(like) * v > 0)
+        chosen = (bins == i) & (like.against_motion * v > 0)
         if chosen.any():
             means = [float(values[chosen].mean()) for values in (v, friction, p_p, p_r, applied)]
             points.append(_point(like, tuple(m.run for m in motions), *means))

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hbench.analysis.curves.average import student_interval
-from hbench.analysis.screening.friction_channels import required, test_force
+from hbench.analysis.screening.friction_channels import friction_with_inertia
 from hbench.analysis.screening.reference_sections import level_windows
 from hbench.analysis.screening.screen import window_means
 from hbench.records import Level, Run, ScreenedRun, Series
@@ -60,13 +60,12 @@ def step_levels(screened: Iterable[ScreenedRun], mass_kg: float) -> tuple[Level,
         run = verdict.run
         if verdict.accepted and run.v_ref_m_s is not None:
             steps = velocity_steps(run, mass_kg)
-            series = run.plan.label, run.plan.f_load_n, run.plan.p_lr_ref_pa
-            key = (*series, run.plan.kind, tuple(step.v_to_m_s for step in steps))
+            key = run.plan.series, run.plan.kind, tuple(step.v_to_m_s for step in steps)
             groups[key].append((run.plan.trial, run.plan.run, steps))
     return tuple(
-        _level(Series(*key[:3]), key[3], number, runs)
-        for key, runs in groups.items()
-        for number in range(len(key[4]))
+        _level(series, kind, number, runs)
+        for (series, kind, levels), runs in groups.items()
+        for number in range(len(levels))
     )
 
 
@@ -76,7 +75,7 @@ def velocity_steps(run: Run, mass_kg: float) -> list[VelocityStep]:
     a = np.zeros(len(run.x_m))
     a[1:-1] = np.diff(run.x_m, 2) / dt**2
     inertia = mass_kg * a
-    friction = test_force(run, slice(None)) - required(run, "f_applied_n") - inertia
+    friction = friction_with_inertia(run) - inertia
     steps: list[VelocityStep] = []
     before, v_before, start = None, 0.0, 0
     for level, settled in level_windows(run):

@@ -58,7 +58,6 @@ def _common_speeds(group: list[Curve]) -> np.ndarray:
 
 def _row(curve: Curve, v_m_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     v = np.abs([point.v_m_s for point in curve.points])
-    sign = 1.0 if curve.direction == "extend" else -1.0
-    friction = sign * np.array([point.friction_n for point in curve.points])
+    friction = curve.against_motion * np.array([point.friction_n for point in curve.points])
     interval = [np.nan if point.ci95_n is None else point.ci95_n for point in curve.points]
     return np.interp(v_m_s, v, friction), np.interp(v_m_s, v, interval)

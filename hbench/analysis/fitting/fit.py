@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.fitting.fit_data import FitPoints, fit_points, sign
+from hbench.analysis.fitting.fit_data import FitPoints, fit_points
 from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.fitting.information import (
     Information,
@@ -260,7 +260,7 @@ def _lines(
     def line(speeds: np.ndarray) -> tuple[tuple[float, float], ...]:
         inputs = np.repeat(data.inputs[:, :1], len(speeds), axis=1)
         inputs[0] = speeds
-        signed, friction = sign(curves[0]), law.model(inputs, x)
+        signed, friction = curves[0].against_motion, law.model(inputs, x)
         return tuple(zip((signed * speeds).tolist(), (signed * friction).tolist(), strict=True))
 
     inside = line(np.union1d(v, np.linspace(low, high, _LINE_POINTS)))

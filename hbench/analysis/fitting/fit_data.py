@@ -37,18 +37,13 @@ class FitPoints:
         )
 
 
-def sign(curve: Curve) -> float:
-    """Return the factor from a curve's friction to its magnitude."""
-    return 1.0 if curve.direction == "extend" else -1.0
-
-
 def fit_points(curves: Sequence[Curve], weights: str = "equal") -> FitPoints:
     """Return the points of ``curves``; ``weights`` are "equal", or from the "trials".
 
     Weights from trials need scatter and three points with two trials or more; otherwise all weights
     are equal.
     """
-    signed = [(sign(curve), point) for curve in curves for point in curve.points]
+    signed = [(curve.against_motion, point) for curve in curves for point in curve.points]
     rows = [
         (
             abs(point.v_m_s),

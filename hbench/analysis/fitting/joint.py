@@ -36,9 +36,7 @@ def joint_fits(
     )
 
 
-def _joint(
-    curves: Sequence[Curve], names: Sequence[str], how: Fitting, reach: Reach = ANYWHERE
-) -> JointFit:
+def _joint(curves: Sequence[Curve], names: Sequence[str], how: Fitting, reach: Reach) -> JointFit:
     of_laws = (fit_law(JOINT_LAWS[name], curves, how, reach=reach) for name in names)
     fits_of_laws = tuple(with_held_out(fit, curves, how) for fit in of_laws)
     points = [p for curve in curves for p in curve.points if p.p_tr_pa is not None]

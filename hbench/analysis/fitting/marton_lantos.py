@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.analysis.fitting.fit_data import fit_points, sign
+from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.fitting.over_curves import tustin_covariance, without_impossible_intervals
 from hbench.analysis.fitting.tustin import PARAMETER_NAMES
@@ -96,7 +96,7 @@ def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
     error. ``rmse_n`` is that of the lines at the points.
     """
     data = fit_points(curves)
-    v, direction = data.inputs[0], sign(curves[0])
+    v, direction = data.inputs[0], curves[0].against_motion
     p = np.array([tustin.parameters[name].value for name in PARAMETER_NAMES])
     v_max = float(v.max())
     values = lines(p, v_max)

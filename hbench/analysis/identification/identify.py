@@ -192,24 +192,21 @@ def _unknowns(motions: Sequence[LoggedMotion]) -> tuple[str, ...]:
     return tuple(name for name in UNKNOWNS if hydraulic or name not in _SEALS)
 
 
-def _start(tustin: Fit | None) -> FrictionParameters:
-    return _UNKNOWN if tustin is None else _put(_UNKNOWN, tustin)
-
-
-def _put(par: FrictionParameters, fit: Fit) -> FrictionParameters:
+def _start(fit: Fit | None) -> FrictionParameters:
+    """Return the start of a search: the parameters of another law's fit."""
     values: dict[str, Any] = {
         UNKNOWNS[name].field: parameter.value
-        for name, parameter in fit.parameters.items()
+        for name, parameter in (fit.parameters if fit else {}).items()
         if name in UNKNOWNS
     }
-    return par._replace(**values)
+    return _UNKNOWN._replace(**values)
 
 
 def _leuven(motions: Sequence[LoggedMotion], lugre: Fit | None) -> Fit:
     """Fit Leuven's law: its elements for some Delta_max to some runs, then everything to all."""
     if lugre is None:
         raise _NotDetermined("its search starts at LuGre's fit, which is missing")
-    known = _put(_UNKNOWN, lugre)
+    known = _start(lugre)
     length = known.stiction / known.bristle_stiffness
     elements = tuple(share * known.stiction for share in _SHARES)
     turning = sorted(filter(reverses, motions), key=lambda motion: len(motion.v_m_s))

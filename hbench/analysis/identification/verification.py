@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
 from hbench.records import ModelErrors, Run
@@ -90,8 +89,7 @@ def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErr
     """
     profiles: dict[tuple, list[Run]] = defaultdict(list)
     for run in measured:
-        plan = run.plan
-        profiles[plan.motion, plan.label, plan.f_load_n, plan.p_lr_ref_pa].append(run)
+        profiles[run.plan.operating_point].append(run)
     scatter = _SectionErrors()
     for runs in profiles.values():
         if len(runs) < 2 or any(run.v_ref_m_s is None for run in runs):
@@ -101,7 +99,7 @@ def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErr
         signals = np.array([_signals(motion, n) for motion in motions])
         factor = np.sqrt(len(runs) / (len(runs) - 1))
         for run, motion, trial in zip(runs, motions, signals, strict=True):
-            v_ref = required(run, "v_ref_m_s")[:n]
+            v_ref = run.channel("v_ref_m_s")[:n]
             scatter.add(v_ref, motion, factor * (trial - signals.mean(axis=0)))
     return scatter.rms() if scatter else {}
 

@@ -21,9 +21,8 @@ import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.screening.friction_channels import (
+    friction_with_inertia,
     missing_friction_channels,
-    required,
-    test_force,
 )
 from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
@@ -32,20 +31,23 @@ from hbench.analysis.screening.steadiness import speeds_over_tenths
 from hbench.analysis.screening.zero_check import CHAMBERS, closed_part
 from hbench.config.schedule import Screening
 from hbench.motion.speeds import mean_speed
-from hbench.records import KINDS, Run
+from hbench.records import KINDS, SIGNS, Run
 
 _REACHED = 0.98  # of a ramp's top speed
 _NEAR_END_M = 0.005
 _LAST_S = 0.03  # a push that takes the whole time but this has not moved the piston
 _LEVEL_PA = 1e4  # change of a vented chamber's pressure
-_SUPPLY_OFF_PA = 10e5  # of a supply that is off, with the tank's pressure and a zero error
+# Of a supply that is off, with the tank's pressure and a zero error; the board's limit too, as
+# venting begins (firmware/core/vent.c).
+SUPPLY_OFF_PA = 10e5
 
 
 def motion_reasons(run: Run, rules: Screening) -> list[str]:
     """Return the reasons to reject a non-steady run, except those of its log's integrity."""
     if len(run.t_s) < 2:
         return ["too_short: the log has fewer than 2 records; limit 2"]
-    return [*_end_stop(run, rules), *RULES[KINDS[run.plan.kind].screening](run, rules)]
+    rule = RULES[KINDS[run.plan.kind].screening]
+    return [*end_stop_reasons(run.x_m, run, rules), *rule(run, rules)]
 
 
 def motion_notes(run: Run) -> list[str]:
@@ -67,9 +69,12 @@ def near_end(x_m: np.ndarray, stroke_m: float, margin_m: float) -> float | None:
     return high if stroke_m - high <= least else None
 
 
-def _end_stop(run: Run, rules: Screening) -> Iterator[str]:
+def end_stop_reasons(x_m: np.ndarray, run: Run, rules: Screening) -> Iterator[str]:
+    """Yield the reason for positions of a run near an end of its stroke, if it is known."""
     stroke, margin = run.plan.specimen.stroke_m, rules.end_stop_margin
-    if stroke is not None and (nearest := near_end(run.x_m, stroke, margin)) is not None:
+    if not len(x_m) or stroke is None:
+        return
+    if (nearest := near_end(x_m, stroke, margin)) is not None:
         yield (
             f"end_stop: the piston is at {1e3 * nearest:.1f} mm of a stroke of "
             f"{1e3 * stroke:g} mm; limit {1e3 * margin:g} mm from either end"
@@ -161,7 +166,7 @@ def _rest(run: Run, rules: Screening) -> Iterator[str]:
 
 def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
     yield from _valve_limits(run, rules)
-    forward = 1.0 if run.plan.direction == "extend" else -1.0
+    forward = SIGNS[run.plan.direction]
     moved_mm = 1e3 * forward * float(run.x_m[-1] - run.x_m[0])
     segments = run.plan.motion.segments if run.plan.motion else ()
     for push in segments[:1]:
@@ -173,7 +178,7 @@ def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
             )
             return
     if not missing_friction_channels(run):
-        friction = forward * (test_force(run, slice(None)) - required(run, "f_applied_n"))
+        friction = forward * (friction_with_inertia(run))
         if first_peak(friction) is None:
             yield (
                 f"incomplete: friction was still rising when the piston had moved by "
@@ -188,10 +193,10 @@ def _levelled(run: Run, rules: Screening) -> Iterator[str]:
         return
     yield from _rest(replace(run, x_m=run.x_m[closed]), rules)
     supply = None if run.p_s_pa is None else float(run.p_s_pa[closed].mean())
-    if supply is not None and supply > _SUPPLY_OFF_PA:
+    if supply is not None and supply > SUPPLY_OFF_PA:
         yield (
             f"not_steady: the supply was on, {supply / 1e5:.1f} bar; limit "
-            f"{_SUPPLY_OFF_PA / 1e5:g} bar"
+            f"{SUPPLY_OFF_PA / 1e5:g} bar"
         )
     for channel in CHAMBERS:
         if (values := getattr(run, channel)) is None:

@@ -5,7 +5,7 @@ import numpy as np
 from hbench.config.bench import Bench
 from hbench.errors import DataError
 from hbench.model.sensors import sensor_gains
-from hbench.records import LogChannel, RawRun, Run
+from hbench.records import RUN_FLAGS, LogChannel, RawRun, Run
 from hbench.units import parse_unit
 
 # A log channel's name -> its field of Run.
@@ -31,7 +31,6 @@ OPTIONAL_INPUTS = ("auxiliary", "temp_tank")
 # Channels that are not sensors, with their units; sensors are logged in counts.
 WORD_UNITS = {"v": "m/s", "v_ref": "m/s", "u_t": "V", "u_l1": "V", "u_l2": "V"}
 BOOKKEEPING = ("run", "index", "flags")
-FLAG_FIELDS = ("at_reference", "sensor_saturated", "valve_saturated")
 # Codes of the reader's warnings that cast doubt on the log's completeness.
 INCOMPLETE = ("truncated", "missing", "unreadable", "changed")
 
@@ -74,7 +73,7 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
     flags = words[:, column["flags"]]
     bits = {
         name: (flags >> raw.flags.index(name) & 1).astype(bool)
-        for name in FLAG_FIELDS
+        for name in RUN_FLAGS
         if name in raw.flags
     }
     bits["sensor_saturated"] = bits.get("sensor_saturated", False) | _saturated(raw, words, bench)

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from hbench.errors import DataError
 from hbench.records import Run
 
 
@@ -22,20 +21,17 @@ def missing_friction_channels(run: Run) -> list[str]:
     return [name for name in friction_channels(run) if getattr(run, name) is None]
 
 
-def required(run: Run, name: str) -> np.ndarray:
-    """Return a channel (n,) of a run. Raises ``DataError`` if it was not measured."""
-    values: np.ndarray | None = getattr(run, name)
-    if values is None:
-        raise DataError(f"run {run.plan.run}: {name} was not measured")
-    return values
-
-
 def test_force(run: Run, window: slice) -> np.ndarray:
     """Return F_T = P_Tp A_p - P_Tr A_r, or the drive's force, [N] in a window (n,)."""
     if run.f_drive_n is not None:
         return run.f_drive_n[window]
     specimen = run.plan.specimen
-    force = required(run, "p_tp_pa")[window] * specimen.area_piston_m2
+    force = run.channel("p_tp_pa")[window] * specimen.area_piston_m2
     if specimen.area_rod_m2 > 0:
-        force = force - required(run, "p_tr_pa")[window] * specimen.area_rod_m2
+        force = force - run.channel("p_tr_pa")[window] * specimen.area_rod_m2
     return force
+
+
+def friction_with_inertia(run: Run) -> np.ndarray:
+    """Return F_T - F_applied [N] (n,): friction, and the inertia of the test side's mass."""
+    return test_force(run, slice(None)) - run.channel("f_applied_n")

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from hbench.analysis.screening.friction_channels import required
 from hbench.motion.reversals import cut_at_reversals
 from hbench.records import Run
 
@@ -49,7 +48,7 @@ def level_windows(run: Run) -> list[tuple[float, slice]]:
 
     A level is a section of constant reference; records during a change belong to no level.
     """
-    v_ref = required(run, "v_ref_m_s")
+    v_ref = run.channel("v_ref_m_s")
     edges = np.flatnonzero(np.diff(v_ref)) + 1
     bounds = [0, *edges.tolist(), len(v_ref)]
     return [

@@ -15,9 +15,8 @@ import numpy as np
 
 from hbench.analysis.screening.friction_channels import (
     friction_channels,
+    friction_with_inertia,
     missing_friction_channels,
-    required,
-    test_force,
 )
 from hbench.errors import DataError
 from hbench.motion.noise import noise_over_motion, resolution, robust_sigma
@@ -84,9 +83,9 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         v_m_s=v,
         p_p_pa=_pressure(run, "p_tp_pa"),
         p_r_pa=_pressure(run, "p_tr_pa"),
-        friction_n=test_force(run, slice(None)) - required(run, "f_applied_n") - mass_kg * a,
+        friction_n=friction_with_inertia(run) - mass_kg * a,
         compared=np.cumsum(np.abs(v)) * dt > MEMORY_M,
-        f_applied_n=required(run, "f_applied_n"),
+        f_applied_n=run.channel("f_applied_n"),
         one_sided=window // 2,
     )
 
@@ -113,4 +112,4 @@ def _at_rest(run: Run, smooth: np.ndarray, samples: int) -> np.ndarray:
 
 def _pressure(run: Run, name: str) -> np.ndarray:
     """Return a chamber's pressure (n,), 0 where friction does not need it."""
-    return required(run, name) if name in friction_channels(run) else np.zeros(len(run.t_s))
+    return run.channel(name) if name in friction_channels(run) else np.zeros(len(run.t_s))

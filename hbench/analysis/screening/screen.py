@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, exceeds
-from hbench.analysis.screening.by_kind import RULES, motion_notes, motion_reasons, near_end
+from hbench.analysis.screening.by_kind import RULES, end_stop_reasons, motion_notes, motion_reasons
 from hbench.analysis.screening.friction_channels import (
     friction_channels,
+    friction_with_inertia,
     missing_friction_channels,
-    required,
     test_force,
 )
 from hbench.analysis.screening.log_steps import rounding_errors
@@ -185,13 +185,9 @@ def _of_log(faults: str) -> Iterator[str]:
 
 def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterator[str]:
     """Yield the reasons found in the piston's position and the valve."""
-    x, stroke, margin = run.x_m[window], run.plan.specimen.stroke_m, rules.end_stop_margin
     standing = 0.0 if run.at_reference is None else standstill_s(run, section)
-    if len(x) and stroke is not None and (nearest := near_end(x, stroke, margin)) is not None:
-        yield (
-            f"end_stop: the piston is at {1e3 * nearest:.1f} mm of a stroke of "
-            f"{1e3 * stroke:g} mm; limit {1e3 * margin:g} mm from either end"
-        )
+    if at_end := list(end_stop_reasons(run.x_m[window], run, rules)):
+        yield from at_end
     elif standing >= _STANDSTILL_S:
         yield (
             f"stalled: the piston rests at {1e3 * run.x_m[section][-1]:.1f} mm for the last "
@@ -216,7 +212,7 @@ def _steadiness(
             f"limit {1e3 * limit:.2f} mm/s"
         )
     # Noise widens the limit of the ripple: it is computed only where that matters.
-    if means and exceeds(means.v_ripple_m_s or 0.0, _ripple_limit(run, rules)):
+    if means and exceeds(means.v_ripple_m_s or 0.0, rules.ripple_limit(v_ref)):
         yield from _ripple(run, window, rules)
     known = np.zeros(0) if run.v_m_s is None else run.v_m_s[window]
     known = known[np.isfinite(known)]
@@ -230,7 +226,7 @@ def _steadiness(
             )
     if means is None or means.friction_n is None:
         return
-    f_applied = required(run, "f_applied_n")[window]
+    f_applied = run.channel("f_applied_n")[window]
     # A board of hbench controls the load itself; in other logs it may come late.
     step = load_step(f_applied) if run.plan.motion is None else 0.0
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(np.mean(f_applied)))
@@ -257,16 +253,12 @@ def _ripple(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     t, x = run.t_s[window], run.x_m[window]
     foreign = run.plan.motion is None
     ripple = speed_ripple(t, x, noise_over_motion(run.t_s, run.x_m) if foreign else np.inf)
-    limit = _ripple_limit(run, rules)
+    limit = rules.ripple_limit(run.plan.v_ref_m_s)
     if exceeds(ripple.total_m_s, np.hypot(limit, ripple.noise_m_s)):
         yield (
             f"not_steady: speed over 0.1 s varies by {1e3 * ripple.total_m_s:.2f} mm/s (standard "
             f"deviation); limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} mm/s noise"
         )
-
-
-def _ripple_limit(run: Run, rules: Screening) -> float:
-    return max(rules.speed_ripple, rules.speed_ripple_relative * abs(run.plan.v_ref_m_s))
 
 
 def _too_short(run: Run, section: slice, window: slice, rules: Screening) -> str:
@@ -326,7 +318,7 @@ def _stroke_work(run: Run, rules: Screening) -> float | None:
 
 def _work(run: Run) -> float:
     """Return the integral of F_T - F_applied over the distance of a run [J]."""
-    force = test_force(run, slice(0, None)) - required(run, "f_applied_n")
+    force = friction_with_inertia(run)
     return float((force[1:] + force[:-1]) @ np.diff(run.x_m) / 2)
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from operator import attrgetter
 from statistics import fmean, harmonic_mean, stdev
 
 from hbench.analysis.curves.band_trends import band_series
@@ -10,6 +11,7 @@ from hbench.analysis.statistics.student import degrees_of_freedom, satterthwaite
 from hbench.records import (
     DIRECTIONS,
     KINDS,
+    SERIES_FIELDS,
     Band,
     Curve,
     Direction,
@@ -117,9 +119,8 @@ def _planned_loads(plans: list[RunPlan], direction: Direction) -> int:
 
 def _curve(results: Results, series: HeadlineSeries) -> Curve | None:
     """Return the curve of the headline numbers; None where breakaway alone was measured."""
-    names = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
-    key = [getattr(series, name) for name in names]
-    return next((c for c in results.curves if [getattr(c, name) for name in names] == key), None)
+    key = attrgetter(*SERIES_FIELDS)
+    return next((curve for curve in results.curves if key(curve) == key(series)), None)
 
 
 def _number(number: HeadlineNumber | None) -> FleetNumber | None:

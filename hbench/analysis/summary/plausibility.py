@@ -11,7 +11,7 @@ from typing import Any
 from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.rounding import exceeds
 from hbench.analysis.uncertainty.budget import StandardUncertainty, of_instruments
-from hbench.records import Curve, EfficiencyCurve, ImplausiblePoint
+from hbench.records import SERIES_FIELDS, Curve, EfficiencyCurve, ImplausiblePoint
 
 
 def implausible_points(
@@ -67,5 +67,4 @@ def _half_width(
 
 
 def _series(curve: Curve | EfficiencyCurve) -> dict[str, Any]:
-    names = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
-    return {name: getattr(curve, name) for name in names}
+    return {name: getattr(curve, name) for name in SERIES_FIELDS}

@@ -60,9 +60,10 @@ def report(
     Example: hbench report demo
     """
     from hbench import workflow
+    from hbench.cli.quantities import working_speed_m_s
     from hbench.store.campaign.stored_acceptance import stored_decision
 
-    v = None if speed is None else speed_m_s(speed)
+    v = working_speed_m_s(speed)
     results = workflow.report(campaign, fit, form=form.value, speed_m_s=v, monte_carlo=monte_carlo)
     typer.echo(f"{campaign / 'results' / f'report.{form.value}'}", err=True)
     typer.echo(_result(results, as_json, stored_decision(campaign)))
@@ -73,17 +74,3 @@ def _result(results: "Results", as_json: bool, decision: str = "") -> str:
     from hbench.report.campaign.terminal import summary_text
 
     return results_json(results) if as_json else summary_text(results, decision)
-
-
-def speed_m_s(text: str) -> float:
-    """Return the value of ``--speed``. Raises ``ConfigError``."""
-    from hbench.errors import ConfigError
-    from hbench.units import to_si
-
-    try:
-        speed = to_si(text, "mm/s")
-    except ValueError as error:
-        raise ConfigError(f"--speed: {text!r} {error}") from None
-    if not speed > 0:
-        raise ConfigError(f"--speed: is {text!r}; limit 0 mm/s", "Give a positive speed.")
-    return speed

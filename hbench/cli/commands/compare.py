@@ -42,13 +42,10 @@ def compare(
 
 def _ratio(text: str) -> float:
     """Return the value of ``--speed-tolerance``. Raises ``ConfigError``."""
+    from hbench.cli.quantities import si_of
     from hbench.errors import ConfigError
-    from hbench.units import to_si
 
-    try:
-        ratio = to_si(text, "%")
-    except ValueError as error:
-        raise ConfigError(f"--speed-tolerance: {text!r} {error}") from None
+    ratio = si_of("--speed-tolerance:", text, "%")
     if not 0 <= ratio < 1:
         raise ConfigError(f"--speed-tolerance: is {text!r}; limits 0 % and below 100 %")
     return ratio

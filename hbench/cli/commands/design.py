@@ -84,7 +84,7 @@ def design(
 
 def _operating_point(text: str) -> dict[str, float]:
     """Convert ``v=50 mm/s, load=5 kN`` to SI, with the workflow's names. Raises ``ConfigError``."""
-    from hbench.units import to_si
+    from hbench.cli.quantities import si_of
 
     point = {}
     for item in filter(None, (item.strip() for item in text.split(","))):
@@ -95,8 +95,5 @@ def _operating_point(text: str) -> dict[str, float]:
                 "Write for example 'v=50 mm/s, load=5 kN, x=170 mm, p_lr=15 bar'.",
             )
         unit, key = _POINT[name]
-        try:
-            point[key] = to_si(value, unit)
-        except ValueError as error:
-            raise ConfigError(f"--operating-point: {name} = {value!r} {error}") from None
+        point[key] = si_of(f"--operating-point: {name} =", value, unit)
     return point

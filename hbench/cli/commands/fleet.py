@@ -51,10 +51,10 @@ def fleet(
     Example: hbench fleet 'line-1/*' -o fleet
     """
     from hbench import workflow
-    from hbench.cli.commands.analyze import speed_m_s
     from hbench.cli.progress import ProgressLine
+    from hbench.cli.quantities import working_speed_m_s
 
-    v = None if speed is None else speed_m_s(speed)
+    v = working_speed_m_s(speed)
     line = ProgressLine(sys.stderr)
     try:
         summary = workflow.analyze_fleet(

@@ -112,7 +112,7 @@ def with_effects(
 
 
 def with_all_effects(
-    par: PlantParameters, values: Values, learned: Sequence[LearnedLaw] = ()
+    par: PlantParameters, values: Values, learned: Sequence[LearnedLaw]
 ) -> PlantParameters:
     """Add all effects, those without ``values`` with their defaults: one type for the compiler."""
     rows = tuple(_in_order(name, values.get(name, {})) for name in EFFECTS)

@@ -3,8 +3,7 @@
 from hbench.config.effects import Coefficient
 from hbench.model.effects import instruments
 from hbench.model.effects.rows import FLOWS, FORCES, Effect, Separation
-
-_TRANSDUCERS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
+from hbench.model.sensors import PRESSURES
 
 ROWS = {
     "load_cell_gain": Effect(
@@ -44,7 +43,7 @@ ROWS = {
     ),
     "pressure_offset": Effect(
         description="a transducer's reading is wrong by a constant pressure",
-        coefficients={name: Coefficient("bar", 0.5, -20, 20) for name in _TRANSDUCERS},
+        coefficients={name: Coefficient("bar", 0.5, -20, 20) for name in PRESSURES},
         balances=(*FLOWS, *FORCES, "supply"),
         laws={"sensors": instruments.pressure_offset},
         law="reading = P + p_0, p_0 of each transducer",
@@ -60,7 +59,7 @@ ROWS = {
     ),
     "pressure_gain": Effect(
         description="a transducer's reading is wrong by a share of the pressure",
-        coefficients={name: Coefficient("%", 1, -20, 20) for name in _TRANSDUCERS},
+        coefficients={name: Coefficient("%", 1, -20, 20) for name in PRESSURES},
         balances=(*FLOWS, *FORCES, "supply"),
         laws={"sensors": instruments.pressure_gain},
         law="reading = (1 + e) P, e of each transducer",

@@ -1,16 +1,12 @@
 """Measured values as a certificate states them. All quantities are SI."""
 
 from dataclasses import dataclass
-from typing import Literal
 
-from hbench.records.conformity.acceptance import Measurement
+from hbench.records.conformity.acceptance import LimitQuantity, Measurement
 from hbench.records.motions import Leak
 
-CertifiedQuantity = Literal[
-    "friction", "breakaway", "efficiency", "leakage", "speed_ripple", "drift"
-]
 # Stated wherever they were measured; the others only where a limit was decided.
-CERTIFIED_QUANTITIES: tuple[CertifiedQuantity, ...] = (
+CERTIFIED_QUANTITIES: tuple[LimitQuantity, ...] = (
     "friction",
     "breakaway",
     "efficiency",
@@ -22,7 +18,7 @@ CERTIFIED_QUANTITIES: tuple[CertifiedQuantity, ...] = (
 class Certified:
     """Measured value with its expanded uncertainty (``measurement.u95``) and coverage factor."""
 
-    quantity: CertifiedQuantity
+    quantity: LimitQuantity
     measurement: Measurement  # N, 1, or m^3/(s Pa) of a leak
     k: float | None  # None: not known, or without an uncertainty
     pressure_pa: float | None = None  # a force as the pressure on the driving area

@@ -1,7 +1,8 @@
 """Content of the report of a campaign, for the page, Markdown and PDF."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 
 from hbench.records import DIRECTIONS, KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
@@ -23,9 +24,9 @@ from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.next_step import decided_step_words, next_step_words
 from hbench.report.oil_temperature import temperature_section
-from hbench.report.rejected_section import LONG_LIST, rejected_sections
+from hbench.report.rejected_section import rejected_sections
 from hbench.report.render.document import BANNERS, Document, Section
-from hbench.report.render.figures import Drawing
+from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.numbers import number, span
 from hbench.report.render.word_tables import titled
 from hbench.report.zero_words import zero_notes
@@ -76,31 +77,29 @@ def report_document(
     U of the decision that contain the instruments.
     """
     label, results = common_label(results), without_common_label(results)
-    figures: dict[str, tuple[Drawing, ...]] = {}
-    for drawing in drawings:
-        figures[drawing.section] = (*figures.get(drawing.section, ()), drawing)
+    drawn = partial(of_section, tuple(drawings))
     provenance = results.provenance
     bench = provenance.bench if provenance.bench != provenance.name else ""
     folder = folder if folder != provenance.name else ""
     imported = "imported " if provenance.source == "imported" else ""
     day = imported + provenance.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
-    rejected = rejected_sections(results, figures.get("rejected", ()))
+    rejected = rejected_sections(results, drawn("rejected"))
     first = results.quality.grade == "poor" and has_rejected(results)
-    curves, others = _leading(figures.get("friction", ()), first or decision is not None)
+    curves, others = _leading(drawn("friction"), first or decision is not None)
     sections = (
         *((_decided(results, decision),) if decision else ()),
         *(rejected if first else ()),
         summary_section(results, decision is not None, curves),
         *_friction(results, others, bool(curves)),
         *fit_sections(results),
-        *temperature_section(results, figures.get("temperature", ())),
-        *_moving(results, figures, decision is not None),
+        *temperature_section(results, drawn("temperature")),
+        *_moving(results, drawn, decision is not None),
         *_budget(results),
-        *_efficiency(results, figures.get("efficiency", ())),
+        *_efficiency(results, drawn("efficiency")),
         *more,
         *(() if first else rejected),
-        settings_section(results, LONG_LIST),
+        settings_section(results),
         method_section(results),
         *_points(results),
         *fit_remarks(results),
@@ -185,9 +184,9 @@ def _decided(results: Results, decision: Section) -> Section:
 
 
 def _moving(
-    results: Results, figures: dict[str, tuple[Drawing, ...]], decided: bool
+    results: Results, drawn: Callable[[str], tuple[Drawing, ...]], decided: bool
 ) -> Iterable[Section]:
-    if drawings := figures.get("ramps"):
+    if drawings := drawn("ramps"):
         table = page_motions.comparison_table(results)
         differing = sum(map(differs, results.motions.comparisons))
         verb = "is" if differing == 1 else "are"
@@ -209,7 +208,7 @@ def _moving(
         yield Section(
             "Breakaway",
             (_BREAKAWAY,),
-            drawings=figures.get("breakaway", ()),
+            drawings=drawn("breakaway"),
             facts=() if decided else creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
@@ -226,7 +225,7 @@ def _moving(
             "Leakage at the highest pressure",
         ),
     ):
-        if drawings := figures.get(name):
+        if drawings := drawn(name):
             shown = Section(
                 name.capitalize(),
                 items=table.messages,
@@ -240,7 +239,7 @@ def _moving(
                 yield Section(shown.title, (_FOLDED[name](results),), parts=(inside,))
             else:
                 yield shown
-    if drawings := figures.get("over-distance"):
+    if drawings := drawn("over-distance"):
         table = page_motions.distance_table(results)
         tables = titled(table, "Changes over the distance")
         yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=tables)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from hbench.channels import CHANNELS
-from hbench.records import Comparison, DwellLaw, Leakage, Results, Zero
+from hbench.records import DIRECTION_WORDS, Comparison, DwellLaw, Leakage, Results, Zero
 from hbench.report.campaign.motion_rows import (
     DISTANCE_QUANTITIES,
     LEAKS,
@@ -11,7 +11,6 @@ from hbench.report.campaign.motion_rows import (
     distance_words,
     series_words,
 )
-from hbench.report.campaign.series_words import TITLES
 from hbench.report.campaign.table_columns import table
 from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
@@ -25,7 +24,7 @@ def comparison_table(results: Results) -> Table:
         (
             _compared(comparison),
             series_words(comparison.series),
-            TITLES[comparison.direction].lower(),
+            DIRECTION_WORDS[comparison.direction],
             span([1e3 * comparison.v_low_m_s, 1e3 * comparison.v_high_m_s]),
             with_interval(comparison.effect_n, comparison.ci95_n),
             significant(comparison.p_value, 2),
@@ -172,7 +171,7 @@ def breakaway_table(results: Results) -> Table:
     rows = [
         (
             series_words(each.series),
-            TITLES[each.direction].lower(),
+            DIRECTION_WORDS[each.direction],
             "" if each.dwell_s is None else short(each.dwell_s),
             "" if each.rate_n_s is None else short(each.rate_n_s),
             with_interval(each.breakaway_n, each.u95_n or each.ci95_n),
@@ -192,7 +191,7 @@ def dwell_table(results: Results) -> Table:
     rows = [
         (
             series_words(law.series),
-            TITLES[law.direction].lower(),
+            DIRECTION_WORDS[law.direction],
             law.law,
             with_interval(law.f_1s_n, law.f_1s_ci95_n),
             _growth(law),

@@ -4,10 +4,10 @@ Other programs read the names (schema "hbench.results/1"), which don't change. A
 not exist, NaN included, is null.
 """
 
-import json
 from typing import Any
 
 from hbench.records import (
+    SERIES_FIELDS,
     TEMPERATURES,
     Band,
     BandTrend,
@@ -41,6 +41,7 @@ from hbench.report.json_documents.layout import (
     keys,
 )
 from hbench.report.json_documents.schema import Schema, schema
+from hbench.report.json_documents.values import json_text
 
 NAME = "results/1"
 _ABOUT = (
@@ -48,8 +49,7 @@ _ABOUT = (
     "its unit. Names stay as they are within hbench.results/1; keys may be added. A number that "
     "does not exist is null."
 )
-SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
-_PLAN = (*SERIES[:3], "v_ref_m_s", "a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "trial")
+_PLAN = (*SERIES_FIELDS[:3], "v_ref_m_s", "a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "trial")
 _MEANS = (
     *("friction_n", "efficiency", "f_test_n", "f_applied_n", "p_tp_pa", "p_tr_pa"),
     *("t_start_s", "t_stop_s", "n"),
@@ -89,7 +89,7 @@ LAYOUTS: Layouts = {
         "work_j": "work_j",
     },
     Curve: {
-        **keys(*SERIES),
+        **keys(*SERIES_FIELDS),
         "factors": "factor_values",
         "temp_range_k": "temp_range_k",
         **keys("specimen", "points", "fits", "selection"),
@@ -108,7 +108,7 @@ LAYOUTS: Layouts = {
         "told_apart": "distinguishable",
         "speeds": "speeds",
     },
-    EfficiencyCurve: keys(*SERIES, "points", "mean"),
+    EfficiencyCurve: keys(*SERIES_FIELDS, "points", "mean"),
     EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
     ViscosityEffect: all_fields(ViscosityEffect, determined="determined"),
     Drift: all_fields(Drift) | {name: NullIfNot(name, "has_size") for name in _CHANGES},
@@ -129,7 +129,7 @@ LAYOUTS: Layouts = {
 
 def results_json(results: Results) -> str:
     """Return the text of ``results.json``."""
-    return json.dumps(json_document(results, LAYOUTS), indent=1, allow_nan=False) + "\n"
+    return json_text(json_document(results, LAYOUTS))
 
 
 def results_schema() -> Schema:

@@ -26,6 +26,13 @@ Record = TypeVar("Record")
 TITLES = {direction: words.capitalize() for direction, words in DIRECTION_WORDS.items()}
 
 
+def within_title(name: str) -> str:
+    """Write a figure's name within its title: the direction in lower case, a label as it is."""
+    for direction, title in TITLES.items():
+        name = name.replace(title, DIRECTION_WORDS[direction])
+    return name
+
+
 def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:
     """Write the references of the load cylinder, such as ``500 N, 15 bar``; empty without any."""
     references = [] if f_load_n is None else [force(f_load_n)]

@@ -6,6 +6,7 @@ from datetime import datetime
 from typing import Any
 
 from hbench.records import Provenance, Results, Specimen
+from hbench.report.rejected_section import LONG_LIST
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
 from hbench.report.setting_words import key_words, section_words
@@ -55,8 +56,8 @@ def provenance_facts(
     return tuple((name, str(text)) for name, text in facts.items() if text)
 
 
-def settings_section(results: Results, long_list: int) -> Section:
-    """Return the section; more notes than ``long_list`` start folded."""
+def settings_section(results: Results) -> Section:
+    """Return the section; a long list of notes starts folded."""
     notes: tuple[Section, ...] = ()
     if results.notes:
         title = f"Notes of the analysis ({len(results.notes)})"
@@ -64,7 +65,7 @@ def settings_section(results: Results, long_list: int) -> Section:
             Section(
                 title,
                 items=tuple(map(_sentence, results.notes)),
-                folded=len(results.notes) > long_list,
+                folded=len(results.notes) > LONG_LIST,
             ),
         )
     return Section(

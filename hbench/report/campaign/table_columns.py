@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 
-from hbench.records import Curve
-from hbench.report.campaign.series_words import TITLES, AnySeries, kind_words, load_words
+from hbench.records import DIRECTION_WORDS, Curve
+from hbench.report.campaign.series_words import AnySeries, kind_words, load_words
 from hbench.report.render.numbers import NONE, force, number
-from hbench.report.render.word_tables import Cell, Table
+from hbench.report.render.word_tables import Cell, Table, with_columns
 from hbench.units import from_si
 
 ROD_SIDE = "P_Lr (bar)"
@@ -44,18 +44,13 @@ def table(
         for i, name in enumerate(head)
         if name not in _WHERE_GIVEN or any(row[i].text not in ("", NONE) for row in cells)
     ]
-    return Table(
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in cells),
-        _WORDS | set(words),
-        tuple(messages),
-    )
+    return with_columns(Table(head, tuple(cells), _WORDS | set(words), tuple(messages)), kept)
 
 
 def who(curve: AnySeries) -> tuple[str, ...]:
     """Return the identification of a curve, in the columns ``WHO``."""
     load = force(curve.f_load_n).removesuffix(" N")
-    direction = TITLES[curve.direction].lower()
+    direction = DIRECTION_WORDS[curve.direction]
     return curve.label, kind_words(curve), direction, load, rod_side(curve.p_lr_ref_pa)
 
 
@@ -67,7 +62,7 @@ def rod_side(pressure_pa: float | None) -> str:
 def who_text(curve: Curve) -> str:
     """Return the identification of a curve as text."""
     load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
-    texts = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
+    texts = curve.label, kind_words(curve), DIRECTION_WORDS[curve.direction], load
     return ", ".join(filter(None, texts))
 
 

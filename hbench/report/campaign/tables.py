@@ -9,6 +9,7 @@ from statistics import stdev
 from typing import Any
 
 from hbench.records import (
+    SERIES_FIELDS,
     TEMPERATURES,
     Curve,
     CurvePoint,
@@ -17,7 +18,7 @@ from hbench.records import (
     Fit,
     Results,
 )
-from hbench.report.campaign.results_document import SERIES, results_json, row
+from hbench.report.campaign.results_document import results_json, row
 from hbench.report.render.csv_text import csv_text
 
 CsvRow = dict[str, Any]
@@ -87,7 +88,7 @@ def _all_fits(results: Results) -> Iterator[tuple[Factors, CsvRow, Fit]]:
         for fit in curve.fits:
             yield curve.factors, _series(curve), fit
     for joint in results.joint_fits:
-        series = dict.fromkeys(SERIES) | {"kind": joint.kind, "label": joint.label}
+        series = dict.fromkeys(SERIES_FIELDS) | {"kind": joint.kind, "label": joint.label}
         for fit in joint.fits:
             yield (), series, fit
 
@@ -112,7 +113,7 @@ def _factor_column(name: str) -> str:
 
 
 def _series(curve: Curve | EfficiencyCurve) -> CsvRow:
-    return {name: getattr(curve, name) for name in SERIES}
+    return {name: getattr(curve, name) for name in SERIES_FIELDS}
 
 
 def _fit_rows(series: CsvRow, fit: Fit) -> list[CsvRow]:
@@ -206,18 +207,18 @@ _RUN_COLUMNS = (
     *TEMPERATURES,
 )
 _CURVE_COLUMNS = (
-    *SERIES,
+    *SERIES_FIELDS,
     *"v_m_s friction_n ci95_n n sigma_instruments_n u95_n u95_dof sigma_drift_n".split(),
     *"f_test_n f_applied_n p_tp_pa p_tr_pa runs temp_k hersey_m".split(),
 )
 _FIT_COLUMNS = (
-    *SERIES,
+    *SERIES_FIELDS,
     *"law parameter value unit se ci95_low ci95_high at_bound bias disagree rmse_n".split(),
     *"converged verdict message".split(),
 )
-_BUDGET_COLUMNS = (*SERIES, *"v_m_s input part_n".split())
+_BUDGET_COLUMNS = (*SERIES_FIELDS, *"v_m_s input part_n".split())
 _COVARIANCE_COLUMNS = (
-    *SERIES,
+    *SERIES_FIELDS,
     *"law parameter with_parameter covariance unit correlation dof".split(),
 )
 _BAND_COLUMNS = (
@@ -230,7 +231,7 @@ _TREND_COLUMNS = (
     *"intercept_n intercept_ci95_n".split(),
 )
 _EFFICIENCY_COLUMNS = (
-    *SERIES,
+    *SERIES_FIELDS,
     *"v_m_s efficiency sigma sigma_trials sigma_combined ci95 u95 reason".split(),
 )
 

@@ -91,7 +91,7 @@ def summary_text(results: Results, decision: str = "") -> str:
 
 def _friction_words(curve: Curve) -> str:
     """Write friction against the motion; negative where it acts with the motion."""
-    sign = 1 if curve.direction == "extend" else -1
+    sign = curve.against_motion
     if len(curve.points) != 1:
         return span([sign * point.friction_n for point in curve.points])
     (point,) = curve.points

@@ -14,6 +14,7 @@ from hbench.records import (
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.render.numbers import NONE, p_words, significant, with_interval
+from hbench.report.render.word_tables import with_columns
 
 SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
 MAY_BE_DRIFT = "may come from a drift"
@@ -38,9 +39,7 @@ def difference_table(
     with_u = any("±" in row[head.index(_WITH_U)] for row in rows)
     left_out = head.index(_TRIALS if with_u else _WITH_U)
     kept = [i for i in range(len(head)) if i != left_out]
-    return WordTable(
-        title, tuple(head[i] for i in kept), tuple(tuple(row[i] for i in kept) for row in rows)
-    )
+    return with_columns(WordTable(title, head, rows), kept)
 
 
 def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[str, ...]:

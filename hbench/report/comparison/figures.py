@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
 from hbench.records import (
+    DIRECTION_WORDS,
     BandDifference,
     CampaignDifferences,
     Curve,
@@ -16,7 +17,7 @@ from hbench.records import (
     Difference,
 )
 from hbench.report.campaign.figures.friction import of_trials
-from hbench.report.campaign.series_words import TITLES, kind_words, load_words
+from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.comparison.cells import label_of, with_names
 from hbench.report.comparison.tables import hidden_curves, single_points
 from hbench.report.render import style
@@ -187,8 +188,8 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
     style.start_at_zero(above)
     load = load_words(difference.a.f_load_n, difference.a.p_lr_ref_pa)
     kind = kind_words(difference.a)
-    title = ", ".join(filter(None, (TITLES[difference.direction], kind, load)))
-    above.set_title(f"Friction, {title[0].lower()}{title[1:]}")
+    words = "Friction", DIRECTION_WORDS[difference.direction], kind, load
+    above.set_title(", ".join(filter(None, words)))
     style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
     _mark(above, differences)
     style.legend_above(figure, above, columns=1)
@@ -216,17 +217,14 @@ def _draw_differences(
 
 def _mark(axes: Axes, differences: CampaignDifferences) -> None:
     """Mark the figure of simulated campaigns."""
-    sources = {differences.a.source, differences.b.source}
-    if "simulated" in sources:
-        mark = "simulated" if len(sources) == 1 else "one is simulated"
-        axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
+    sources = differences.a.source, differences.b.source
+    style.mark_sources(axes, sources, "one is simulated")
 
 
 def _columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    sign = 1.0 if curve.direction == "extend" else -1.0
     points = curve.points
     return (
         1e3 * np.abs([point.v_m_s for point in points]),
-        sign * np.array([point.friction_n for point in points]),
+        curve.against_motion * np.array([point.friction_n for point in points]),
         np.array([np.nan if point.ci95_n is None else point.ci95_n for point in points]),
     )

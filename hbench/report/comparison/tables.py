@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from hbench.records import (
+    DIRECTION_WORDS,
     CampaignDifferences,
     CurveDifference,
     Drift,
@@ -11,7 +12,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
-from hbench.report.campaign.series_words import TITLES, kind_words, load_words
+from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.comparison.cells import (
     MAY_BE_DRIFT,
     NOT_SIGNIFICANT,
@@ -180,5 +181,5 @@ def single_points(curves: Iterable[CurveDifference]) -> list[FrictionDifference]
 def who(pair: CurveDifference) -> str:
     """Write label, kind, direction and load of a curve."""
     load = load_words(pair.a.f_load_n, pair.a.p_lr_ref_pa)
-    words = (label_of(pair), kind_words(pair.a), TITLES[pair.direction].lower(), load)
+    words = (label_of(pair), kind_words(pair.a), DIRECTION_WORDS[pair.direction], load)
     return ", ".join(dict.fromkeys(filter(None, words)))  # a label may be the direction

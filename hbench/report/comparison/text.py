@@ -1,6 +1,5 @@
 """A comparison in words and numbers: for the terminal, as JSON, and its page."""
 
-import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 
@@ -42,9 +41,9 @@ from hbench.report.comparison.tables import (
     speeds_table,
 )
 from hbench.report.comparison.verdict import alarm, headline
-from hbench.report.json_documents.values import json_value
+from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.document import BANNERS, Document, Section, page
-from hbench.report.render.figures import Drawing
+from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
 
@@ -141,15 +140,13 @@ def differences_json(differences: CampaignDifferences) -> str:
         **bands_document(differences),
         "notes": differences.notes,
     }
-    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
+    return json_text(json_value(document))
 
 
 def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     differences = with_names(differences)
-    figures: dict[str, tuple[Drawing, ...]] = {"bands": (), "speeds": (), "comparison": ()}
-    for drawing in drawings:
-        figures[drawing.section] = (*figures[drawing.section], drawing)
+    drawings = tuple(drawings)
     friction, efficiency = means_tables(differences)
     terms = (*read_facts(differences), *mean_facts(differences), *drift_facts(differences))
     settings = settings_table(differences)
@@ -157,11 +154,11 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Friction bands",
             tables=(band_table(differences), slope_table(differences)),
-            drawings=figures["bands"],
+            drawings=of_section(drawings, "bands"),
         ),
         Section(
             "Difference of friction over speed",
-            drawings=figures["speeds"],
+            drawings=of_section(drawings, "speeds"),
             tables=(speeds_table(differences),),
         ),
         Section(
@@ -169,7 +166,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             tables=(friction, efficiency),
             parts=(
                 Section("What the columns contain", facts=terms, folded=True),
-                Section(drawings=figures["comparison"]),
+                Section(drawings=of_section(drawings, "comparison")),
             ),
         ),
         Section(

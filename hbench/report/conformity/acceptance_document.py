@@ -1,10 +1,9 @@
 """``acceptance.json``: the layout of its keys, from which the text and its JSON Schema are made."""
 
-import json
-
 from hbench.records.conformity.acceptance import Acceptance
 from hbench.report.json_documents.layout import Constant, Layouts, json_document, keys
 from hbench.report.json_documents.schema import Schema, schema
+from hbench.report.json_documents.values import json_text
 
 NAME = "acceptance/1"
 _ABOUT = (
@@ -24,7 +23,7 @@ LAYOUTS: Layouts = {
 
 def acceptance_json(acceptance: Acceptance) -> str:
     """Return the text of ``acceptance.json``."""
-    return json.dumps(json_document(acceptance, LAYOUTS), indent=1, allow_nan=False) + "\n"
+    return json_text(json_document(acceptance, LAYOUTS))
 
 
 def acceptance_schema() -> Schema:

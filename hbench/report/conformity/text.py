@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from xml.etree import ElementTree
 
-from hbench.records import WordTable
+from hbench.records import DIRECTION_WORDS, WordTable
 from hbench.records.conformity.acceptance import (
     WORST_FIRST,
     Acceptance,
@@ -18,7 +18,6 @@ from hbench.records.conformity.acceptance import (
 from hbench.records.motions import BULK_MODULUS_ERROR, TEMPERATURE_RATE_K_S
 from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.campaign.motion_rows import LEAKS
-from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, short, significant, with_interval
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
@@ -267,7 +266,7 @@ def requirement_words(requirement: Requirement, measured: Measurement | None) ->
 def series_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write label, direction and load of the series; those required where nothing was measured."""
     series = measured or requirement
-    words = [series.label, TITLES[series.direction].lower() if series.direction else ""]
+    words = [series.label, DIRECTION_WORDS[series.direction] if series.direction else ""]
     if series.f_load_n is not None:
         words.append(f"load {short(series.f_load_n)} N")
     if series.p_lr_ref_pa is not None:

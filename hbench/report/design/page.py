@@ -13,8 +13,8 @@ from hbench.report.design.figures import section_of
 from hbench.report.design.overview import SECTION, TITLE
 from hbench.report.design.verdict import loops_verdict, proposal_verdict, reproduced_words
 from hbench.report.render.document import Section, document
-from hbench.report.render.figures import Drawing
-from hbench.report.render.word_tables import Cell, Table
+from hbench.report.render.figures import Drawing, of_section
+from hbench.report.render.word_tables import Cell, Table, with_columns
 from hbench.sentences import capital
 
 _LOOP_HEAD = (
@@ -36,7 +36,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     proposal = design.proposal
     drawn = tuple(drawings)
-    overview = tuple(each for each in drawn if each.section == SECTION)
+    overview = of_section(drawn, SECTION)
     sections = []
     if overview:
         sections.append(
@@ -89,10 +89,7 @@ def _loops(
     rows = tuple(tuple(map(_merit, row)) for row in loop_words.loop_rows(loops, tick_s))
     title = f"Bandwidth, margins and step response with the {gains} gains"
     table = Table(_LOOP_HEAD, rows, frozenset({"Loop", "K_c", "Model"}), title=title)
-    figures = {
-        loop.name: tuple(each for each in drawings if each.section == section_of(gains, loop))
-        for loop in loops
-    }
+    figures = {loop.name: of_section(drawings, section_of(gains, loop)) for loop in loops}
     return Section(
         f"Loops with the {gains} gains",
         (others,) if others else (),
@@ -169,9 +166,7 @@ def _check_table(rows: Sequence[tuple[Cell, ...]]) -> tuple[Table, ...]:
 def _without_empty(table: Table) -> Table:
     """Return the table without columns that have no entry."""
     kept = [i for i in range(len(table.head)) if any(r[i].text or r[i].flag for r in table.rows)]
-    head = tuple(table.head[i] for i in kept)
-    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
-    return replace(table, head=head, rows=rows)
+    return with_columns(table, kept)
 
 
 def _proposal(design: Design, proposal: Proposal) -> Section:

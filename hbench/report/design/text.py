@@ -1,6 +1,5 @@
 """A design as text: tables for a terminal, and the JSON file."""
 
-import json
 import math
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -18,7 +17,7 @@ from hbench.report.design.loops import (
     seconds,
 )
 from hbench.report.design.verdict import loops_verdict, proposal_verdict
-from hbench.report.json_documents.values import json_value
+from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.numbers import short, significant
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import wrapped
@@ -53,7 +52,7 @@ def design_json(design: Design) -> str:
         "proposal": _proposal(design.proposal),
         "checks": [vars(check) for check in design.checks],
     }
-    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
+    return json_text(json_value(document))
 
 
 def _loop(loop: ControlLoop) -> dict[str, Any]:

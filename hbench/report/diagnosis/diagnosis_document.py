@@ -4,8 +4,6 @@ Other programs read the names (schema "hbench.diagnosis/1"), which don't change.
 not exist is null. Gaps are in trial scatters; a parameter's numbers are in its ``unit``.
 """
 
-import json
-
 from hbench.records import (
     AddedEffect,
     Candidate,
@@ -25,6 +23,7 @@ from hbench.report.json_documents.layout import (
     keys,
 )
 from hbench.report.json_documents.schema import Schema, schema
+from hbench.report.json_documents.values import json_text
 
 NAME = "diagnosis/1"
 _ABOUT = (
@@ -76,7 +75,7 @@ LAYOUTS: Layouts = {
 
 def diagnosis_json(diagnosis: Diagnosis) -> str:
     """Return the text of ``diagnosis.json``: all but maps and overlays."""
-    return json.dumps(json_document(diagnosis, LAYOUTS), indent=1, allow_nan=False) + "\n"
+    return json_text(json_document(diagnosis, LAYOUTS))
 
 
 def diagnosis_schema() -> Schema:

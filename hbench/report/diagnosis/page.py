@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from functools import partial
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import definitions
@@ -37,7 +38,7 @@ from hbench.report.diagnosis.text import gap_line, in_page_words, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
 from hbench.report.render.document import Section, document
-from hbench.report.render.figures import Drawing
+from hbench.report.render.figures import Drawing, of_section
 from hbench.sentences import capital, listed
 
 _MOST_RUNS = 40  # rows of the page
@@ -45,17 +46,44 @@ _MOST_RUNS = 40  # rows of the page
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-
-    def drawn(section: str) -> tuple[Drawing, ...]:
-        return tuple(drawing for drawing in drawings if drawing.section == section)
-
+    drawn = partial(of_section, drawings)
     unnamed = Section(
         "Unnamed laws in the revised model",
         items=law_lines(diagnosis),
         drawings=drawn("unnamed"),
     )
-    of_gaps = drawn("gap")
-    simulated = Section("Simulated signals of runs outside the fit", drawings=of_gaps[1:])
+    gap = _gap_section(diagnosis, drawn("gap"))
+    where = _where_section(diagnosis, drawn("where"), drawn("shape"))
+    overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
+    which = _which_section(diagnosis, drawn("ranking"))
+    effects = _effects_section(diagnosis)
+    refitted = Section(
+        "Refitted values",
+        (_refitted_words(diagnosis),),
+        drawings=drawn("refitted"),
+        facts=(*_answers(diagnosis, OF_REFIT), *_refused(diagnosis)),
+        parts=_numbers("Refitted values in numbers", _refitted_table(diagnosis)),
+    )
+    sections = (unnamed, gap, effects, where, overlay, refitted, which)
+    if diagnosis.verdict == "unknown":
+        sections = (unnamed, where, which, gap, overlay, effects, refitted)
+    return document(
+        title_words(diagnosis),
+        subtitle_words(diagnosis),
+        (
+            _answer(diagnosis),
+            *(section for section in sections if _holds_something(section)),
+            _about_section(diagnosis),
+        ),
+        of_the_mass(diagnosis, verdict_words(diagnosis)),
+        diagnosis.provenance.source,
+        identity_facts(diagnosis),
+    )
+
+
+def _gap_section(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
+    """Return the gap before and after; the numbers of signals and runs are folded."""
+    simulated = Section("Simulated signals of runs outside the fit", drawings=drawings[1:])
     of_all = (
         *((simulated,) if simulated.drawings else ()),
         *_held_out_part(diagnosis),
@@ -64,10 +92,10 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     )
     opened = tuple(replace(part, folded=None) for part in of_all)
     every = Section("All gaps: signals, runs, numbers", parts=opened, folded=True, printed=False)
-    gap = Section(
+    return Section(
         _title_of_gaps(diagnosis),
         (gap_line(diagnosis),),
-        drawings=of_gaps[:1],
+        drawings=drawings[:1],
         tables=_with_rows(gap_tables.errors_table(diagnosis), gap_tables.loads_table(diagnosis)),
         facts=_answers(diagnosis, OF_GAPS),
         parts=(
@@ -75,41 +103,43 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *((every,) if opened else ()),
         ),
     )
-    where = Section(
+
+
+def _where_section(
+    diagnosis: Diagnosis, drawings: tuple[Drawing, ...], shapes: tuple[Drawing, ...]
+) -> Section:
+    """Return the balances that disagree; ``shapes`` are the figures of their residuals."""
+    return Section(
         "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
-        drawings=drawn("where"),
+        drawings=drawings,
         tables=_with_rows(gap_tables.where_table(diagnosis), gap_tables.rest_table(diagnosis)),
         parts=(
             *_in_words("Deviations in words", _answers(diagnosis, OF_DEVIATIONS)),
             *_terms("deviations", definitions.of_deviations(diagnosis)),
             *_numbers("Gaps by metering edge", _untitled(gap_tables.edges_table(diagnosis))),
-            *_shape(diagnosis, drawn("shape")),
+            *_shape(diagnosis, shapes),
         ),
     )
-    overlay = Section("Runs outside the fit, measured and simulated", drawings=drawn("overlay"))
-    which = Section(
+
+
+def _which_section(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
+    """Return the candidates by the evidence for each."""
+    ranking = _untitled(effect_tables.ranking_table(diagnosis))
+    return Section(
         "Effects that were tried" if diagnosis.verdict == "none" else "Which effect",
         (_sentence(reason_words(diagnosis)),),
-        drawings=drawn("ranking"),
+        drawings=drawings,
         facts=(*_answers(diagnosis, OF_CANDIDATES), *definitions.WHICH),
-        parts=(
-            *_numbers(
-                "All candidates in numbers", _untitled(effect_tables.ranking_table(diagnosis))
-            ),
-            *_matrix_part(diagnosis),
-        ),
+        parts=(*_numbers("All candidates in numbers", ranking), *_matrix_part(diagnosis)),
     )
-    refitted = Section(
-        "Refitted values",
-        (_refitted_words(diagnosis),),
-        drawings=drawn("refitted"),
-        facts=(*_answers(diagnosis, OF_REFIT), *_refused(diagnosis)),
-        parts=_numbers("Refitted values in numbers", _refitted_table(diagnosis)),
-    )
+
+
+def _effects_section(diagnosis: Diagnosis) -> Section:
+    """Return the effects, or the candidates that remain: then the detail of each is folded."""
     details = (*changes_tables(diagnosis), *lookalikes_tables(diagnosis))
     folded = _numbers("Each effect in detail", *details) if diagnosis.alternatives else ()
     changes = definitions.of_changes(diagnosis)
-    effects = Section(
+    return Section(
         "The effects" if diagnosis.effects else "The candidates that remain",
         (definitions.SENSOR,) if any(effect.of_sensor for effect in diagnosis.effects) else (),
         tables=_with_rows(
@@ -125,26 +155,14 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         ),
         parts=tuple(replace(part, facts=changes) for part in folded),
     )
-    notes = tuple(_effects_in_words(diagnosis, note) for note in diagnosis.notes)
-    about = Section(
+
+
+def _about_section(diagnosis: Diagnosis) -> Section:
+    """Return notes, what was left out, and the files beside the page."""
+    return Section(
         "Notes and files",
-        items=notes,
+        items=tuple(_effects_in_words(diagnosis, note) for note in diagnosis.notes),
         facts=(*_caveats(diagnosis), ("Files beside this page", _files(diagnosis))),
-    )
-    sections = (unnamed, gap, effects, where, overlay, refitted, which)
-    if diagnosis.verdict == "unknown":
-        sections = (unnamed, where, which, gap, overlay, effects, refitted)
-    return document(
-        title_words(diagnosis),
-        subtitle_words(diagnosis),
-        (
-            _answer(diagnosis),
-            *(section for section in sections if _holds_something(section)),
-            about,
-        ),
-        of_the_mass(diagnosis, verdict_words(diagnosis)),
-        diagnosis.provenance.source,
-        identity_facts(diagnosis),
     )
 
 

@@ -38,6 +38,7 @@ from hbench.report.diagnosis.words.candidate import best_candidate, closeness, h
 from hbench.report.diagnosis.words.change import (
     READINGS,
     TEST_FRICTION,
+    alternatives,
     common_error,
     friction_words,
     main_changes,
@@ -74,7 +75,7 @@ from hbench.report.diagnosis.words.place import (
     where_words,
 )
 from hbench.report.diagnosis.words.unexplained import agreeing_words
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, uncapital
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 
@@ -175,7 +176,7 @@ def _of(part: str, question: str) -> str:
 
 
 def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    practice = diagnosis.in_practice.get(effect.name)
     several = len(diagnosis.confirmed) > 1 and effect.confirmed
     if several:
         yield _SIZE, f"{capital(description_words(effect))}."
@@ -204,22 +205,20 @@ def _condition(effect: AddedEffect) -> str:
 
 def _what_to_do(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """Return what to inspect and repair, or how to confirm the effect first."""
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    practice = diagnosis.in_practice.get(effect.name)
     then = advice(diagnosis, practice) if practice else ""
     if effect.confirmed:
         return then
     first = confirmation(diagnosis, [effect])
     then = then.replace("model.yaml contains it", "the new model.yaml contains it")
-    return f"{first} If they confirm it: {then[:1].lower()}{then[1:]}" if then else first
+    return f"{first} If they confirm it: {uncapital(then)}" if then else first
 
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _SIZE, _ambiguous_sizes(diagnosis)
     yield _SIZE, undecided_words(diagnosis)
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    for candidate in diagnosis.alternatives:
-        if candidate.name in practice:
-            yield _SENSORS, common_error(practice[candidate.name])
+    for effect in alternatives(diagnosis):
+        yield _SENSORS, common_error(effect)
     yield _SIZE if of_strokes(diagnosis) else _FRICTION, friction_words(diagnosis)
     for sentence in zero_check(diagnosis) or separation(diagnosis):
         yield _ACTION, sentence
@@ -227,8 +226,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
 
 
 def _ambiguous_sizes(diagnosis: Diagnosis) -> str:
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    chosen = alternatives(diagnosis)
     point = diagnosis.working_point
     if point is None:
         return ""

@@ -19,6 +19,7 @@ from hbench.report.diagnosis.tables.gap_tables import (
 from hbench.report.diagnosis.words.deviation import undecided_balance
 from hbench.report.diagnosis.words.error import load_errors
 from hbench.report.diagnosis.words.law import law_line
+from hbench.report.render.word_tables import with_columns
 from hbench.sentences import capital
 
 _FEW = 5  # candidates that a terminal is shown
@@ -97,8 +98,7 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
 def _columns(table: WordTable, names: Collection[str]) -> WordTable:
     """Return the columns of some names; all of a table that has none of them."""
     kept = [i for i, name in enumerate(table.head) if name in names] or range(len(table.head))
-    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
-    return WordTable(table.title, tuple(table.head[i] for i in kept), rows)
+    return with_columns(table, kept)
 
 
 def law_lines(diagnosis: Diagnosis) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from hbench.report.diagnosis.words.agreement import (
     total_words,
 )
 from hbench.report.diagnosis.words.change import (
+    alternatives,
     friction_words,
     largest_words,
     main_changes,
@@ -48,7 +49,7 @@ from hbench.report.diagnosis.words.unexplained import (
     narrowing_words,
     unexplained_words,
 )
-from hbench.sentences import capital, listed, plural
+from hbench.sentences import capital, listed, plural, uncapital
 
 
 def verdict_words(diagnosis: Diagnosis) -> str:
@@ -87,12 +88,12 @@ def _several(diagnosis: Diagnosis) -> Iterator[str]:
         *([f"the instruments have {number_of}, {listed(errors)}"] if errors else []),
     ]
     yield f"{capital('; '.join(parts))}."
-    practice = {effect.name: effect for effect in diagnosis.practice}
+    practice = diagnosis.in_practice
     known = [practice[each.name] for each in diagnosis.confirmed if each.name in practice]
     yield each_size(diagnosis, known)
     for effect in known:
         if words := too_small_words(diagnosis, effect):
-            yield f"{capital(in_words(effect.name))}: {words[:1].lower()}{words[1:]}"
+            yield f"{capital(in_words(effect.name))}: {uncapital(words)}"
 
 
 def _with_parts(effect: AddedEffect) -> str:
@@ -135,7 +136,7 @@ def _force_errors(diagnosis: Diagnosis) -> str:
 def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State an effect, its largest changes, and what it does to held-out runs."""
     evidence = _no_improvement(diagnosis, effect)
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    practice = diagnosis.in_practice.get(effect.name)
     if effect.confirmed:
         small = practice is not None and too_small_words(diagnosis, practice)
         evidence = "" if diagnosis.errors or small else _improvement(diagnosis, effect)
@@ -144,7 +145,7 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 
 def _size(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     """State what an effect changes at the working point, or that it is too small to matter."""
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    practice = diagnosis.in_practice.get(effect.name)
     if practice is None or not largest_words(practice):
         return ""
     small = too_small_words(diagnosis, practice)
@@ -212,7 +213,7 @@ def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
         f"confirm it (deviation {before} times the repeatability without it, {after} with it). So "
         "model.yaml does not contain"
     )
-    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    practice = diagnosis.in_practice.get(effect.name)
     if practice and too_small_words(diagnosis, practice):
         return f"Runs outside the fit do not {gaps} it."
     return (
@@ -236,8 +237,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
 
 def _cases(diagnosis: Diagnosis) -> str:
     """State the first change at the working point that each effect of an ambiguous set means."""
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    chosen = alternatives(diagnosis)
     point = diagnosis.working_point
     if point is None or of_strokes(diagnosis):
         return ""

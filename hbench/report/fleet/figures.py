@@ -12,7 +12,7 @@ from hbench.records.numbers import NORMAL_95
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.fleet.dates import set_dates
 from hbench.report.fleet.names import campaign_names, short_title
-from hbench.report.fleet.precision_figures import precision_sketches
+from hbench.report.fleet.precision_figures import head, precision_sketches
 from hbench.report.fleet.verdict import stepped_numbers
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
@@ -70,7 +70,7 @@ def draw_distribution(quantity: Quantity, spreads: Iterable[Spread], fleet: Flee
     axes.set(xlabel=f"{quantity.words} ({quantity.unit})", ylabel="Campaigns")
     axes.set_ylim(bottom=0)
     axes.yaxis.get_major_locator().set_params(integer=True)
-    _head(axes, quantity, fleet)
+    head(axes, quantity, fleet)
     style.read_as(figure, _COUNTED)
     style.legend_above(figure, axes, columns=2)
     return figure
@@ -89,7 +89,7 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
     if not fleet.by_date and 0 < len(names := _names(fleet)) <= _NAMED:
         axes.set_xticks(range(1, len(names) + 1), names, rotation=40, ha="right", fontsize=8)
         axes.set_xlabel("Campaign")
-    _head(axes, quantity, fleet)
+    head(axes, quantity, fleet)
     style.read_as(figure, _read_as(spreads))
     style.legend_above(figure, axes)
     return figure
@@ -123,14 +123,6 @@ def _look(spread: Spread) -> dict:
 
 def _title(spread: Spread) -> str:
     return "Campaigns" if spread.direction is None else TITLES[spread.direction]
-
-
-def _head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:
-    axes.set_title(short_title(quantity))
-    sources = [source for source, _ in fleet.sources]
-    if "simulated" in sources:
-        mark = "simulated" if len(sources) == 1 else "some are simulated"
-        axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
 
 
 def _names(fleet: Fleet) -> list[str]:

@@ -1,6 +1,7 @@
 """Names of a fleet's numbers and campaigns, and signs."""
 
 from hbench.records import (
+    DIRECTION_WORDS,
     FEWEST_CAMPAIGNS,
     ControlChart,
     Deviation,
@@ -12,8 +13,8 @@ from hbench.records import (
     WearTrend,
 )
 from hbench.records.fleet.campaign_names import distinct_names
-from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, short
+from hbench.sentences import uncapital
 
 WORKING_SPEED = " at the working speed"
 Shown = Spread | Deviation | Precision | ControlChart | WearTrend
@@ -41,8 +42,7 @@ def without_condition(quantity: Quantity) -> str:
 
 def in_sentence(quantity: Quantity) -> str:
     """Return the quantity's words as ``without_condition``, within a sentence."""
-    title = without_condition(quantity)
-    return f"{title[:1].lower()}{title[1:]}"
+    return uncapital(without_condition(quantity))
 
 
 def short_title(quantity: Quantity) -> str:
@@ -59,7 +59,7 @@ def range_words(campaigns: int) -> str:
 
 def of_side(side: Side) -> str:
     """Return ``, extending`` or ``, retracting``; empty for both directions together."""
-    return "" if side is None else f", {TITLES[side].lower()}"
+    return "" if side is None else f", {DIRECTION_WORDS[side]}"
 
 
 def of_change(unit: str) -> str:

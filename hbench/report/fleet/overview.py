@@ -22,8 +22,8 @@ from hbench.report.fleet.verdict import (
     stepped_numbers,
 )
 from hbench.report.render.numbers import NONE, alike, significant
-from hbench.report.render.word_tables import Tile
-from hbench.sentences import capital
+from hbench.report.render.word_tables import Tile, with_columns
+from hbench.sentences import capital, uncapital
 
 _RANGES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 
@@ -67,8 +67,7 @@ def fleet_tiles(fleet: Fleet) -> Iterator[Tile]:
         words = check_words(least.requirement, least.series)
         count = len(fleet.capabilities)
         of = f"smallest of {count} limits: " if count > 1 else ""
-        caption = f"{of}{words[0].lower()}{words[1:]}"
-        yield Tile(significant(least.ppk.value, 2), "Ppk", caption, "method-capability")
+        yield Tile(significant(least.ppk.value, 2), "Ppk", of + words, "method-capability")
     if not fleet.charts:
         yield from _ranges(fleet)
 
@@ -93,7 +92,7 @@ def _ranges(fleet: Fleet) -> Iterator[Tile]:
             scale = spread.quantity.scale
             value = alike((scale * spread.low, scale * spread.high))
             words = f"{without_condition(spread.quantity)}{of_side(spread.direction)}"
-            caption = f"{words[0].lower()}{words[1:]}: {range_words(spread.n)}"
+            caption = f"{uncapital(words)}: {range_words(spread.n)}"
             yield Tile(value, spread.quantity.unit, caption, "method-spread")
 
 
@@ -121,11 +120,7 @@ def overview_table(fleet: Fleet) -> WordTable:
     head = ("Quantity", "Campaigns", "Median", ends, change, "Beyond control limits")
     of_all = {str(fleet.compared)}
     kept = [i for i in range(len(head)) if {row[i] for row in rows} not in ({NONE}, of_all)]
-    return WordTable(
-        "Numbers of the fleet",
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in rows),
-    )
+    return with_columns(WordTable("Numbers of the fleet", head, tuple(rows)), kept)
 
 
 def interval_facts(fleet: Fleet) -> tuple[tuple[str, str], ...]:

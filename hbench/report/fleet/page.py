@@ -43,7 +43,7 @@ from hbench.report.fleet.verdict import (
     steady_spreads,
 )
 from hbench.report.render.document import BANNERS, Document, Section, page
-from hbench.report.render.figures import Drawing
+from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.word_tables import Cell, Table
 from hbench.sentences import capital
 
@@ -114,7 +114,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     remark = (left_out.format(fleet.other_speeds),) if fleet.other_speeds else ()
     overview = overview_table(fleet)
     leading, *others = _figures(fleet, drawings) or [Section()]
-    few = () if _of(drawings, DISTRIBUTIONS) or not fleet.spreads else (_FEW,)
+    few = () if of_section(drawings, DISTRIBUTIONS) or not fleet.spreads else (_FEW,)
     yield Section(
         "Summary",
         (*remark, *few),
@@ -139,7 +139,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield _precision(fleet, drawings)
     if fleet.wear:
         table = _untitled(wear_table(fleet))
-        yield Section("Wear", drawings=_of(drawings, WEAR), tables=(table,))
+        yield Section("Wear", drawings=of_section(drawings, WEAR), tables=(table,))
     if fleet.failed:
         yield _failures(fleet)
     if tests := tuple(_tests(fleet)):
@@ -211,11 +211,7 @@ def _precision(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
     )
     tables = (_untitled(limits_table(fleet)), components_table(fleet))
     notes = (*limit_sentences(fleet), words, *fleet.plan_notes)
-    return Section(_PRECISION, notes, drawings=_of(drawings, COMPONENTS), tables=tables)
-
-
-def _of(drawings: tuple[Drawing, ...], section: str) -> tuple[Drawing, ...]:
-    return tuple(drawing for drawing in drawings if drawing.section == section)
+    return Section(_PRECISION, notes, drawings=of_section(drawings, COMPONENTS), tables=tables)
 
 
 def _protocols(fleet: Fleet) -> tuple[Table, ...]:

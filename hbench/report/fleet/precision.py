@@ -17,6 +17,7 @@ from hbench.report.fleet.names import (
     without_condition,
 )
 from hbench.report.render.numbers import NONE, number, significant
+from hbench.report.render.word_tables import with_columns
 
 
 def limit_sentences(fleet: Fleet) -> Iterator[str]:
@@ -74,11 +75,7 @@ def limits_table(fleet: Fleet) -> WordTable:
         "ndc",
     )
     kept = [i for i in range(len(head)) if i < 6 or any(row[i] != NONE for row in rows)]
-    return WordTable(
-        "Repeatability and reproducibility",
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in rows),
-    )
+    return with_columns(WordTable("Repeatability and reproducibility", head, tuple(rows)), kept)
 
 
 def components_table(fleet: Fleet) -> WordTable:

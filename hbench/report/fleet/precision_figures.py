@@ -26,12 +26,12 @@ _MOST_CYLINDERS = 6  # in a figure of wear
 
 def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
     """Yield the figures of each number, both directions together, each to be drawn at once."""
-    mark = _mark(fleet)
     for quantity in dict.fromkeys(study.quantity for study in fleet.precision):
         studies = [study for study in fleet.precision if study.quantity == quantity]
-        figure, cut = draw_components(quantity, studies, mark)
+        figure, cut = draw_components(quantity, studies, fleet)
         caption = "Bars: 95 % intervals." + (" Bars at the edge continue." if cut else "")
-        yield _sketch("components", COMPONENTS, quantity, caption, figure)
+        name = f"components-{_name(quantity, None)}"
+        yield Sketch(name, COMPONENTS, quantity.words, caption, figure)
     for chart in fleet.charts:
         name = _name(chart.quantity, chart.direction)
         caption = (
@@ -47,7 +47,7 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
         if chart.n > len(chart.values):
             caption += f" The last {len(chart.values)} of {chart.n} campaigns are shown."
         words = f"{chart.quantity.words}{of_side(chart.direction)}"
-        yield Sketch(f"control-{name}", CHARTS, words, caption, draw_chart(chart, fleet, mark))
+        yield Sketch(f"control-{name}", CHARTS, words, caption, draw_chart(chart, fleet))
     over_distance = [trend for trend in fleet.wear if trend.over == "distance_m"]
     for quantity, direction in dict.fromkeys((t.quantity, t.direction) for t in over_distance):
         trends = [t for t in over_distance if (t.quantity, t.direction) == (quantity, direction)]
@@ -55,11 +55,13 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
         caption = "Solid lines: significant; dashed: not significant."
         if len(trends) > _MOST_CYLINDERS:
             caption += f" The {_MOST_CYLINDERS} cylinders with the smallest p."
-        figure = draw_wear(trends[:_MOST_CYLINDERS], mark)
+        figure = draw_wear(trends[:_MOST_CYLINDERS], fleet)
         yield Sketch(f"wear-{_name(quantity, direction)}", WEAR, words, caption, figure)
 
 
-def draw_components(quantity: Quantity, studies: list[Precision], mark: str) -> tuple[Figure, bool]:
+def draw_components(
+    quantity: Quantity, studies: list[Precision], fleet: Fleet
+) -> tuple[Figure, bool]:
     """Draw the standard deviation of each source; return also whether a bar is cut."""
     names = list(dict.fromkeys(source_words(s) for study in studies for s in study.sources))
     figure = style.new_figure(height_in=1.6 + 0.42 * len(names))
@@ -90,12 +92,12 @@ def draw_components(quantity: Quantity, studies: list[Precision], mark: str) -> 
     axes.set_xlim(0, _REACH * largest if largest > 0 else None)
     axes.set_xlabel(f"Standard deviation ({quantity.unit})")
     axes.grid(axis="y", visible=False)
-    _head(axes, quantity, mark)
+    head(axes, quantity, fleet)
     style.legend_above(figure, axes)
     return figure, cut
 
 
-def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
+def draw_chart(chart: ControlChart, fleet: Fleet) -> Figure:
     """Draw the values over the date with mean and limits, and their EWMA below."""
     figure = style.new_figure(height_in=5.0)
     axes, below = figure.subplots(2, sharex=True, height_ratios=(3, 2))
@@ -140,7 +142,7 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
     below.set_ylabel(f"EWMA ({chart.quantity.unit})")
     set_dates(below, fleet)
     figure.align_ylabels()
-    _head(axes, chart.quantity, mark)
+    head(axes, chart.quantity, fleet)
     style.legend_above(figure, axes)
     return figure
 
@@ -163,7 +165,7 @@ def _draw_ewma(axes: Axes, chart: ControlChart, at: np.ndarray, look: dict) -> N
         )  # fmt: skip
 
 
-def draw_wear(trends: list[WearTrend], mark: str) -> Figure:
+def draw_wear(trends: list[WearTrend], fleet: Fleet) -> Figure:
     """Draw the values of some cylinders over the distance, with their lines."""
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
@@ -181,13 +183,9 @@ def draw_wear(trends: list[WearTrend], mark: str) -> Figure:
         xlabel="Distance, cumulated (m)",
         ylabel=f"{short_title(quantity)} ({quantity.unit})",
     )
-    _head(axes, quantity, mark)
+    head(axes, quantity, fleet)
     style.legend_above(figure, axes)
     return figure
-
-
-def _sketch(kind: str, section: str, quantity: Quantity, caption: str, figure: Figure) -> Sketch:
-    return Sketch(f"{kind}-{_name(quantity, None)}", section, quantity.words, caption, figure)
 
 
 def _name(quantity: Quantity, direction: Side) -> str:
@@ -202,14 +200,7 @@ def _title(direction: Side) -> str:
     return "Both directions" if direction is None else TITLES[direction]
 
 
-def _head(axes: Axes, quantity: Quantity, mark: str) -> None:
+def head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:
+    """Put the quantity as the title, and a mark where campaigns are simulated."""
     axes.set_title(short_title(quantity))
-    if mark:
-        axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
-
-
-def _mark(fleet: Fleet) -> str:
-    sources = [source for source, _ in fleet.sources]
-    if "simulated" not in sources:
-        return ""
-    return "simulated" if len(sources) == 1 else "some are simulated"
+    style.mark_sources(axes, [source for source, _ in fleet.sources], "some are simulated")

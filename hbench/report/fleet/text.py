@@ -1,6 +1,5 @@
 """Tables of a fleet for the terminal and the page, and the fleet as JSON."""
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -27,7 +26,7 @@ from hbench.report.fleet.verdict import (
     change_words,
     steady_spreads,
 )
-from hbench.report.json_documents.values import json_value
+from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.numbers import (
     NONE,
     number,
@@ -35,6 +34,7 @@ from hbench.report.render.numbers import (
     significant,
     with_ends,
 )
+from hbench.report.render.word_tables import with_columns
 
 SCHEMA = "hbench.fleet/1"
 
@@ -57,7 +57,7 @@ def fleet_json(fleet: Fleet) -> str:
         shown["real"] = wear.real
     for shown, suspect in zip(document["worst"], fleet.worst, strict=True):
         shown["outlier"] = suspect.deviations[0].outlier
-    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
+    return json_text(json_value(document))
 
 
 _SPEED, _ALIKE = "Speed (mm/s)", 1.1
@@ -87,11 +87,7 @@ def campaign_table(fleet: Fleet) -> WordTable:
         kept = [i for i in kept if head[i] != _SPEED]
     if all(row[1] == row[0] for row in rows):  # folders have the cylinders' names
         kept = [i for i in kept if i != 1]
-    return WordTable(
-        "Campaigns",
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in rows),
-    )
+    return with_columns(WordTable("Campaigns", head, tuple(rows)), kept)
 
 
 def shared_intervals(fleet: Fleet) -> str:
@@ -180,11 +176,7 @@ def spread_table(fleet: Fleet) -> WordTable:
     between = "σ between campaigns, without steps and drifts (95 %)"
     head = ("Quantity", "Campaigns", "Median", ends, between, "σ by the trials")
     kept = [i for i in range(len(head)) if head[i] != between or not all(few)]
-    return WordTable(
-        "Distributions",
-        tuple(head[i] for i in kept),
-        tuple(tuple(row[i] for i in kept) for row in rows),
-    )
+    return with_columns(WordTable("Distributions", head, tuple(rows)), kept)
 
 
 def _between(spread: Spread) -> str:

@@ -25,7 +25,7 @@ from hbench.report.fleet.names import (
     working_speed,
 )
 from hbench.report.render.numbers import alike, half_width, significant, with_ends
-from hbench.sentences import capital
+from hbench.sentences import capital, uncapital
 
 _LIMITS_ARE_NARROWER = (
     "A campaign beyond a control limit need not be an outlier: control limits are narrower."
@@ -266,6 +266,6 @@ def change_words(spread: Spread, trend: Trend) -> str:
 
 
 def _drift(spread: Spread, trend: Trend) -> str:
-    title = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
+    title = uncapital(spread.quantity.words)
     change = f"{change_words(spread, trend)} {of_change(spread.quantity.unit)}"
     return f"{title}{of_side(spread.direction)} {change}"

@@ -26,8 +26,9 @@ from hbench.report.identification.text import (
 )
 from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.document import Section, document
-from hbench.report.render.figures import Drawing
+from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.numbers import alike
+from hbench.report.render.word_tables import with_columns
 
 _SOURCE = (
     "Laws and verification profile",
@@ -90,11 +91,11 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         facts += (("Trials' scatter", _SCATTER.format(sizes=scatter_words(identification))),)
     facts += _about_errors(identification)
     drawings = tuple(drawings)
-    steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
-    overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
+    steady = of_section(drawings, STEADY)
+    overview = of_section(drawings, "errors")
     profiles = tuple(drawing for drawing in drawings if drawing not in (*steady, *overview))
     best = best_law(identification)
-    shown = tuple(drawing for drawing in profiles if drawing.section == best)
+    shown = of_section(profiles, best)
     others = tuple(drawing for drawing in profiles if drawing.section != best)
     verified = [_once(tables[title]) for title in (ERRORS, HELD_OUT) if title in tables]
     order = [law_words(law.law) for law in ranked_laws(identification)]
@@ -246,8 +247,7 @@ def _of_each_law(table: WordTable, order: Sequence[str]) -> tuple[WordTable, ...
 def _without_empty(table: WordTable) -> WordTable:
     """Return a table without the columns that have no entry."""
     kept = [i for i, cells in enumerate(zip(*table.rows, strict=True)) if any(cells)]
-    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
-    return replace(table, head=tuple(table.head[i] for i in kept), rows=rows)
+    return with_columns(table, kept)
 
 
 def _once(table: WordTable) -> WordTable:

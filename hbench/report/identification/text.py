@@ -1,6 +1,5 @@
 """An identification in words and numbers: tables for terminal and page, and the JSON file."""
 
-import json
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, replace
@@ -27,7 +26,7 @@ from hbench.report.identification.ranking import (
     ranked_laws,
     rms_n,
 )
-from hbench.report.json_documents.values import json_value
+from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.numbers import (
     NONE,
     force,
@@ -35,6 +34,7 @@ from hbench.report.render.numbers import (
     significant,
     with_ends,
 )
+from hbench.sentences import uncapital
 from hbench.units import from_si
 
 SCHEMA = "hbench.identification/1"
@@ -75,7 +75,7 @@ def identification_json(identification: Identification) -> str:
         "left_out": identification.left_out,
         "notes": identification.notes,
     }
-    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
+    return json_text(json_value(document))
 
 
 def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
@@ -306,7 +306,7 @@ def _with_titles(fit: Fit) -> str:
 def _title(name: str) -> str:
     """Return a parameter's title within a sentence."""
     title, _ = parameter_words(name, "")
-    return title if title.startswith(_SURNAMES) else f"{title[:1].lower()}{title[1:]}"
+    return title if title.startswith(_SURNAMES) else uncapital(title)
 
 
 def _ramps(identification: Identification) -> list[tuple[str, ...]]:

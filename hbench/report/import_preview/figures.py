@@ -16,6 +16,7 @@ from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 _MOST_SAMPLES = 1600  # of a line; a longer log is drawn by its lowest and highest values
 _MOST_NUMBERS = 24  # runs whose numbers fit above the position
 _REST, _ACCEPTED, _REJECTED = style.COLOURS[5], style.COLOURS[2], style.COLOURS[1]
+_GAP = 10  # medians of the steps of time: a longer step breaks a line
 _VISIBLE = 0.005  # of a channel's range: a smaller zero offset is not drawn
 _PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
 _FORCES = ("f_applied_n", "f_drive_n")
@@ -202,11 +203,7 @@ def _thinned(t_s: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarra
         size = -(-len(t_s) // (_MOST_SAMPLES // 2))
         kept = np.unique(list(_extremes(values, size)))
         t_s, values = t_s[kept], values[kept]
-    if len(t_s) < 3:
-        return t_s, values
-    steps = np.diff(t_s)
-    gaps = np.flatnonzero(steps > 10 * np.median(steps)) + 1
-    return np.insert(t_s, gaps, np.nan), np.insert(values.astype(float), gaps, np.nan)
+    return style.broken_line(t_s, values, _GAP)
 
 
 def _extremes(values: np.ndarray, size: int) -> Iterator[int]:

@@ -1,5 +1,6 @@
 """Values of Python and numpy as JSON values."""
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -23,3 +24,8 @@ def json_value(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [json_value(item) for item in value]
     return value if isinstance(value, bool | int | str) else str(value)
+
+
+def json_text(document: Any) -> str:
+    """Return the text of a document's JSON values."""
+    return json.dumps(document, indent=1, allow_nan=False) + "\n"

@@ -22,8 +22,8 @@ PNG_DPI = 200
 _PNG = {"compress_level": 1}  # a tenth larger than at 6, in a quarter of the time
 POINT = "point"  # class of the marks with a note
 
-_SVG = "{http://www.w3.org/2000/svg}"
-ElementTree.register_namespace("", _SVG[1:-1])
+SVG = "{http://www.w3.org/2000/svg}"
+ElementTree.register_namespace("", SVG[1:-1])
 ElementTree.register_namespace("xlink", "http://www.w3.org/1999/xlink")
 
 
@@ -73,6 +73,11 @@ def _draw_sketch(sketch: Sketch, png: bool) -> Drawing:
     return Drawing(name, section, title, caption, svg, pixels, wide, csv, seen, read)
 
 
+def of_section(drawings: Iterable[Drawing], section: str) -> tuple[Drawing, ...]:
+    """Return the drawings of a section."""
+    return tuple(drawing for drawing in drawings if drawing.section == section)
+
+
 def figure_files(drawings: Iterable[Drawing]) -> dict[str, bytes]:
     """Return the files of drawings, SVG, any PNG and their data as CSV, by their paths."""
     files = {}
@@ -110,7 +115,7 @@ def as_png(figure: Figure) -> bytes:
 def _with_notes(svg: bytes, marked: list[tuple[DrawnSeries, Line2D]]) -> bytes:
     """Wrap the mark of each point with its note as a title."""
     root = ElementTree.fromstring(svg)
-    groups = {group.get("id"): group for group in root.iter(f"{_SVG}g")}
+    groups = {group.get("id"): group for group in root.iter(f"{SVG}g")}
     for number, (series, points) in enumerate(marked):
         notes = [
             note
@@ -119,16 +124,16 @@ def _with_notes(svg: bytes, marked: list[tuple[DrawnSeries, Line2D]]) -> bytes:
         ]
         marks = [
             (parent, mark)
-            for parent in groups[f"series{number}"].iter(f"{_SVG}g")
-            for mark in parent.findall(f"{_SVG}use")
+            for parent in groups[f"series{number}"].iter(f"{SVG}g")
+            for mark in parent.findall(f"{SVG}use")
         ]
         if len(marks) != len(notes):  # a point lies off the figure: no note may be misplaced
             continue
         for (parent, mark), note in zip(marks, notes, strict=True):
             at = list(parent).index(mark)
             parent.remove(mark)
-            point = ElementTree.Element(f"{_SVG}g", {"class": POINT})
-            ElementTree.SubElement(point, f"{_SVG}title").text = note
+            point = ElementTree.Element(f"{SVG}g", {"class": POINT})
+            ElementTree.SubElement(point, f"{SVG}title").text = note
             point.append(mark)
             parent.insert(at, point)
     return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)

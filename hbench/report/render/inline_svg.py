@@ -5,10 +5,9 @@ from xml.etree import ElementTree
 
 from markupsafe import Markup
 
-from hbench.report.render.figures import POINT, Drawing
+from hbench.report.render.figures import POINT, SVG, Drawing
 from hbench.report.render.style import DARK, READ_AS
 
-_SVG = "{http://www.w3.org/2000/svg}"
 _HREF = "{http://www.w3.org/1999/xlink}href"
 _COLOUR = re.compile("|".join(DARK))
 _LONG = re.compile(r"(\d+\.\d\d)\d+")
@@ -22,13 +21,13 @@ def inline(drawing: Drawing, number: int) -> Markup:
     root = ElementTree.fromstring(drawing.svg)
     for name in ("metadata", "style"):
         for parent in list(root.iter()):
-            for child in parent.findall(f"{_SVG}{name}"):
+            for child in parent.findall(f"{SVG}{name}"):
                 parent.remove(child)
     for element in root.iter():
         if element.get("id") == READ_AS:
             element.set("class", READ_AS)  # on a narrow screen the caption has it
         _make_local(element, f"f{number}-")
-    points = any(group.get("class") == POINT for group in root.iter(f"{_SVG}g"))
+    points = any(group.get("class") == POINT for group in root.iter(f"{SVG}g"))
     for name in ("width", "height", "version"):
         root.attrib.pop(name, None)
     text_alternative = drawing.seen or f"{drawing.title}. {drawing.caption}"
@@ -39,7 +38,7 @@ def inline(drawing: Drawing, number: int) -> Markup:
     }
     if points:
         root.set("tabindex", "0")
-    text = ElementTree.tostring(root, encoding="unicode").replace(f' xmlns="{_SVG[1:-1]}"', "")
+    text = ElementTree.tostring(root, encoding="unicode").replace(f' xmlns="{SVG[1:-1]}"', "")
     return Markup(text)
 
 

@@ -1,7 +1,7 @@
 """Style of all figures: colours, markers, sizes, and settings for reproducible bytes."""
 
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Any
 
 import numpy as np
@@ -120,8 +120,14 @@ def head(axes: Axes, title: str, results: Measured, last: Axes | None = None) ->
 
 def simulated(axes: Axes, results: Measured) -> None:
     """Mark the figure of a simulated campaign at the right above the axes."""
-    if results.provenance.source == "simulated":
-        axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
+    mark_sources(axes, [results.provenance.source], "")
+
+
+def mark_sources(axes: Axes, sources: Collection[str], partly: str) -> None:
+    """Mark the figure of simulated campaigns; ``partly`` is the mark where others are not."""
+    if "simulated" in sources:
+        mark = "simulated" if len(set(sources)) == 1 else partly
+        axes.set_title(mark, loc="right", color=QUIET, fontsize=10, fontweight="normal")
 
 
 READ_AS = "read-as"  # name of this note in the SVG
@@ -205,3 +211,14 @@ def safe(text: str, most: int = 42) -> str:
     line = " ".join(text.split())
     line = line if len(line) <= most else line[: most - 1] + "…"
     return line.replace("$", r"\$")
+
+
+def broken_line(
+    t_s: np.ndarray, values: np.ndarray, longest: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Break a line over time where a step is longer than ``longest`` times their median."""
+    if len(t_s) < 3:
+        return t_s, values
+    steps = np.diff(t_s)
+    gaps = np.flatnonzero(steps > longest * np.median(steps)) + 1
+    return np.insert(t_s, gaps, np.nan), np.insert(values.astype(float), gaps, np.nan)

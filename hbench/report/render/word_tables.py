@@ -1,6 +1,10 @@
 """Tables and headline numbers, in words and numbers as they are shown."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from hbench.records import WordTable
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,15 @@ class Table:
     messages: tuple[str, ...] = ()
     title: str = ""
     sortable: bool = False  # by a click on a head of the page
+
+
+AnyTable = TypeVar("AnyTable", WordTable, Table)
+
+
+def with_columns(table: AnyTable, kept: Sequence[int]) -> AnyTable:
+    """Return the columns of a table with these numbers, from 0."""
+    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
+    return replace(table, head=tuple(table.head[i] for i in kept), rows=rows)
 
 
 def titled(table: Table, title: str) -> tuple[Table, ...]:

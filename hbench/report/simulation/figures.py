@@ -52,6 +52,6 @@ def draw_panel(panel: Panel) -> Figure:
     for x, y, text in panel.names:
         axes.annotate(text, (x, y), xytext=(4, -12), textcoords="offset points", fontsize=11)
     axes.set_title(panel.title)
-    axes.set_title("simulated", loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
+    style.mark_sources(axes, ["simulated"], "")
     style.legend_above(figure, axes, columns=2)
     return figure

@@ -1,11 +1,10 @@
 """A replay in words and as JSON."""
 
-import json
 from dataclasses import asdict
 
 from hbench.records import Replay, WordTable
 from hbench.report.diagnosis.names import signal
-from hbench.report.json_documents.values import json_value
+from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.numbers import significant
 from hbench.report.render.terminal_table import table_lines
 
@@ -43,4 +42,4 @@ def replay_json(replay: Replay) -> str:
         "off": [asdict(error) for error in replay.off],
         "left_out": replay.left_out,
     }
-    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
+    return json_text(json_value(document))

@@ -1,4 +1,4 @@
-"""Checksums of the journal's parts, which show whether a part was edited after it was written.
+"""Checksums of logs and of the journal's parts, which show whether one was edited later.
 
 An edit can be intended, such as a corrected load cell level, so it is reported and not refused.
 """
@@ -11,10 +11,15 @@ from typing import Any
 SECTIONS = ("source", "bench", "schedule", "map", "settings", "log")  # the results depend on these
 
 
+def sha256(data: bytes) -> str:
+    """Return the checksum by which the journal identifies a file."""
+    return hashlib.sha256(data).hexdigest()
+
+
 def content_checksum(content: Any) -> str:
     """Return the SHA-256 of parsed YAML; layout and comments of the text do not count."""
     text = json.dumps(content, default=str, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()
+    return sha256(text.encode())
 
 
 def section_checksums(header: Mapping[str, Any]) -> dict[str, str]:

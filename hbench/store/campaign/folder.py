@@ -3,7 +3,6 @@
 Its reader; ``writer.py`` writes it during a measurement.
 """
 
-import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -22,6 +21,7 @@ from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
 from hbench.records import Provenance, RawRun, Run, RunPlan
 from hbench.store.campaign import journal
+from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.run_csv import parse_run
 from hbench.store.campaign.run_times import clock_fault, latest_moment, moment, start_times_s
@@ -113,6 +113,11 @@ class StoredCampaign:
         """Return when the last run ended; None before the first has."""
         times = [moment(entry.stop.at) for entry in self.entries if entry.stop]
         return max((time for time in times if time is not None), default=None)
+
+    @property
+    def bench_content(self) -> dict[str, Any]:
+        """The bench file as it was read; empty for imported logs without one."""
+        return (self.header.get("bench") or {}).get("content") or {}
 
     def bench(self) -> Bench | None:
         """Return the bench of the measurement; None for imported logs without a bench file."""
@@ -325,11 +330,6 @@ def write_results(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write derived files below ``results/`` of a campaign, each whole or not at all."""
     check_inside(folder, folder / "results")
     write_files(folder / "results", files)
-
-
-def sha256(data: bytes) -> str:
-    """Return the checksum by which the journal identifies a file."""
-    return hashlib.sha256(data).hexdigest()
 
 
 def _written_settings(header: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from hbench.errors import DataError
 from hbench.records.conformity.certified import RawData, RawLog
-from hbench.store.campaign.folder import JOURNAL, StoredCampaign, sha256
+from hbench.store.campaign.checksums import sha256
+from hbench.store.campaign.folder import JOURNAL, StoredCampaign
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_file
 
 

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from hbench.channels import CHANNELS
-from hbench.config.import_layout import ALWAYS, FLAGS, LEAST, LIMITS, LONGEST_S, Format
+from hbench.config.import_layout import ALWAYS, LEAST, LIMITS, LONGEST_S, Format
 from hbench.errors import DataError
-from hbench.records import Run, RunPlan
+from hbench.records import RUN_FLAGS, Run, RunPlan
 from hbench.store.files.number_columns import formatted_rows
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import parse_table
 
-_IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
+RUN_CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 # Tolerance between a logged reference and the plan's: a count of 1e-5 m/s, or 0.1 %.
 _SAME_SPEED_M_S, _SAME_SPEED = 1e-5, 1e-3
 SEVERAL_RUNS = (
@@ -39,7 +39,7 @@ def read_channels(table: Table) -> tuple[dict[str, np.ndarray], tuple[str, ...]]
     check_complete(table)
     for name in ALWAYS:
         table.position(name)
-    known = [name for name in table.names if name in CHANNELS or name in FLAGS]
+    known = [name for name in table.names if name in CHANNELS or name in RUN_FLAGS]
     table.prefetch(known)
     channels = {name: table.numbers(name, gaps=name not in ALWAYS) for name in known}
     check_lengths(channels, table)
@@ -89,7 +89,7 @@ def check_limits(channels: Mapping[str, np.ndarray], table: Table) -> None:
 
 def _check_flags(channels: Mapping[str, np.ndarray], table: Table) -> None:
     """Raise ``DataError`` naming the line of a flag that is not between 0 and 1, a mean of both."""
-    for name in FLAGS:
+    for name in RUN_FLAGS:
         values = channels.get(name, np.zeros(0))
         beyond = np.flatnonzero((values < 0) | (values > 1))
         if len(beyond):
@@ -134,8 +134,10 @@ def run_of(channels: Mapping[str, np.ndarray], plan: RunPlan) -> Run:
 
     Samples at the reference speed are marked by ``at_reference``, or else by a logged reference.
     """
-    run: dict[str, Any] = {name: values for name, values in channels.items() if name in _IN_RUN}
-    run |= {name: channels[name] > 0 for name in FLAGS if name in channels}
+    run: dict[str, Any] = {
+        name: values for name, values in channels.items() if name in RUN_CHANNELS
+    }
+    run |= {name: channels[name] > 0 for name in RUN_FLAGS if name in channels}
     if "at_reference" not in run and (v_ref := run.get("v_ref_m_s")) is not None:
         margin = max(_SAME_SPEED_M_S, _SAME_SPEED * abs(plan.v_ref_m_s))
         run["at_reference"] = np.abs(v_ref - plan.v_ref_m_s) <= margin

@@ -14,7 +14,8 @@ import numpy as np
 
 from hbench.records import Outcome, RunPlan
 from hbench.store.campaign import journal
-from hbench.store.campaign.folder import JOURNAL, read_journal, refuse_existing, sha256
+from hbench.store.campaign.checksums import sha256
+from hbench.store.campaign.folder import JOURNAL, read_journal, refuse_existing
 from hbench.store.campaign.journal import Stop
 from hbench.store.dsp_logs.dsp_log import format_words
 from hbench.store.files.atomic import append, rename, truncate, write_atomic

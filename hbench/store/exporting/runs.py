@@ -10,16 +10,13 @@ Sample times are unchanged, and a channel that the bench does not have is left o
 import io
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
 
-from hbench.channels import CHANNELS
-from hbench.config.import_layout import FLAGS
-from hbench.records import Run
-from hbench.store.campaign.run_csv import format_run
+from hbench.records import RUN_FLAGS, Run
+from hbench.store.campaign.run_csv import RUN_CHANNELS, format_run
 from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import as_cell
 
@@ -31,7 +28,6 @@ _FREE_TEXTS = ("label", "factors", "reason", "truncated", "aborted")  # from fil
 Files = Iterator[tuple[str, bytes]]  # paths below the folder, and contents
 Beside = Mapping[str, Mapping[str, Any]]  # contents of YAML files beside the index, by their names
 
-_CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 _INDEX = (
     *"run file kind label trial v_ref_m_s a_ref_m_s2 f_load_n p_lr_ref_pa p_lp_ref_pa".split(),
     *"force_rate_n_s dwell_s x_low_m x_high_m speed_is_measured".split(),
@@ -90,7 +86,7 @@ def mat_files(runs: Iterable[tuple[Run, str]], beside: Beside) -> Files:
 
 def channels(run: Run) -> dict[str, np.ndarray]:
     """Return a run's channels (n,) by their names in SI; flags are 0 or 1."""
-    logged = {name: getattr(run, name) for name in (*_CHANNELS, *FLAGS)}
+    logged = {name: getattr(run, name) for name in (*RUN_CHANNELS, *RUN_FLAGS)}
     return {name: 1 * values for name, values in logged.items() if values is not None}
 
 

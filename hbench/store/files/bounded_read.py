@@ -37,11 +37,19 @@ def open_file(path: Path, largest: int, hint: str = "") -> Iterator[BufferedRead
         raise DataError(f"{path}: {error.strerror or error}", hint) from None
 
 
-def check_size(file: BinaryIO, source: str, largest: int, hint: str = _TOO_LARGE) -> None:
+def check_size(file: BinaryIO, source: str, largest: int, hint: str) -> None:
     """Raise ``DataError`` for an open file of more than ``largest`` bytes."""
     size = os.fstat(file.fileno()).st_size
     if size > largest:
         raise DataError(f"{source}: is {size / 1e6:.6g} MB large; limit {largest / 1e6:g} MB", hint)
+
+
+def check_unpacked(size: int, source: str, hint: str) -> None:
+    """Raise ``DataError`` for a compressed file that takes more than ``LARGEST_UNPACKED``."""
+    if size > LARGEST_UNPACKED:
+        raise DataError(
+            f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB", hint
+        )
 
 
 def read_whole(file: BinaryIO, source: str, largest: int = LARGEST_LOG) -> bytes:

@@ -8,7 +8,7 @@ from typing import Any, BinaryIO
 
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.store.files.bounded_read import LARGEST_UNPACKED
+from hbench.store.files.bounded_read import check_unpacked
 from hbench.store.formats.text import TextTable, table_of_rows
 
 _DAY = datetime(1900, 1, 1)  # of a time without a date
@@ -23,11 +23,7 @@ def open_excel(file: BinaryIO, source: str, layout: Format) -> TextTable:
 
     with zipfile.ZipFile(file) as archive:
         size = sum(part.file_size for part in archive.infolist())
-    if size > LARGEST_UNPACKED:
-        raise DataError(
-            f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
-            "Save the sheet as a CSV file.",
-        )
+    check_unpacked(size, source, "Save the sheet as a CSV file.")
     book = openpyxl.load_workbook(file, read_only=True, data_only=True)
     names = [sheet.title for sheet in book.worksheets]
     if layout.sheet is not None and layout.sheet not in names:

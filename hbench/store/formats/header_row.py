@@ -10,6 +10,9 @@ from hbench.config.import_layout import Format
 _MOST_ROWS = 60
 _MOST_BETWEEN = 3  # rows between header and data, such as units
 _NUMERIC = 0.5  # of the cells of a row of data
+_FORMAT = (
+    "Set 'format' in the map: separator, preamble (lines before the header), comment, skip_rows."
+)
 
 
 def ends_with_comment(names: Sequence[str]) -> bool:
@@ -18,15 +21,15 @@ def ends_with_comment(names: Sequence[str]) -> bool:
 
 
 def layout_hint(
-    rows: Iterable[Sequence[str]], lines: Sequence[int] | np.ndarray, layout: Format, otherwise: str
+    rows: Iterable[Sequence[str]], lines: Sequence[int] | np.ndarray, layout: Format
 ) -> str:
-    """Return a hint with the line of the header, or ``otherwise`` where none is found.
+    """Return a hint with the line of the header, or with the keys of a map where none is found.
 
     ``rows`` are the cells of the rows that the ``layout`` leaves, ``lines`` their numbers from 1.
     """
     line = header_line(rows, lines, layout)
     if line is None or line == layout.preamble + 1:
-        return otherwise
+        return _FORMAT
     return f"Line {line} looks like the header: write 'preamble: {line - 1}' in the map's 'format'."
 
 

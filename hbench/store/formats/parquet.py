@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from hbench.config.import_layout import Format
-from hbench.errors import DataError
-from hbench.store.files.bounded_read import LARGEST_UNPACKED
+from hbench.store.files.bounded_read import check_unpacked
 from hbench.store.formats.arrays import Arrays, Signal
 from hbench.store.formats.packages import require_package
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+
+_TOO_LARGE = "Check that it is the right file; save fewer columns, or split it."
 
 
 def open_parquet(file: BinaryIO, source: str, layout: Format) -> Arrays:
@@ -47,11 +49,11 @@ def read_parquet(data: bytes, source: str) -> "DataFrame":
     texts = [f.name for f in fields if types.is_string(f.type) or types.is_large_string(f.type)]
     content = ParquetFile(io.BytesIO(data), read_dictionary=texts)
     about = content.metadata
-    _check_size(
-        sum(about.row_group(i).total_byte_size for i in range(about.num_row_groups)), source
-    )
+    stated = sum(about.row_group(i).total_byte_size for i in range(about.num_row_groups))
+    check_unpacked(stated, source, _TOO_LARGE)
     table = content.read(use_threads=False)
-    _check_size(sum(_unpacked_size(chunk) for column in table for chunk in column.chunks), source)
+    size = sum(_unpacked_size(chunk) for column in table for chunk in column.chunks)
+    check_unpacked(size, source, _TOO_LARGE)
     return table.to_pandas(use_threads=False)
 
 
@@ -64,14 +66,6 @@ def _unpacked_size(values: Any) -> int:
     lengths = compute.binary_length(values.dictionary).to_numpy(zero_copy_only=False)
     numbers = values.indices.drop_null().to_numpy()
     return 8 * len(values) + int(lengths[numbers].sum())
-
-
-def _check_size(size: int, source: str) -> None:
-    if size > LARGEST_UNPACKED:
-        raise DataError(
-            f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
-            "Check that it is the right file; save fewer columns, or split it.",
-        )
 
 
 def require_pyarrow() -> None:

@@ -23,11 +23,6 @@ _GAPS = ("", "nan", "na", "n/a", "null")
 _MOST_SHORT = 5  # rows at the end with too few cells, which are left out
 
 
-_FORMAT = (
-    "Set 'format' in the map: separator, preamble (lines before the header), comment, skip_rows."
-)
-
-
 @dataclass(frozen=True)
 class TextTable:
     """Rows of a file as text; columns are converted to numbers on demand."""
@@ -72,7 +67,7 @@ class TextTable:
                 mapped = self.layout != Format() or len(self.names) == 1
                 raise DataError(
                     f"{self.source}: no column {column!r}; the file has: {header}",
-                    layout_hint(self.rows, self.lines, self.layout, _FORMAT) if mapped else "",
+                    layout_hint(self.rows, self.lines, self.layout) if mapped else "",
                 )
             if self.names.count(column) > 1:
                 raise DataError(
@@ -221,7 +216,7 @@ def _table(
         raise DataError(
             f"{source}: line {lines[row]}: found {len(cells)} columns in "
             f"{text[:60]!r}; expected {width}",
-            layout_hint(chain(top, whole), all_lines, layout, _FORMAT),
+            layout_hint(chain(top, whole), all_lines, layout),
         )
     if units and len(units) < width:
         raise DataError(f"{source}: the row of units has {len(units)} columns; expected {width}")

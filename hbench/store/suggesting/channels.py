@@ -57,7 +57,7 @@ _BORES_M = (0.004, 1.0)  # of cylinders, to choose the unit of a force
 def choose_channels(
     columns: Sequence[SampleColumn],
     time: TimeChoice,
-    fields: Sequence[Mapping[str, float]] = (),
+    fields: Sequence[Mapping[str, float]],
 ) -> dict[str, Choice]:
     """Return the column of each channel that is found.
 

@@ -7,9 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from hbench.config.schedule import parse_schedule
-from hbench.errors import ConfigError, DataError, HbenchError
-from hbench.experiment.plan import plan_runs
+from hbench.errors import HbenchError
+from hbench.experiment.staged_plan import planned_runs
 from hbench.records import ScreenedRun
 from hbench.store.campaign.folder import JOURNAL, StoredCampaign, load_campaign
 from hbench.store.campaign.journal import Entry
@@ -157,14 +156,8 @@ def _row(screened: ScreenedRun) -> dict[str, Any]:
 
 def _planned(campaign: StoredCampaign) -> int | None:
     """Return the number of runs in the schedule; None if not known."""
-    try:
-        schedule = parse_schedule(campaign.header["schedule"]["content"], "schedule")
-        if (bench := campaign.bench()) is None:
-            return None
-        plan = plan_runs(schedule, bench, "schedule")
-    except (KeyError, TypeError, ConfigError, DataError):
-        return None
-    return None if plan.undecided else len(plan.runs)
+    plan, _ = planned_runs(campaign, ())
+    return None if plan is None or plan.undecided else len(plan.runs)
 
 
 def _time(seconds: float) -> str:

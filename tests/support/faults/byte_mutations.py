@@ -7,10 +7,7 @@ import io
 import struct
 import zipfile
 import zlib
-from collections.abc import Callable
 from random import Random
-
-ByteMutation = Callable[[Random, bytes], bytes]
 
 _SIZES = (
     0,

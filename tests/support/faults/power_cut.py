@@ -204,14 +204,6 @@ def leftovers(before: Tree, calls: list[Call]) -> list[tuple[int, str, Tree]]:
     return sorted(last.values(), key=lambda cut: (cut[0], KINDS.index(cut[1])))
 
 
-def read_tree(folder: Path) -> Tree:
-    """Return what is in a folder."""
-    return {
-        str(path.relative_to(folder)): None if path.is_dir() else path.read_bytes()
-        for path in folder.rglob("*")
-    }
-
-
 def write_tree(folder: Path, tree: Tree) -> None:
     """Make a folder of a tree."""
     folder.mkdir()

@@ -7,7 +7,6 @@ from hbench.protocol.dictionary import RECORD
 from tests.support.hidden.draws import Drawn
 
 _COLUMN = {word.name: i for i, word in enumerate(RECORD)}
-_SCALE = {word.name: word.scale for word in RECORD}
 _FORCE = SENSORS.index("f_applied")
 
 

@@ -5,7 +5,7 @@ from math import floor
 import numpy as np
 from matplotlib.figure import Figure
 
-from hbench.records import EfficiencyCurve, Results
+from hbench.records import DIRECTION_WORDS, EfficiencyCurve, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import (
     BANDS,
@@ -16,7 +16,7 @@ from hbench.report.campaign.figures.friction import (
     load_style,
     points_words,
 )
-from hbench.report.campaign.series_words import TITLES, load_words
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.report.render.series import behind
 
@@ -50,9 +50,9 @@ def efficiency(results: Results) -> dict[str, Figure]:
         style.start_at_zero(axes)
         low, high = axes.get_ylim()
         axes.set_ylim(_STEP * floor(low / _STEP), max(high, 100))
-        style.head(axes, f"Efficiency, {TITLES[direction].lower()}", results)
+        style.head(axes, f"Efficiency, {DIRECTION_WORDS[direction]}", results)
         style.read_as(figure, _read(chosen))
-        load_legend(figure, axes, "Load $F_L$", chosen)
+        load_legend(figure, axes, chosen)
     style.share_limits(figure.axes[0] for figure in figures.values())
     return figures
 

@@ -10,7 +10,7 @@ from matplotlib.tri import Triangulation
 from hbench.records import KINDS, EfficiencyCurve, EfficiencyPoint, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import load_helps
-from hbench.report.campaign.series_words import TITLES
+from hbench.report.campaign.series_words import TITLES, within_title
 from hbench.report.render import style
 from hbench.report.render.series import behind, without_math
 
@@ -48,7 +48,7 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
         for axes in panels:
             axes.set(xlim=limits[0], ylim=limits[1])
         panels[-1].set_xlabel("Speed |v| (mm/s)")
-        style.head(panels[0], f"Efficiency map, {name[0].lower()}{name[1:]}", results)
+        style.head(panels[0], f"Efficiency map, {within_title(name)}", results)
         style.read_as(figure, style.OF_MAPS)
         figures[name] = figure
     return figures

@@ -8,8 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import (
+    DIRECTION_WORDS,
     DIRECTIONS,
     KINDS,
+    SIGNS,
     Curve,
     CurvePoint,
     Direction,
@@ -19,7 +21,7 @@ from hbench.records import (
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.fit_tables import determines_none, law_words
-from hbench.report.campaign.series_words import TITLES, load_words
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import number
 from hbench.report.render.series import behind
@@ -110,12 +112,12 @@ def load_helps(curve: AnyCurve) -> bool:
     return load is not None and load != 0 and (load < 0) == (curve.direction == "extend")
 
 
-def load_legend(figure: Figure, axes: Axes, load: str, curves: Iterable[AnyCurve]) -> None:
-    """Put the legend above the axes, titled ``load``, and P_Lr where the entries name it."""
+def load_legend(figure: Figure, axes: Axes, curves: Iterable[AnyCurve]) -> None:
+    """Put the legend of the loads above the axes, with P_Lr in its title where entries name it."""
     if any(curve.p_lr_ref_pa is not None for curve in curves):
-        style.legend_above(figure, axes, f"{load}, rod-side pressure $P_{{Lr}}$", columns=2)
+        style.legend_above(figure, axes, "Load $F_L$, rod-side pressure $P_{Lr}$", columns=2)
     else:
-        style.legend_above(figure, axes, load)
+        style.legend_above(figure, axes, "Load $F_L$")
 
 
 def _one_direction(
@@ -131,7 +133,7 @@ def _one_direction(
         axes, below = figure.subplots(2, sharex=True, height_ratios=(5, 2))
     else:
         axes, below = figure.add_subplot(), None
-    sign = 1 if direction == "extend" else -1
+    sign = SIGNS[direction]
     for rank, curve in enumerate(by_load(curves)):
         look = load_style(curve, ranks)
         v, friction, interval = style.columns(curve)
@@ -161,10 +163,10 @@ def _one_direction(
         below.set_ylabel("Measured\n− fitted (N)")
         reach = max(abs(limit) for limit in below.get_ylim())
         below.set_ylim(-reach, reach)
-    figure.axes[-1].set_xlabel(_speed_label("Speed |v| (mm/s)", curves))
-    style.head(axes, f"{title}, {TITLES[direction].lower()}", results)
+    figure.axes[-1].set_xlabel(_speed_label(curves))
+    style.head(axes, f"{title}, {DIRECTION_WORDS[direction]}", results)
     style.read_as(figure, _read(curves))
-    load_legend(figure, axes, "Load $F_L$", curves)
+    load_legend(figure, axes, curves)
     return figure
 
 
@@ -217,7 +219,7 @@ def _expanded(
         axes.fill_between(speed, low, high, color=colour, alpha=0.13, linewidth=0, zorder=1)
 
 
-def _fitted(axes: Axes, curve: Curve, colour: str, sign: int) -> None:
+def _fitted(axes: Axes, curve: Curve, colour: str, sign: float) -> None:
     """Draw the first law: a line inside the measured speeds, dots where it is extrapolated.
 
     A fit that is not determined is dashed, and not extrapolated.
@@ -234,11 +236,11 @@ def _fitted(axes: Axes, curve: Curve, colour: str, sign: int) -> None:
                 axes.plot(1e3 * np.abs(v), sign * friction, **look)
 
 
-def _speed_label(label: str, curves: Iterable[Curve]) -> str:
+def _speed_label(curves: Iterable[Curve]) -> str:
     """Return the words under the speeds, with a warning where lines are extrapolated."""
     fits = [fit for curve in curves for fit in curve.fits[:1]]
     beyond = any(fit.beyond and fit.verdict == "determined" for fit in fits)
-    return label + ("\ndotted: extrapolated beyond the measurement" if beyond else "")
+    return "Speed |v| (mm/s)" + ("\ndotted: extrapolated beyond the measurement" if beyond else "")
 
 
 def _at(fit: Fit, v_m_s: np.ndarray) -> np.ndarray:

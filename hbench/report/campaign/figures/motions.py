@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import DIRECTIONS, Results, Surface
+from hbench.records import DIRECTION_WORDS, DIRECTIONS, SIGNS, Results, Surface
 from hbench.report.campaign.motion_rows import series_words
-from hbench.report.campaign.series_words import TITLES
+from hbench.report.campaign.series_words import TITLES, within_title
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
@@ -168,7 +168,7 @@ def breakaways(results: Results) -> dict[str, Figure]:
         style.plain_log(axes.xaxis)
         axes.set_xlabel("Time at rest (s)")
     else:
-        ticks = [f"{series_words(of)}\n{TITLES[direction].lower()}" for of, direction in series]
+        ticks = [f"{series_words(of)}\n{DIRECTION_WORDS[direction]}" for of, direction in series]
         axes.set_xticks(range(len(series)), ticks)
         axes.margins(x=0.2)
     axes.set_ylabel("Breakaway (N)")
@@ -215,7 +215,7 @@ def surfaces(results: Results) -> dict[str, Figure]:
         name = ", ".join(filter(None, (surface.label, TITLES[surface.direction])))
         if len(results.motions.surfaces) > 2 and surface.p_lr_ref_pa is not None:
             name += f", {short(from_si(surface.p_lr_ref_pa, 'bar'))} bar"
-        style.head(axes, f"Friction map, {name[0].lower()}{name[1:]}", results)
+        style.head(axes, f"Friction map, {within_title(name)}", results)
         style.read_as(figure, style.OF_MAPS)
         figures[name] = figure
     return figures
@@ -223,5 +223,4 @@ def surfaces(results: Results) -> dict[str, Figure]:
 
 def _against_motion(surface: Surface) -> np.ndarray:
     """Return the loads [kN], positive where they oppose the motion."""
-    sign = 1.0 if surface.direction == "extend" else -1.0
-    return sign * np.array(surface.f_load_n) / 1e3
+    return SIGNS[surface.direction] * np.array(surface.f_load_n) / 1e3

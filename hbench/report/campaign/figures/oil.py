@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from matplotlib.figure import Figure
 
-from hbench.records import Curve, Results
+from hbench.records import DIRECTION_WORDS, Curve, Results
 from hbench.report.campaign.figures.friction import (
     by_direction,
     friction_magnitude,
@@ -13,7 +13,7 @@ from hbench.report.campaign.figures.friction import (
     load_style,
     over_velocity,
 )
-from hbench.report.campaign.series_words import TITLES, load_words
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.units import from_si
 
@@ -56,9 +56,9 @@ def friction_hersey(results: Results) -> dict[str, Figure]:
         axes.set_xscale("log")
         axes.set(xlabel="Hersey number η |v| / p (nm)", ylabel="Friction |F| (N)")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-        style.head(axes, f"Friction over Hersey number, {TITLES[direction].lower()}", results)
+        style.head(axes, f"Friction over Hersey number, {DIRECTION_WORDS[direction]}", results)
         style.read_as(figure, "Points: trials, each at its own temperature.")
-        load_legend(figure, axes, "Load $F_L$", chosen)
+        load_legend(figure, axes, chosen)
         figures[direction] = figure
     return figures
 

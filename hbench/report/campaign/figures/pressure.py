@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import KINDS, Band, BandTrend, Curve, CurvePoint, Results
+from hbench.records import DIRECTION_WORDS, KINDS, Band, BandTrend, Curve, CurvePoint, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import of_trials
-from hbench.report.campaign.series_words import TITLES, load_words
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.report.render.series import behind
 from hbench.units import from_si
@@ -36,7 +36,7 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
             chosen = [c for series, c in curves if (series, c.direction) == (key, direction)]
             points = [point for curve in chosen for point in curve.points]
             rows = [(p.p_tp_pa, sign * p.friction_n, p.ci95_n) for p in points]
-            labels = (key[1], load_words(None, key[2]), TITLES[direction].lower())
+            labels = (key[1], load_words(None, key[2]), DIRECTION_WORDS[direction])
             look = style.series_style(rank, hollow=direction == "retract")
             _points(axes, rows, look, style.safe(", ".join(filter(None, labels))), points)
     differs = any(p_lr is not None for _, _, p_lr in ranks)

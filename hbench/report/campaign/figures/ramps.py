@@ -17,7 +17,7 @@ from hbench.report.campaign.figures.friction import (
     undetermined_words,
 )
 from hbench.report.campaign.motion_rows import comparison_words, differs
-from hbench.report.campaign.series_words import TITLES, load_words
+from hbench.report.campaign.series_words import TITLES, load_words, within_title
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
@@ -58,7 +58,7 @@ def ramps(results: Results) -> dict[str, Figure]:
             style.start_at_zero(axes)
             names = (label, TITLES[direction], load_words(load, p_lr))
             title = ", ".join(filter(None, names))
-            style.head(axes, f"Ramps, {title[0].lower()}{title[1:]}", results)
+            style.head(axes, f"Ramps, {within_title(title)}", results)
             fits = [fit for curve in curves for fit in _lines(curve)]
             style.read_as(figure, "\n".join((_READ, *undetermined_words(fits))))
             style.legend_above(figure, axes, columns=3)

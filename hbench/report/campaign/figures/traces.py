@@ -19,6 +19,7 @@ MOST_RUNS = 4  # of a reason; the table has them all
 MOST_REASONS = 8
 _MOST_SAMPLES = 600  # of a trace; a longer log is thinned
 _SYMBOL = re.compile(r"(\w)_(\w+)")
+_GAP = 2.5  # medians of the steps of time: a longer step breaks a line
 _FLAGS = ("sensor_saturated", "valve_saturated")  # reasons with marked records
 # Of a sensor at its limit, by its SI unit: label of the axis, and its unit per SI unit.
 _SENSOR_AXES = {
@@ -112,7 +113,8 @@ def _trace(
         look = {"color": _LINES[number % len(_LINES)], "linewidth": 1.0, **look}
         shown = _SYMBOL.sub(r"$\1_{\2}$", line.label)  # the index is set below the line
         label = f"{mark}{shown}, run {style.safe(plan.run)}" if mark else shown
-        axes.plot(*_broken(run.t_s[::step], line.values[::step]), label=label, **look)
+        points = style.broken_line(run.t_s[::step], line.values[::step], _GAP)
+        axes.plot(*points, label=label, **look)
     flagged = getattr(run, code) if code in _FLAGS else None
     if flagged is not None and flagged.any() and lines:
         at = np.flatnonzero(flagged)
@@ -137,15 +139,6 @@ def _trace(
         zorder=5,
     )
     axes.margins(y=0.25)
-
-
-def _broken(t_s: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Break a line where the log has a gap."""
-    steps = np.diff(t_s)
-    if not len(steps):
-        return t_s, values
-    gaps = np.flatnonzero(steps > 2.5 * np.median(steps)) + 1
-    return np.insert(t_s, gaps, np.nan), np.insert(values.astype(float), gaps, np.nan)
 
 
 def _speeds(run: Run) -> list[_Line]:

@@ -9,8 +9,8 @@ from hbench.config.conformity.certificate import CertificateFile, Image
 from hbench.config.identity import Calibration, SpecimenIdentity, TestIdentity
 from hbench.config.sensors import ForceInstrument, Instruments, PressureInstrument
 from hbench.records import Results
-from hbench.records.conformity.acceptance import Acceptance
-from hbench.records.conformity.certified import Certified, CertifiedQuantity, RawData
+from hbench.records.conformity.acceptance import Acceptance, LimitQuantity
+from hbench.records.conformity.certified import Certified, RawData
 from hbench.report.conformity.certificate.words import WORDS
 
 SIMULATED = "SIM-"  # begins the number of a simulated campaign's document
@@ -82,7 +82,7 @@ class Certificate:
             for curve in self.results.efficiency
         )
 
-    def of(self, quantity: CertifiedQuantity) -> tuple[Certified, ...]:
+    def of(self, quantity: LimitQuantity) -> tuple[Certified, ...]:
         """Return the values of a quantity."""
         return tuple(value for value in self.values if value.quantity == quantity)
 

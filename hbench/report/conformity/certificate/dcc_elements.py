@@ -44,6 +44,30 @@ def text_of(certificate: Certificate, tag: str, *lines: str) -> Element:
     return dcc(tag, *(dcc("content", text=one_line(line), lang=language) for line in lines))
 
 
+def software(certificate: Certificate) -> Element:
+    """Return hbench with its release, written as PTB's rules want it: ``v0.1.0``."""
+    version = one_line(certificate.results.provenance.software.get("hbench", "0"))
+    return dcc(
+        "software", text_of(certificate, "name", "hbench"), dcc("release", text=f"v{version}")
+    )
+
+
+def identifications(certificate: Certificate, *stated: tuple[str, str, str, str]) -> Element | None:
+    """Return identifications of issuer, value, word's key and refType; None without a value."""
+    known = [
+        dcc(
+            "identification",
+            dcc("issuer", text=issuer),
+            dcc("value", text=one_line(value)),
+            text_of(certificate, "name", certificate.word(key)),
+            **({"refType": kind} if kind else {}),
+        )
+        for issuer, value, key, kind in stated
+        if value.strip()
+    ]
+    return dcc("identifications", *known) if known else None
+
+
 def real(value: float, unit: str, u95: float | None = None, k: float | None = None) -> Element:
     """Return a D-SI value; an uncertainty without a coverage factor cannot be expressed."""
     uncertainty = None

@@ -6,6 +6,7 @@ from hbench.report.diagnosis.words.change import (
     CYLINDERS,
     FLOWS,
     INERTIA,
+    alternatives,
     changes_of,
     interval,
     wrong_readings,
@@ -36,8 +37,7 @@ def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
 
 def candidates_table(diagnosis: Diagnosis) -> WordTable:
     """Return what each effect of the ambiguous set would change, and by how much they differ."""
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    chosen = alternatives(diagnosis)
     by_name = [{change.quantity: change for change in changes_of(effect)} for effect in chosen]
     computed = all(map(wrong_readings, chosen))
     rows = []

@@ -17,6 +17,7 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.words.place import edge_gaps
 from hbench.report.render.numbers import NONE, number, p_words, significant
+from hbench.report.render.word_tables import with_columns
 
 _ERRORS = {"force": "force along the motion", "position": "open-loop position"}
 
@@ -92,8 +93,7 @@ def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTa
     )
     known_columns = head if of_strokes(diagnosis) else head[:-1]
     kept = [i for i in range(len(known_columns)) if any(row[i] != NONE for row in rows)]
-    known = tuple(tuple(row[i] for i in kept) for row in rows)
-    return WordTable(title, tuple(head[i] for i in kept), known)
+    return with_columns(WordTable(title, head, tuple(rows)), kept)
 
 
 def edges_table(diagnosis: Diagnosis) -> WordTable:

@@ -7,6 +7,7 @@ from hbench.report.campaign.series_words import load_words
 from hbench.report.diagnosis.names import STEPS, balance, signal, steps_of
 from hbench.report.render.csv_text import csv_text
 from hbench.report.render.numbers import NONE, number, short
+from hbench.report.render.word_tables import with_columns
 
 _PLAN = ("kind", "label", "direction", "v_ref_m_s", "f_load_n", "p_lr_ref_pa", "trial")
 _PARTS = ("balances", "signals", "open_loop")
@@ -55,8 +56,7 @@ def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
     several = {name for each in compared for name in each.gap.balances}
     kept = [i for i in range(len(head)) if any(row[i] != NONE for row in rows)]
     kept = [i for i in kept if head[i] != "flow or force" or len(several) > 1]
-    known = tuple(tuple(row[i] for i in kept) for row in rows)
-    return WordTable(title, tuple(head[i] for i in kept), known)
+    return with_columns(WordTable(title, head, tuple(rows)), kept)
 
 
 def plan_words(plan: RunPlan) -> str:

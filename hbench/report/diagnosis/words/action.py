@@ -26,7 +26,7 @@ from hbench.report.diagnosis.names import (
     in_words,
     parts_of,
 )
-from hbench.report.diagnosis.words.change import readings_words
+from hbench.report.diagnosis.words.change import alternatives, readings_words
 from hbench.report.diagnosis.words.coefficient import (
     alike_words,
     gap_words,
@@ -90,8 +90,7 @@ def zero_check(diagnosis: Diagnosis) -> list[str]:
     kinds = {other.kind for _, other in _separable_pairs(diagnosis)}
     if diagnosis.next_schedule or not kinds or not all(map(_is_zero_check, kinds)):
         return []
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    chosen = alternatives(diagnosis)
     inspect = [effect.inspect for effect in chosen if readings_words(effect) and effect.inspect]
     return [
         "Next step: a zero check with the supply off.",
@@ -105,8 +104,7 @@ def zero_readings(diagnosis: Diagnosis) -> str:
     """Return what each sensor shows in the zero check; empty where none separates the set."""
     if not zero_check(diagnosis):
         return ""
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    chosen = alternatives(diagnosis)
     errors = {effect.name: readings_words(effect) for effect in chosen}
     shown = [
         f"with {in_words(name)}, {words or 'every sensor'} {'' if words else 'shows zero'}".strip()
@@ -134,9 +132,8 @@ def _is_zero_check(kind: str) -> bool:
 
 def _separable_pairs(diagnosis: Diagnosis) -> Iterator[tuple[EffectInPractice, Lookalike]]:
     """Yield the effects of an ambiguous set that runs of a known kind separate."""
-    practice = {effect.name: effect for effect in diagnosis.practice}
     names = [candidate.name for candidate in diagnosis.alternatives]
-    for effect in (practice[name] for name in names if name in practice):
+    for effect in alternatives(diagnosis):
         for other in effect.lookalikes:
             if other.name in names[names.index(effect.name) :]:
                 yield effect, other
@@ -146,7 +143,7 @@ def _inspections(
     diagnosis: Diagnosis, effects: Sequence[AddedEffect] | Sequence[Candidate]
 ) -> list[str]:
     """Return what to inspect for each of some effects, as far as it is known."""
-    practice = {effect.name: effect for effect in diagnosis.practice}
+    practice = diagnosis.in_practice
     known = (inspection(diagnosis, practice[e.name]) for e in effects if e.name in practice)
     return list(filter(None, known))
 
@@ -177,7 +174,7 @@ def advice(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
 
 def _inspect(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     """Return the sentence on what to inspect next; empty where nothing is known."""
-    practice = {effect.name: effect for effect in diagnosis.practice}
+    practice = diagnosis.in_practice
     matters = [
         each
         for each in effects

@@ -45,6 +45,12 @@ CYLINDERS = {
 INERTIA = "added_mass"  # the effect whose force is no friction
 
 
+def alternatives(diagnosis: Diagnosis) -> list[EffectInPractice]:
+    """Return what each effect of the ambiguous set changes, as far as it is known."""
+    known = diagnosis.in_practice
+    return [known[each.name] for each in diagnosis.alternatives if each.name in known]
+
+
 def changes_of(effect: EffectInPractice) -> list[Change]:
     """Return what an effect changes.
 
@@ -60,8 +66,7 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     An error of a sensor changes the friction that is computed, an effect of the bench the friction
     itself: its measured value is right then. In brief, by how much the values differ.
     """
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
+    chosen = alternatives(diagnosis)
     if len(chosen) < 2:
         return ""
     if of_strokes(diagnosis):
@@ -95,7 +100,7 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
 
 def second_deviation(diagnosis: Diagnosis) -> str:
     """Return the possible causes of a deviation beside named effects, with their main changes."""
-    practice = {effect.name: effect for effect in diagnosis.practice}
+    practice = diagnosis.in_practice
     parts, before = [], ""
     for candidate in diagnosis.alternatives:
         effect, size = practice.get(candidate.name), ""
@@ -171,7 +176,7 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
     return chosen
 
 
-def phrase(change: Change, direction: str, readings: int = 0, *, brief: bool = False) -> str:
+def phrase(change: Change, direction: str, readings: int, *, brief: bool) -> str:
     """Return a change at the working point as a clause; of ``readings`` that are wrong, if any.
 
     In brief, without its interval.
