@@ -11,7 +11,7 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.gaps.gap_map import column_means
+from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
     Hypothesis,
@@ -23,9 +23,11 @@ from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
 from hbench.reconcile.measured.disturbances import DELAY_S, delayed_channel
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
+from hbench.records.diagnosis import REST_M_S
 from hbench.units import parse_unit
 
 _MS = 1e3 * DELAY_S  # of a delay's standard deviation
+_LIKE_SPEED = 0.2  # of a speed
 _AT_BOUND = 1e-6  # priors and typical sizes
 
 
@@ -179,5 +181,17 @@ def fit_coefficients(
     """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``."""
     chosen, priors = tuple(model.index(names)), model.priors(names)
     beta = maximum_likelihood(model.data, priors, chosen, train)[0]
-    of_fit, bounds = spread(model.data, priors, chosen, beta, train), priors.select(chosen)
+    of_fit = spread(model.data, priors, chosen, beta, train, _like_speeds(model.gap_map))
+    bounds = priors.select(chosen)
     return ParameterEstimates(plant, model, chosen, beta, *of_fit, bounds.low, bounds.high)
+
+
+def _like_speeds(gap_map: GapMap) -> np.ndarray:
+    """Return an index (p,) of each operating point, the same for about the same usual speed."""
+    speeds = np.array(
+        [
+            np.median(np.abs(gap_map.v_m_s[gap_map.point == i])) + REST_M_S
+            for i in range(len(gap_map.points))
+        ]
+    )
+    return np.unique(np.round(np.log(speeds) / _LIKE_SPEED), return_inverse=True)[1]

@@ -177,15 +177,23 @@ class Spread(NamedTuple):
 
 
 def spread(
-    data: Products, priors: Priors, chosen: Sequence[int], beta: np.ndarray, points: np.ndarray
+    data: Products,
+    priors: Priors,
+    chosen: Sequence[int],
+    beta: np.ndarray,
+    points: np.ndarray,
+    alike: np.ndarray | None = None,
 ) -> Spread:
     """Return the uncertainty of ``beta`` (q,), a fit of the ``chosen`` columns.
 
     The sandwich estimate is over whole operating points. It is narrow where they are few: 91 % of
     simulated 95 % intervals contained the truth, with 12 and with 40 points. For intervals the
-    variance in any direction is at least that of the curvature of ln L, whose noise contains the
-    deviations that are not material: a law of another form may shift a parameter by as much. The
-    degrees of freedom are the number of operating points that determine a parameter, less one.
+    variance in any direction is at least that of two others. One is the sandwich over groups of
+    operating points, ``alike`` (p,) by index: where a law has another form than the real one, its
+    error is the same at all points of a speed (Liang and Zeger, Biometrika 73, 1986). The other is
+    that of the curvature of ln L, whose noise contains the deviations that are not material: a law
+    of another form may shift a parameter by as much. The degrees of freedom are the number of
+    operating points that determine a parameter, less one.
     """
     selected, sums = priors.select(chosen), data.sums(chosen, points, None)
     weight = (sums.points / (sums.windows * sums.variance(beta[None])))[0]
@@ -196,11 +204,23 @@ def spread(
     of_columns = data.columns.select(np.array(chosen, dtype=int)).times(beta)
     residual = data.mixed[index] - of_columns[points]
     slope = np.einsum("g,pgj->pj", weight, residual)
-    meat = slope.T @ slope * len(points) / max(len(points) - 1, 1) + prior_information
-    sandwich = inverse @ meat @ inverse
+    sandwich = inverse @ (_scatter(slope) + prior_information) @ inverse
+    covariance = sandwich
+    if alike is not None:
+        _, group = np.unique(alike[points], return_inverse=True)
+        by_group = np.zeros((group.max() + 1, slope.shape[1]))
+        np.add.at(by_group, group, slope)
+        if len(by_group) > 1:
+            covariance = inverse @ (_scatter(by_group) + prior_information) @ inverse
+            covariance = _larger(covariance, sandwich)
     share = information / np.maximum(information.sum(axis=0), 1e-300)
     dof = np.maximum(share.T @ sums.points - 1, 1.0)
-    return Spread(_larger(sandwich, inverse), sandwich, dof)
+    return Spread(_larger(covariance, inverse), sandwich, dof)
+
+
+def _scatter(slope: np.ndarray) -> np.ndarray:
+    """Return the covariance (q, q) of the sum of n independent slopes of ln L (n, q)."""
+    return slope.T @ slope * len(slope) / max(len(slope) - 1, 1)
 
 
 def _inverse(matrix: np.ndarray) -> np.ndarray:
