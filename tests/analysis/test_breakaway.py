@@ -126,7 +126,7 @@ def test_friction_that_never_falls_is_rejected():
     run = push(500.0, after=None)
     rising = replace(run, p_tp_pa=run.p_tp_pa[0] + 4e5 * run.t_s)
     (reason,) = screen(rising, Screening()).reasons
-    assert reason.startswith("incomplete: friction was still rising")
+    assert reason.startswith("incomplete: friction had not fallen by 3 %")
     assert screen(run, Screening()).accepted
 
 

@@ -25,7 +25,7 @@ from hbench.analysis.screening.friction_channels import (
     required,
     test_force,
 )
-from hbench.analysis.screening.push_peak import first_peak
+from hbench.analysis.screening.push_peak import FALL, first_peak
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
 from hbench.analysis.screening.saturation import saturated_valves, saturation_reasons
 from hbench.analysis.screening.steadiness import speeds_over_tenths
@@ -176,8 +176,8 @@ def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
         friction = forward * (test_force(run, slice(None)) - required(run, "f_applied_n"))
         if first_peak(friction) is None:
             yield (
-                f"incomplete: friction was still rising when the piston had moved by "
-                f"{moved_mm:.2f} mm; it should pass a maximum (increase displacement)"
+                f"incomplete: friction had not fallen by {100 * FALL:g} % from a maximum when the "
+                f"piston had moved by {moved_mm:.2f} mm (increase displacement)"
             )
 
 
