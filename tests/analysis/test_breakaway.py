@@ -197,4 +197,6 @@ def test_each_rest_is_a_point_of_the_plan():
 
 def test_a_verdict_by_a_single_check_names_it():
     verdict = quality_verdict(quality(accepted(*(push(600.0, n, n) for n in (1, 2, 3))), ()))
-    assert verdict == "The data is good: its only check, runs accepted, passes."
+    assert verdict == (
+        "Only one check of quality applies to these runs, and it passes: runs accepted."
+    )
