@@ -29,7 +29,7 @@ _DIGIT = re.compile(r"\d")
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
 _FIGURE = re.compile(r"Figure (\d+)\. ")
 _INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
-_NUMBERED = re.compile(r"\b(Table|Figure) (\d)")
+_NUMBERED = re.compile(r"\b(Table) (\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 _OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")  # of a command
 BANNERS = {
