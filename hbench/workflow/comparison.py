@@ -17,6 +17,11 @@ from hbench.store.campaign.folder import load_campaign
 from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
+_SAME_LOGS = (
+    "{count} of the {of} raw logs of A are also those of B: the same measurement under two names, "
+    "whose differences are 0"
+)
+
 
 def compare(
     a: Path,
@@ -64,6 +69,9 @@ def compare(
             "Measure both at the same kind, direction, load and rod-side pressure; imported series "
             "need the same label or factors.",
         )
+    logs = [{e.stop.sha256 for e in each.latest if e.stop} for each in (campaign_a, campaign_b)]
+    if same := len(logs[0] & logs[1]):
+        notes = (_SAME_LOGS.format(count=same, of=len(logs[0])), *notes)
     return CampaignDifferences(
         (a.resolve().name, b.resolve().name),
         results_a.provenance,

@@ -82,10 +82,10 @@ def report(
     from hbench.report.campaign.figures.all_figures import draw_all  # slow import: matplotlib
     from hbench.report.campaign.page import report_document
     from hbench.report.campaign.reconciled import reconciled_section
-    from hbench.report.conformity.decision_section import decision_section
+    from hbench.report.conformity.decision_section import decision_drawings, decision_section
     from hbench.report.conformity.text import complete_u, next_steps
     from hbench.report.render.document import Document, page
-    from hbench.report.render.figures import figure_files
+    from hbench.report.render.figures import Drawing, figure_files
     from hbench.report.render.markdown import markdown
 
     results = derive(load_campaign(folder), _fitting(fit_file), monte_carlo=monte_carlo)
@@ -95,9 +95,14 @@ def report(
     reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
     name = printable(folder.resolve().name)
     decision = stored_decision(folder)
-    checks, decided = stored_checks(folder), None
+    checks = stored_checks(folder)
+    decisions: tuple[Drawing, ...] = ()
+    decided = None
     if decision:
-        decided = decision_section(decision, checks, *stored_rule(folder))
+        rule = stored_rule(folder)
+        simulated = results.provenance.source == "simulated"
+        decisions = decision_drawings(checks, rule[0], simulated, png=form == "pdf")
+        decided = decision_section(decision, checks, *rule, decisions)
     step = next((step for _, step in next_steps(checks)), "")
     document = report_document(
         results, drawings, reconciled, name, decided, step, complete_u(checks)
@@ -109,7 +114,7 @@ def report(
     }
     content = forms[form](document)
     text = {f"report.{form}": content if isinstance(content, bytes) else content.encode()}
-    write_results(folder, _tables(results) | figure_files(drawings) | text)
+    write_results(folder, _tables(results) | figure_files((*drawings, *decisions)) | text)
     return results
 
 

@@ -126,7 +126,7 @@ def test_friction_that_never_falls_is_rejected():
     run = push(500.0, after=None)
     rising = replace(run, p_tp_pa=run.p_tp_pa[0] + 4e5 * run.t_s)
     (reason,) = screen(rising, Screening()).reasons
-    assert reason.startswith("incomplete: friction was still rising")
+    assert reason.startswith("incomplete: friction had not fallen by 3 %")
     assert screen(run, Screening()).accepted
 
 
@@ -197,4 +197,6 @@ def test_each_rest_is_a_point_of_the_plan():
 
 def test_a_verdict_by_a_single_check_names_it():
     verdict = quality_verdict(quality(accepted(*(push(600.0, n, n) for n in (1, 2, 3))), ()))
-    assert verdict == "The data is good: its only check, runs accepted, passes."
+    assert verdict == (
+        "Only one check of quality applies to these runs, and it passes: runs accepted."
+    )

@@ -373,12 +373,12 @@ def test_u_of_ripple_and_leakage_does_not_contain_the_instruments(quantities, wo
 
 
 def test_the_decisions_on_leakage_state_what_its_u_leaves_out():
-    (terms,) = decision_section("PASS", measured_checks("leakage"), "guard_band").parts
+    _, terms = decision_section("PASS", measured_checks("leakage"), "guard_band").parts
     facts = dict(terms.facts)
     assert "an assumed error of 10 % of the effective bulk modulus" in facts["U of leakage"]
     assert "an assumption for leakage" in facts["Conforms"]
     assert "drift of transducers" in facts["U of leakage"]
-    (without,) = decision_section("PASS", measured_checks("friction"), "guard_band").parts
+    _, without = decision_section("PASS", measured_checks("friction"), "guard_band").parts
     assert "U of leakage" not in dict(without.facts)
 
 
@@ -389,8 +389,8 @@ def test_a_leakage_has_the_step_of_its_pressures_and_the_loads_of_its_holds():
     (leak,) = measured_checks("leakage")
     holds = Measurement(0.5, 0.1, step_pa=360.0, lowest_load_n=-10000.0, highest_load_n=11500.0)
     checks = [friction, replace(leak, measurement=holds)]
-    (terms,) = decision_section("PASS", checks).parts
-    facts = dict(terms.facts)
+    section = decision_section("PASS", checks)
+    facts = dict((*section.facts, *section.parts[1].facts))
     assert facts["Load"] == "Friction: 0 N; leakage: holds at −10000 to 11500 N."
     assert "smallest step of its logged values (0.0036 bar)" in facts["U of leakage"]
 
@@ -404,19 +404,18 @@ def test_a_load_that_all_series_have_is_stated_once():
             for load in loads
         ]
         made = decision_section("PASS", checks)
-        return [str(row[2].text) for row in made.tables[0].rows], dict(made.parts[0].facts).get(
-            "Load"
-        )
+        rows = made.parts[0].tables[0].rows
+        return [str(row[2].text) for row in rows], dict(made.facts).get("Load")
 
     assert section(500.0, 500.0) == (["extending"] * 2, "Friction: 500 N.")
     assert section(500.0, 900.0) == (["extending, load 500 N", "extending, load 900 N"], None)
 
 
-def test_reasons_are_below_the_table_by_the_limits_that_they_are_of():
+def test_reasons_are_facts_by_the_limits_that_they_are_of():
     check = ConformityCheck(HIGHEST, None, None, "NOT TESTED", "no run was made")
     section = decision_section("NOT TESTED", [check])
     assert ("Friction", "No run was made.") in section.facts
-    assert "Reason" not in section.tables[0].head
+    assert "Reason" not in section.parts[0].tables[0].head
 
 
 def test_the_next_step_after_a_limit_that_was_not_tested_is_that_of_its_reason():

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from hbench.cli.main import app
-from hbench.errors import DataError
+from hbench.errors import ConfigError, DataError
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "stribeck-small"
 
@@ -30,8 +30,16 @@ def test_a_campaign_does_not_differ_from_its_copy(tmp_path):
     for curve in found["curves"]:
         assert curve["friction_n"]["difference"] == 0.0
         assert curve["friction_n"]["real"] is False and curve["friction_n"]["ci95"] > 0
+    assert "raw logs of A are also those of B: the same measurement" in found["notes"][0]
     assert (tmp_path / "out" / "comparison.html").exists()
     assert json.loads((tmp_path / "out" / "comparison.json").read_text()) == found
+
+
+def test_a_campaign_is_not_compared_with_itself(tmp_path):
+    (tmp_path / "link").symlink_to(SAMPLE)
+    for other in (SAMPLE, SAMPLE / ".." / SAMPLE.name, tmp_path / "link"):
+        error = run(SAMPLE, other).exception
+        assert isinstance(error, ConfigError) and "are the same campaign" in error.message
 
 
 def test_campaigns_without_a_common_curve_are_refused_with_what_each_has(tmp_path):

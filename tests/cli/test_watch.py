@@ -564,6 +564,18 @@ def test_a_decision_in_any_unit_of_limits_is_read_back(tmp_path, changes):
     assert (check.requirement.unit, check.measurement.value) == (changes["unit"], 1e-9)
 
 
+def test_why_a_measured_value_was_not_decided_is_read_back(tmp_path):
+    decided(tmp_path, 1.0)
+    path = tmp_path / "results" / "acceptance.json"
+    content = json.loads(path.read_text())
+    (check,) = content["checks"]
+    reason = "the uncertainty is not known"
+    content["checks"] = [check | {"decision": "NOT TESTED", "reason": reason}]
+    path.write_text(json.dumps(content))
+    (check,) = stored_checks(tmp_path)
+    assert (check.measurement.value, check.reason) == (1.0, reason)
+
+
 @pytest.mark.parametrize(
     ("changes", "measured"),
     [

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
+from hbench.analysis.screening.screen import screen
 from hbench.config.bench import parse_bench
 from hbench.config.files.examples import example
 from hbench.config.files.sized_examples import Size, sized
@@ -20,9 +21,9 @@ from hbench.control.propose import family, propose
 from hbench.control.transfer import pi
 from hbench.errors import ConvergenceError
 from hbench.experiment import design_verification
-from hbench.experiment.closed_loop import ClosedLoopRuns
+from hbench.experiment.closed_loop import ClosedLoopRuns, record
+from hbench.experiment.design_verification import judge, proposal, verify, with_gains
 from hbench.experiment.design_verification import plants as variants
-from hbench.experiment.design_verification import proposal, verify, with_gains
 from hbench.experiment.plan import plan_runs
 from hbench.experiment.runner import FAULT_WORDS
 from hbench.model.build import plant_parameters
@@ -174,3 +175,30 @@ def test_a_stop_states_the_operating_point_and_the_limit_that_was_exceeded(stiff
     point, _, fault = first.where.partition(": run ")
     assert point == f"{1e3 * plan.v_ref_m_s:+.4g} mm/s, {plan.f_load_n:.0f} N"
     assert fault.endswith("by more than 40 mm/s for 0.05 s") and not first.holds
+
+
+def test_a_pressure_level_that_no_gain_settles_sooner_rejects_no_run():
+    """After the return stroke the level decays over some 75 mm; the friction of seals follows it.
+
+    A rod of 0.7 of the bore doubles the change of the difference across the piston seal.
+    """
+    size = Size(0.080, 0.056, 0.500, 210e5)
+    data = yaml.safe_load(sized(example("bench-aau.yaml").decode(), size))
+    bench = parse_bench(data, "bench")
+    bench = with_gains(
+        bench, propose(bench, 1.7, operating_point(bench, plant_parameters(bench), {})).loops
+    )
+    motions = design_verification.schedule(bench)
+    motions["experiments"] = [
+        each
+        for each in motions["experiments"]
+        if each["direction"] == "extend" and 0.02 < float(each["velocities"][0].split()[0]) < 0.1
+    ][:1]
+    softer = design_verification._physics(bench, variants(bench)["softer"])
+    recorded = record(bench, motions, softer)
+    (run,) = recorded.runs
+    (reason,) = screen(run, Screening()).reasons
+    assert "friction drifts" in reason  # in the window of a schedule that is as long
+    checks = {check.what: check for check in judge(recorded, bench, Screening(), "softer")}
+    assert checks["softer: rejected runs"].holds
+    assert all(check.holds for check in checks.values())

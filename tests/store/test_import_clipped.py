@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.store.importing.clipping import clipped_samples
+from hbench.store.importing.clipping import clipped_samples, suspected_samples
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 N = 3000
@@ -101,3 +101,28 @@ def test_a_clipped_stroke_is_rejected_with_channel_and_value(tmp_path, clock):
     assert reason.endswith("records of the window (none allowed)")
     assert any("2.csv: p_tp_pa: clipped at 31.02 bar" in note for note in results.notes)
     assert results.curves[0].points[0].trials == (1,)
+
+
+def test_a_saturated_amplifier_with_noise_of_one_count_is_suspected():
+    """The converter does not clip: the limit is that of an amplifier, a count up and down."""
+    counts = 250e5 / 4096
+    whole, found = 0, []
+    for seed in range(50):
+        p = pressure(seed=seed, counts=counts)
+        top = counts * np.rint(95e5 / counts)
+        noise = counts * np.random.default_rng(seed).integers(-1, 2, N)
+        cut = np.where(p >= top, top + noise, p)
+        assert clipped_samples(channels(cut)) == {}
+        found.append(suspected_samples(channels(cut), {})["p_tp_pa"].sum() / (p >= top).sum())
+        whole += suspected_samples(channels(p), {}) != {}
+    assert whole == 0 and np.mean(found) > 0.5
+
+
+def test_a_channel_that_settles_at_its_maximum_is_not_suspected():
+    counts = 250e5 / 4096
+    for seed in range(300):
+        rng = np.random.default_rng(seed)
+        start = 70e5 + 4 * counts * rng.standard_normal(300)
+        settled = 80e5 + counts * (np.arange(90) / 10 + 0.9 * rng.standard_normal(90))
+        p = counts * np.rint(np.concatenate([start, settled]) / counts)
+        assert suspected_samples(channels(p), {}) == {}

@@ -318,3 +318,24 @@ def test_an_unknown_kind_of_a_series_is_refused(rules):
     rules["series"][0]["kind"] = "sine"
     with pytest.raises(ConfigError, match=r"series\.0\.kind|series\[0\]\.kind|kind.*must be one"):
         parse_import_map(rules, "map")
+
+
+@pytest.mark.parametrize(("rod", "noted"), [({}, 1), ({"rod_diameter": "0 mm"}, 0)], ids=str)
+def test_a_map_without_a_rod_is_noted_where_the_rod_side_has_a_pressure(
+    bring_in, rules, rod, noted
+):
+    rules["series"][0]["cylinder"] = {"piston_diameter": "40 mm", **rod}
+    rules["columns"]["p_tr_pa"] = {"column": 4, "unit": "bar"}
+    del rules["columns"]["f_applied_n"]
+    rules["constants"] = {"f_applied_n": "0 N"}
+    notes = [note for note in bring_in()[0].notes if "rod_diameter" in note]
+    assert len(notes) == noted
+    for note in notes:
+        assert "p_tr_pa acts on the whole piston area: enter rod_diameter" in note
+
+
+def test_strokes_of_constant_speed_are_no_triangle_of_speed(bring_in, rules):
+    rules["kind"], rules["cut"] = "triangle", "none"
+    (note,) = [note for note in bring_in()[0].notes if "constant speed" in note]
+    assert "write 'kind: steady' and 'cut: reversals'" in note
+    assert 60 < float(re.search(r"([\d.]+) % of the travel", note)[1]) <= 100

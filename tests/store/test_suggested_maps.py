@@ -570,3 +570,24 @@ def test_a_command_is_that_of_the_valve(logs):
     assert parse_yaml(suggest_map(logs).text)["columns"]["u_t_v"]["column"] == "Cmd (V)"
     pd.DataFrame(run | {"cmd_pct": run["t_s"]}).to_csv(logs / "1.csv", index=False)
     assert '# u_t_v: {column: cmd_pct, unit: V, scale: "???"}' in suggest_map(logs).text
+
+
+def test_triangles_of_speed_have_no_constant_speed_and_triangles_of_position_have(logs):
+    """The top of a triangle of speed is 10 % wide, and longer than min_stroke."""
+    t = np.arange(0, 24, 0.01)
+    phase = (t - 1) / 6 % 1
+    moving = (t >= 1) & (t < 19)
+    position = 0.15 * (1 - np.abs(2 * phase - 1))
+    speed = 0.1 * np.where(phase < 0.5, 1 - np.abs(4 * phase - 1), np.abs(4 * phase - 3) - 1)
+    for name, x in (
+        ("position", np.where(moving, position, 0.0)),
+        ("speed", np.cumsum(np.where(moving, speed, 0.0)) * 0.01),
+    ):
+        folder = logs / name
+        folder.mkdir()
+        noise = 2e-6 * np.random.default_rng(3).standard_normal(len(t))
+        columns = {"t [s]": t, "x [mm]": 1e3 * (x + noise), "p_A [bar]": 20 + np.sin(t)}
+        pd.DataFrame(columns | {"F [N]": 500 + 0 * t}).to_csv(folder / "1.csv", index=False)
+    kinds = {name: parse_yaml(suggest_map(logs / name).text) for name in ("position", "speed")}
+    assert (kinds["position"]["kind"], kinds["position"]["cut"]) == ("steady", "reversals")
+    assert (kinds["speed"]["kind"], kinds["speed"]["cut"]) == ("triangle", "none")

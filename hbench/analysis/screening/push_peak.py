@@ -6,7 +6,7 @@ import numpy as np
 
 from hbench.motion.noise import noise_of_differences
 
-_FALL = 0.03  # of the largest friction, by which it falls after the maximum
+FALL = 0.03  # of the largest friction, by which it falls after the maximum
 _FALL_NOISE = 8.0  # or so many standard deviations of the noise, if that is more: 4 up, 4 down
 _HIGH = 0.7  # of the largest friction: humps below it are those of the loop as the push begins
 _SAMPLES = 5  # of a straight line at least, ...
@@ -36,7 +36,7 @@ def first_peak(friction_n: np.ndarray) -> Peak | None:
     friction = _ends_of_lines(friction_n, samples)
     most = float(friction.max())
     highest = np.maximum.accumulate(friction)
-    limit = max(_FALL * most, _FALL_NOISE * 2 * noise / np.sqrt(samples))
+    limit = max(FALL * most, _FALL_NOISE * 2 * noise / np.sqrt(samples))
     fallen = (highest - friction > limit) & (highest >= _HIGH * most)
     if not fallen.any():
         return None

@@ -28,8 +28,13 @@ def compare(
     Example: hbench compare before after -o comparison
     """
     from hbench import workflow
+    from hbench.errors import ConfigError
     from hbench.report.comparison.text import differences_json, differences_text
 
+    if a.exists() and a.resolve() == b.resolve():
+        raise ConfigError(
+            f"{a} and {b}: are the same campaign", "Give two campaigns, such as before and after."
+        )
     tolerance = None if speed_tolerance is None else _ratio(speed_tolerance)
     comparison = workflow.compare(
         a, b, same_instruments=same_instruments, speed_tolerance=tolerance

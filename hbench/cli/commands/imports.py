@@ -99,7 +99,9 @@ def _suggest(source: Path, as_json: bool) -> None:
 
 
 def _print_notes(notes: tuple[str, ...]) -> None:
+    from hbench.report.render.terminal_text import wrapped
     from hbench.untrusted_text import printable
 
     for note in notes:
-        typer.echo(f"note: {printable(note)}", err=True)
+        for line in wrapped(f"note: {printable(note)}"):
+            typer.echo(line, err=True)

@@ -28,6 +28,7 @@ _LEAST_P_LP_PA = 5.5e5  # that the largest retracting load leaves
 # seals at the supply pressure.
 _STATIC_N, _COULOMB_N, _VISCOUS_N, _SEALS_N = 710.0, 260.0, 1100.0, 450.0
 _DRIVING = 0.7  # of the supply, on the rod side; the valve needs the rest
+_PUSHED = 0.3  # of the stroke: largest travel of a push, which begins in the middle
 _RETRACTING_N = 5000.0  # largest load of the example's moving runs
 _NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)( .+)")
 _SCALED = "scaled from the example: enter your bench's"
@@ -236,6 +237,13 @@ def _rod_pressure(value: str, size: Size) -> str:
     return _times(lambda size: size.pressure, 2, _LEAST_PISTON_BAR / size.area_ratio)(value, size)
 
 
+def _displacement(value: str, size: Size) -> str:
+    """Return the travel of a push, which no size changes, or what the stroke has room for."""
+    number, unit = value.split()
+    most = _PUSHED * size.stroke_m / to_si(f"1 {unit}", "m")
+    return value if float(number) <= most else f"{_rounded(most, 2, math.floor)} {unit}"
+
+
 def _of_friction(value: str, size: Size) -> str:
     return _SEAL(value, size) if value.endswith(" N") else value
 
@@ -293,6 +301,7 @@ _SCHEDULE: dict[str, Rule] = {
     "pressure": _PRESSURE,  # of limits
     **dict.fromkeys(("start", "end", "position", "positions", "rest_travel"), _LENGTH),
     **dict.fromkeys(("rise", "rate"), _FORCE),
+    "displacement": _displacement,
     **dict.fromkeys(("first", "last", "velocities", "speed", "levels", "velocity"), _SPEED),
     **dict.fromkeys(("acceleration", "accelerations"), _ACCELERATION),
     **dict.fromkeys(("min_step", "max_step", "transition"), _SPEED),

@@ -39,6 +39,13 @@ class Requirement:
             return (self.high - self.low) / 2
         return abs(self.low or self.high or 0.0)
 
+    @property
+    def permitted(self) -> float:
+        """Size of what the limit permits: of an efficiency's lower limit the largest loss."""
+        if self.quantity == "efficiency" and self.high is None and self.low is not None:
+            return max(0.0, 1.0 - self.low)
+        return self.tolerance
+
     def margin(self, value: float) -> float:
         """Return the distance of a value from the nearest limit, positive inside."""
         low = math.inf if self.low is None else value - self.low

@@ -19,7 +19,8 @@ from hbench.report.render.word_tables import with_columns
 SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
 MAY_BE_DRIFT = "may come from a drift"
 _WITH_U, _TRIALS = "B − A ± U", "B − A ± trials"
-HEAD = ("A", "B", _WITH_U, _TRIALS, "Verdict", "p (Holm)")
+P_TRIALS = "p, trials"
+HEAD = ("A", "B", _WITH_U, _TRIALS, "Verdict", P_TRIALS)
 
 
 def difference_table(

@@ -2,6 +2,7 @@
 
 from hbench.records import CampaignDifferences
 from hbench.records.numbers import SIGNIFICANCE
+from hbench.report.comparison.cells import P_TRIALS
 from hbench.report.comparison.tables import has_drift_column, hidden_curves, unseparated
 from hbench.report.comparison.verdict import drift_words
 
@@ -29,12 +30,16 @@ SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "
     "seal again would change."
 )
+_P = (
+    P_TRIALS,
+    "Probability of a difference this large between equal cylinders, by the trials alone, "
+    "corrected after Holm for the number of differences of its kind. A difference is significant "
+    f"where p is below {SIGNIFICANCE:g} and the difference exceeds its U.",
+)
 _METHOD = (
     ("Friction", "A point is the mean of its trials, as a magnitude. The interval by the trials is "
      "that of Welch's t; U is the expanded uncertainty for a coverage probability of 95 %."),
-    ("p (Holm)", "Probability of a difference this large between equal cylinders, by the trials "
-     "alone, corrected after Holm for the number of differences of its kind. A difference is "
-     f"significant where p is below {SIGNIFICANCE:g} and the difference exceeds its U."),
+    _P,
     ("Speeds", "Speeds within 2 % count as the same, and within 20 % where no speed was set, as in "
      "strokes cut from a cycle. If a campaign has several labels, curves of equal labels are "
      "compared."),
@@ -59,6 +64,11 @@ def read_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     tested = [each for curve in differences.curves for each in (curve.mean_n, curve.efficiency)]
     known = any(each is not None and each.u95 is not None for each in tested)
     return _READ_U if known else _READ_TRIALS
+
+
+def p_fact() -> tuple[str, str]:
+    """Return what p is, and that it does not decide alone."""
+    return _P
 
 
 def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:

@@ -24,6 +24,7 @@ from hbench.report.comparison.method import (
     drift_facts,
     mean_facts,
     method_facts,
+    p_fact,
     read_facts,
 )
 from hbench.report.comparison.settings import (
@@ -79,7 +80,7 @@ def differences_text(differences: CampaignDifferences) -> str:
             lines += [*table_lines(table), ""]
     strokes = [SET_UP] if differences.bands else []
     facts = [fact for fact in mean_facts(differences) if fact[0] == "Drift"]
-    lines += _paragraphs(*read_facts(differences), *facts)
+    lines += _paragraphs(*read_facts(differences), p_fact(), *facts)
     lines += wrapped(_counted("of fitted parameters", parameters)) if parameters else []
     lines += [line for note in (*strokes, *differences.notes) for line in wrapped(f"note: {note}")]
     return plain("\n".join(lines).rstrip())

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from hbench.records import CampaignDifferences, Difference, Drift, MeanOfCurves
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
-from hbench.report.comparison.tables import is_beyond_drift, unseparated, who
+from hbench.report.comparison.tables import hidden_curves, is_beyond_drift, unseparated, who
 from hbench.report.render.numbers import (
     alike,
     half_width,
@@ -20,6 +20,7 @@ _MOUNTING = (
     "The interval does not contain a new mounting: before acting on it, mount one of the two "
     "cylinders again and repeat its measurement."
 )
+_MAY_BE = ", which a drift within the campaigns may explain"
 _REMEDY = "To compare single curves, measure both again with order: random in the schedule."
 
 
@@ -203,7 +204,9 @@ def _verdict(differences: CampaignDifferences) -> str:
         text = f"No difference of mean friction is significant in {where}"
         largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
         return f"{text}; the largest is {_largest(largest)}." if largest else f"{text}."
-    count = f"{len(real)} of {len(differences.curves)} curves"
+    hidden = {id(curve) for curve in hidden_curves(differences)}
+    drift = _MAY_BE if all(id(curve) in hidden for curve, _ in real) else ""
+    count = f"{len(real)} of {len(differences.curves)} curves{drift}"
     values = [mean.value for _, mean in real]
     if len(real) > _FEW and (min(values) > 0 or max(values) < 0):
         way, sizes = "higher" if values[0] > 0 else "lower", [abs(value) for value in values]

@@ -10,6 +10,8 @@ from hbench.records.conformity.acceptance import (
     Requirement,
     Rule,
 )
+from hbench.report.conformity.decision_figure import DecisionRow, draw_decisions
+from hbench.report.conformity.figure_words import FIGURE_WORDS
 from hbench.report.conformity.text import (
     check_words,
     conforms_words,
@@ -25,6 +27,7 @@ from hbench.report.conformity.text import (
     without_common_rod_pressure,
 )
 from hbench.report.render.document import Section
+from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import NONE, significant
 from hbench.report.render.word_tables import Cell, Table
 from hbench.sentences import capital, listed
@@ -47,32 +50,57 @@ def decision_section(
     rule: Rule | None = None,
     largest_uncertainty: float | None = None,
     limits: str = "",
+    drawings: tuple[Drawing, ...] = (),
 ) -> Section:
     """Return the decision on the cylinder and a row for each of its checks, the worst first.
 
     ``rule`` is the decision rule with its largest uncertainty, ``limits`` the name of the file of
     limits. The only paragraph states the decision, and the value that decides it with its limit
-    and its probability of conformity. What is the same in all checks is a fact below the table.
+    and its probability of conformity. What is the same in all checks is a fact beside the figure;
+    the table is below. ``drawings`` are those of ``decision_drawings``.
     """
-    checks = sorted(without_common_rod_pressure(checks), key=_worst_first)
-    load, checks = without_common_load(checks)
+    load, checks = _shown(checks)
     table = Table(_HEAD, tuple(_rows(checks)), frozenset(_HEAD) - _NUMBERS, title="Decisions")
     known = [check.probability for check in checks if check.probability is not None]
     words = [f"load: {load}"] if load else []
     words += [f"limits: the file {limits}, applied by the last hbench accept"] if limits else []
     words += [f"rule: {rule_words(rule, largest_uncertainty)}"] if rule else []
-    words += [conforms_words(checks)] if known else []
-    terms = tuple(_fact(each) for each in (*words, *legend(checks), *leakage_legend(checks)))
+    terms = [conforms_words(checks)] if known else []
+    terms += [*legend(checks), *leakage_legend(checks)]
+    inner = Section("Probability of conformity, and U", facts=tuple(map(_fact, terms)), folded=True)
     paragraph = " ".join(filter(None, (_which(decision, checks), nearest_words(decision, checks))))
     if not checks:
         return Section("Decision", (paragraph,))
     return Section(
         "Decision",
         (paragraph,),
-        tables=(table,),
-        facts=tuple(_undecided(checks)),
-        parts=(Section("Rule, limits and what U contains", facts=terms, folded=True),),
+        drawings=drawings,
+        facts=(*_undecided(checks), *map(_fact, words)),
+        parts=(Section(tables=(table,)), *([inner] if terms else [])),
     )
+
+
+def decision_drawings(
+    checks: Sequence[ConformityCheck], rule: Rule | None, simulated: bool, png: bool = False
+) -> tuple[Drawing, ...]:
+    """Draw the checks in the order of the table; ``png`` draws them as PNG too."""
+    _, shown = _shown(checks)
+    rows = [
+        DecisionRow(
+            check,
+            f"{capital(requirement_words(check.requirement, check.measurement))}, "
+            f"{limit_words(check.requirement)}",
+            series_words(check.requirement, check.measurement),
+            check.decision,
+        )
+        for check in shown
+    ]
+    return draw_decisions(rows, rule, FIGURE_WORDS["en"], simulated, png)
+
+
+def _shown(checks: Sequence[ConformityCheck]) -> tuple[str, list[ConformityCheck]]:
+    """Return the load that all series have in words, and the checks without it, worst first."""
+    return without_common_load(sorted(without_common_rod_pressure(checks), key=_worst_first))
 
 
 def _rows(checks: Sequence[ConformityCheck]) -> Iterator[tuple[Cell, ...]]:

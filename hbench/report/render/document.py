@@ -29,6 +29,7 @@ _DIGIT = re.compile(r"\d")
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
 _FIGURE = re.compile(r"Figure (\d+)\. ")
 _INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
+_NUMBERED = re.compile(r"\b(Table) (\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 _OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")  # of a command
 BANNERS = {
@@ -326,6 +327,7 @@ def _endless(text: str) -> list[str]:
 
 def _kept(text: str) -> str:
     """Return a text that is not broken within a number, its interval and its unit."""
+    text = _NUMBERED.sub("\\g<1>\N{NO-BREAK SPACE}\\g<2>", text)
     return _INTERVAL.sub("\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}", unit_kept(text))
 
 

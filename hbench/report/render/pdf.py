@@ -185,7 +185,7 @@ def _set(pen: Pen, section: Section, size: float) -> int:
     for line in section.code.splitlines():
         pen.room(_SMALL * LINE)
         pen.write(line, _SMALL, family="DejaVu Sans Mono")
-    _figures(pen, section.drawings)
+    set_figures(pen, section.drawings)
     for table in section.tables:
         _table(pen, table)
     _facts(pen, section.facts)
@@ -272,7 +272,7 @@ def _facts(pen: Pen, facts: tuple[tuple[str, str], ...] | list[tuple[str, str]])
         pen.y = top + height + 1
 
 
-def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
+def set_figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
     """Set figures, two side by side or one over the whole width, with their captions."""
     for row in _side_by_side(drawings):
         captions = _captions(row)

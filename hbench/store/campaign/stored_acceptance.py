@@ -82,17 +82,21 @@ def _checks(rows: list[Any]) -> Iterator[ConformityCheck]:
         requirement = _record(Requirement, row.get("requirement"))
         measurement = _record(Measurement, row.get("measurement"))
         reason = row.get("reason")
+        words = printable(reason[:_LONGEST]) if isinstance(reason, str) else ""
         if requirement and measurement and row.get("decision") in get_args(Conformity):
             decision: Conformity = row["decision"]
             probability = _float(row.get("probability"))
             if probability is not None and not 0 <= probability <= 1:
                 probability = None
             yield ConformityCheck(
-                Requirement(**requirement), Measurement(**measurement), probability, decision
+                Requirement(**requirement),
+                Measurement(**measurement),
+                probability,
+                decision,
+                words if decision == "NOT TESTED" else "",
             )
         elif requirement and row.get("decision") == "NOT TESTED" and isinstance(reason, str):
             if row.get("measurement") is None:
-                words = printable(reason[:_LONGEST])
                 yield ConformityCheck(Requirement(**requirement), None, None, "NOT TESTED", words)
 
 

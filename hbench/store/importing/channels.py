@@ -15,9 +15,9 @@ from hbench.store.campaign.run_csv import check_limits
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable
 from hbench.store.importing.alignment import aligned
-from hbench.store.importing.clipping import clipped_samples
+from hbench.store.importing.clipping import clipped_samples, suspected_samples
 from hbench.store.importing.file_notes import FileNote
-from hbench.store.importing.plausibility import below_vacuum, beyond_full_scale
+from hbench.store.importing.plausibility import below_vacuum, beyond_full_scale, forgotten_rod
 from hbench.store.importing.resampling import interval_means, whole_intervals
 from hbench.store.importing.time_bases import TimeBase, column_unit, read_time_bases
 from hbench.store.importing.zeros import subtraction, zeroed
@@ -65,7 +65,11 @@ def read_channels_by_map(
     rest = rest_before_motion(channels["t_s"], channels["x_m"], channels.get("v_ref_m_s"))
     at_rest_s = channels["t_s"][rest]
     channels, zeros = zeroed(channels, rest, source, cylinder, rules)
-    implausible = (*below_vacuum(name, channels), *beyond_full_scale(name, channels, rules))
+    implausible = (
+        *below_vacuum(name, channels),
+        *beyond_full_scale(name, channels, rules),
+        *forgotten_rod(name, cylinder, rules),
+    )
     lines = table.lines_of(base.rows)
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
     subtracted = [subtraction(name, key, rules.unit(key), zero) for key, zero in zeros.items()]
@@ -106,10 +110,26 @@ def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], li
         others = {"x_m": np.interp(base.t_s, t_s, x_m), **base.channels}
         clipped = clipped_samples(others)
         notes += [_clipping(name, key, others[key], at) for key, at in clipped.items()]
+        suspected = suspected_samples(others, clipped)
+        notes += [_suspicion(name, key, others[key], at) for key, at in suspected.items()]
         marked.append(
             replace(base, clipped=np.logical_or.reduce([base.clipped, *clipped.values()]))
         )
     return marked, notes
+
+
+def _suspicion(name: str, key: str, values: np.ndarray, near: np.ndarray) -> FileNote:
+    unit = "bar" if CHANNELS[key].unit == "Pa" else CHANNELS[key].unit
+    inside = values[near]
+    high = inside.max() == np.nanmax(values)
+    end, limit = ("highest", inside.max()) if high else ("lowest", inside.min())
+    text = (
+        f"{key}: stays within 2 counts of its {end} value, {{limit}} {unit}, in {{count}} of "
+        "{samples} samples, with less than half of the noise next to them: probably its "
+        "amplifier is saturated; check the sensor's range, the runs are not rejected"
+    )
+    numbers = {"limit": from_si(float(limit), unit), "count": near.sum(), "samples": len(values)}
+    return FileNote(name, text, numbers)
 
 
 def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> FileNote:

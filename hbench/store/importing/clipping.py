@@ -16,6 +16,9 @@ from hbench.motion.noise import noise_of_differences
 LEAST_SAMPLES = 3  # consecutive
 _LEAST_NOISE = 1.5  # in units of the resolution
 _NEAR = 30  # samples before and after, which the noise is of
+_COUNTS = 2  # of the resolution: a limit with a noise of one count up and down
+_LEAST_NOISY_SAMPLES = 10  # consecutive within these counts
+_LESS_NOISE = 2.0  # times: the noise next to such a stretch, over its own and the resolution
 
 
 def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarray:
@@ -46,6 +49,29 @@ def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarra
     return clipped
 
 
+def near_limit(values: np.ndarray) -> np.ndarray:
+    """Return the samples (n,) in stretches near the highest or the lowest value with little noise.
+
+    An amplifier that is saturated before the converter shows its limit with a noise of about one
+    count. This is a suspicion: a pressure that settles at its highest value may be as quiet.
+    """
+    near = np.zeros(len(values), dtype=bool)
+    known = values[np.isfinite(values)]
+    steps = np.abs(np.diff(known))
+    if len(known) < 3 * _LEAST_NOISY_SAMPLES or not steps.any():
+        return near
+    resolution = steps[steps > 1e-9 * np.ptp(known)].min()
+    for limit in (known.max(), known.min()):
+        within = np.abs(values - limit) <= (_COUNTS + 0.01) * resolution
+        beyond = np.isfinite(values) & ~within
+        for start, stop in _stretches(within):
+            if stop - start < _LEAST_NOISY_SAMPLES:
+                continue
+            own = max(resolution, noise_of_differences(np.diff(values[start:stop], 2), 2))
+            near[start:stop] |= _noise_near(values, beyond, start, stop) > _LESS_NOISE * own
+    return near
+
+
 def clipped_samples(sensed: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return the clipped samples (n,) of each channel that has some.
 
@@ -55,13 +81,24 @@ def clipped_samples(sensed: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     changed = {
         name: np.concatenate(([False], np.diff(values) != 0)) for name, values in sensed.items()
     }
-    tested = [name for name in sensed if name.startswith("p_") or name == "f_applied_n"]
     clipped = {}
-    for name in tested:
+    for name in _tested(sensed):
         others = [changes for other, changes in changed.items() if other not in (name, "t_s")]
         if others:
             clipped[name] = clipped_at_limit(sensed[name], np.logical_or.reduce(others))
     return {name: samples for name, samples in clipped.items() if samples.any()}
+
+
+def suspected_samples(
+    sensed: Mapping[str, np.ndarray], clipped: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Return the samples (n,) near a limit of each channel that has some and is not clipped."""
+    near = {name: near_limit(sensed[name]) for name in _tested(sensed) if name not in clipped}
+    return {name: samples for name, samples in near.items() if samples.any()}
+
+
+def _tested(sensed: Mapping[str, np.ndarray]) -> list[str]:
+    return [name for name in sensed if name.startswith("p_") or name == "f_applied_n"]
 
 
 def _stretches(held: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from hbench.channels import CHANNELS
+from hbench.config.import_layout import ImportedCylinder
 from hbench.config.import_map import ImportMap
 from hbench.store.importing.file_notes import FileNote
 from hbench.units import from_si, to_si
@@ -75,3 +76,17 @@ def beyond_full_scale(
                 "samples": len(size),
             }
             yield FileNote(name, text, numbers)
+
+
+def forgotten_rod(name: str, cylinder: ImportedCylinder, rules: ImportMap) -> Iterator[FileNote]:
+    """Yield a note on a cylinder whose map states no rod, but a pressure on the rod side."""
+    is_stated = {"rod_diameter", "rod_area", "displacement"} & cylinder.model_fields_set
+    if cylinder.known and not is_stated and "p_tr_pa" in rules.columns:
+        acts = "the whole piston area" if cylinder.area_rod_m2 else "no area"
+        key = "rod_diameter" if cylinder.area_rod_m2 else "rod_area"
+        zero = "0 mm" if cylinder.area_rod_m2 else "0 mm^2"
+        text = (
+            f"the map states no {key}, so that p_tr_pa acts on {acts}: enter {key}, or write "
+            f"'{key}: {zero}' if this is so"
+        )
+        yield FileNote(name, text)

@@ -1,6 +1,6 @@
 """Cutting of a file's channels into the sections that become runs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,8 @@ from hbench.store.importing.file_notes import FileNote
 _BLOCK_S = 0.1
 _AS_FAST = 0.9  # of the top speed: as fast, but for noise
 
+_VARYING = ("triangle", "ramp")  # kinds of a speed that changes all the time
+_MOSTLY = 0.6  # of the travel: more than the top of a sine has
 _CUT_OFF = (
     "The start or the end of the file cuts its strokes off: leave the file out, or import it as a "
     "whole ('kind: triangle' without 'cut'). Or a unit of x_m or t_s in the map is wrong."
@@ -60,7 +62,8 @@ def cut(
         return _at_reversals(channels, source, name, rules, speed)
     whole = slice(0, len(x_m))
     if not KINDS[rules.kind].has_constant_speed:
-        return Sections((Section(whole, _top_speed(channels, rules.kind, speed)),))
+        notes = tuple(_constant_speed_notes(t_s, x_m, name, rules))
+        return Sections((Section(whole, _top_speed(channels, rules.kind, speed)),), notes)
     if abs(x_m[-1] - x_m[0]) < rules.min_stroke:
         raise DataError(
             f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
@@ -70,6 +73,27 @@ def cut(
             "reversals hbench reconcile uses, 'kind: triangle'.",
         )
     return _whole(t_s, x_m, name, rules, speed)
+
+
+def _constant_speed_notes(
+    t_s: np.ndarray, x_m: np.ndarray, name: str, rules: ImportMap
+) -> Iterator[FileNote]:
+    """Yield a note on strokes of constant speed that are imported as a varying speed.
+
+    Such as triangles of position, whose velocity is no triangle.
+    """
+    if rules.kind not in _VARYING:
+        return
+    way_m = _BLOCK_S * float(np.abs(block_speeds(t_s, x_m, _BLOCK_S).v_m_s).sum())
+    found = plateaus(t_s, x_m, least_m=rules.min_stroke)
+    constant_m = sum(abs(x_m[p.section.stop - 1] - x_m[p.section.start]) for p in found)
+    if way_m > 0 and constant_m > _MOSTLY * way_m:
+        text = (
+            f"{{share}} % of the travel has constant speed, but 'kind: {rules.kind}' is a motion "
+            "of varying speed: friction at constant speed is not evaluated. For strokes of "
+            "constant speed write 'kind: steady' and 'cut: reversals' in the map"
+        )
+        yield FileNote(name, text, {"share": min(100, round(100 * constant_m / way_m))})
 
 
 def _whole(

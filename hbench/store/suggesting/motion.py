@@ -14,6 +14,8 @@ from hbench.motion.reversals import cut_at_reversals, stroke_speed
 _ONE_WAY = 0.8  # of the travel: a single stroke ends this far from where it began
 _SHORT = 4.0  # times 'min_stroke': a longer travel needs none of its own
 _OTHER_SPEED = 0.10  # relative difference of two constant speeds
+_FLAT = 0.03  # relative difference of speed along a section of constant speed
+_LEAST_SAMPLES = 8
 _DEFAULT_M = ImportMap.model_fields["min_stroke"].default
 
 
@@ -38,6 +40,10 @@ def motion_of(
 
     ``steady`` are the sections of constant speed of each file.
     """
+    steady = [
+        [p for p in found if not _is_peak(f["t_s"][p.section], f["x_m"][p.section])]
+        for f, found in zip(files, steady, strict=True)
+    ]
     moving = [(f["t_s"], f["x_m"]) for f in files if len(f.get("x_m", ())) > 10]
     moving = [(t, x) for t, x in moving if np.ptp(x) > 0]
     if not moving:
@@ -86,6 +92,18 @@ def motion_of(
         has_constant_speed=has_constant_speed,
         reverses=reverses,
     )
+
+
+def _is_peak(t_s: np.ndarray, x_m: np.ndarray) -> bool:
+    """Return whether a section of nearly constant speed is the top of a triangle or a sine.
+
+    There the first and the last quarter of its time are both slower than the middle.
+    """
+    if len(t_s) < _LEAST_SAMPLES:
+        return False
+    at = np.interp(np.linspace(t_s[0], t_s[-1], 5), t_s, x_m)
+    first, second, third, last = np.abs(np.diff(at))
+    return max(first, last) < (1 - _FLAT) * (second + third) / 2
 
 
 def _several(found: Sequence[Plateau]) -> bool:

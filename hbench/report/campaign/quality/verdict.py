@@ -38,10 +38,10 @@ def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = Fa
     said = [reason(check, stated) for check in named if not (stated and check.drift is not None)]
     reasons = ". ".join(map(capital, said))
     if quality.grade == "good":
-        passed = f"all {len(quality.checks)} checks of its quality pass"
+        verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
         if len(quality.checks) == 1:
-            passed = f"its only check, {NAMES[quality.checks[0].name].lower()}, passes"
-        verdict = f"The data is good: {passed}."
+            name = NAMES[quality.checks[0].name].lower()
+            verdict = f"Only one check of quality applies to these runs, and it passes: {name}."
     elif quality.grade == "with care":
         verdict = f"Use the data with care. {reasons}." if reasons else "Use the data with care."
     elif all(check.name == "complete" or is_without_trial(check) for check in worst):
