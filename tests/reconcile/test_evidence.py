@@ -350,7 +350,7 @@ def test_intervals_are_rather_too_wide_where_a_points_windows_tell_more_than_one
 
 
 def test_intervals_know_that_points_of_a_speed_share_the_error_of_a_law():
-    """Forty points at eight speeds; a quarter of the intervals is wrong if each counts for itself."""
+    """Forty points at eight speeds; a quarter is wrong if each point counts for itself."""
     speed = np.arange(40) % 8
     alone, together = (covered(40, True, alike=speed, told=told) for told in (False, True))
     print(f"each point for itself {alone:.2f}, points of a speed together {together:.2f}")
