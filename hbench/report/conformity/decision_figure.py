@@ -12,13 +12,23 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import blended_transform_factory
 
 from hbench.records.conformity.acceptance import Conformity, ConformityCheck, Rule
-from hbench.report.conformity.figure_words import FigureWords
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import unit_kept
 from hbench.report.render.series import behind
 from hbench.units import from_si
 
+_TITLE = "Measured values against their limits"
+_CAPTION = (
+    "Each value as a share of its limit. All limits are the black line at 100 %; values in the "
+    "green strip conform."
+)
+_TWO_SIDED = (
+    "Two limits: distance from the middle between them, as a share of half of their distance."
+)
+_EFFICIENCY = "Efficiency: loss as a share of the permitted loss."
+_LOWER = "Lower limit: 100 % is the limit, 0 % is twice the limit."
+_READ_AS, _GUARD_BAND = "Bar: measured value ± U.", "Hatched: guard band, as wide as U."
 _MOST_ROWS = 16  # of a figure
 _LABEL, _HEADING = 22, 54  # letters of a line
 _ROW_IN, _LINE_IN, _REST_IN = 0.13, 0.165, 0.95  # heights: of a row without its lines, of a line
@@ -45,7 +55,7 @@ _PILLS: dict[Conformity, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class DecisionRow:
-    """Decision as it is drawn, in the language of its document."""
+    """Decision as it is drawn."""
 
     check: ConformityCheck
     quantity: str  # with its limit, above the rows that have it in common
@@ -56,7 +66,6 @@ class DecisionRow:
 def draw_decisions(
     rows: Sequence[DecisionRow],
     rule: Rule | None,
-    words: FigureWords,
     simulated: bool,
     png: bool = False,
 ) -> tuple[Drawing, ...]:
@@ -72,31 +81,30 @@ def draw_decisions(
         if not part:
             continue
         with rc_context(style.RC):
-            figure = _draw(part, _ends(rows), rule, words, simulated)
+            figure = _draw(part, _ends(rows), rule, simulated)
         of = f" ({count}/{number})" if number > 1 else ""
         name = f"decisions-{count}" if number > 1 else "decisions"
-        caption = " ".join(_caption(rows, words))
-        sketches.append(Sketch(name, "decision", words.title + of, caption, figure))
+        caption = " ".join(_caption(rows))
+        sketches.append(Sketch(name, "decision", _TITLE + of, caption, figure))
     return draw_sketches(sketches, png)
 
 
-def _caption(rows: Sequence[DecisionRow], words: FigureWords) -> Iterator[str]:
-    yield words.caption
+def _caption(rows: Sequence[DecisionRow]) -> Iterator[str]:
+    yield _CAPTION
     limits = [row.check.requirement for row in rows]
     lower = [limit for limit in limits if limit.high is None]
     if any(limit.low is not None and limit.high is not None for limit in limits):
-        yield words.two_sided
+        yield _TWO_SIDED
     if any(limit.quantity == "efficiency" for limit in lower):
-        yield words.efficiency
+        yield _EFFICIENCY
     if any(limit.quantity != "efficiency" for limit in lower):
-        yield words.lower
+        yield _LOWER
 
 
 def _draw(
     rows: Sequence[DecisionRow],
     ends: tuple[float, float],
     rule: Rule | None,
-    words: FigureWords,
     simulated: bool,
 ) -> Figure:
     lines = [_lines(row.series, _LABEL) for row in rows]
@@ -114,11 +122,11 @@ def _draw(
         at.append(depth + height / 2)
         depth += height
     guard = rule == "guard_band"
-    note = " ".join(filter(None, (words.read_as, words.guard_band if guard else "")))
+    note = " ".join(filter(None, (_READ_AS, _GUARD_BAND if guard else "")))
     note = textwrap.fill(note, 76)
     figure = style.new_figure(height_in=depth + _REST_IN + 0.13 * note.count("\n"))
     axes = figure.add_subplot()
-    axes.set(xlim=ends, ylim=(depth, 0), xlabel=words.axis)
+    axes.set(xlim=ends, ylim=(depth, 0), xlabel="Share of the limit (%)")
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
@@ -132,7 +140,7 @@ def _draw(
             **{"transform": figures_left, "va": "top", "fontsize": 9.5, "weight": "bold"},
         ).set_in_layout(False)
     for row, y in zip(rows, at, strict=True):
-        _strip(axes, row, y, guard, words)
+        _strip(axes, row, y, guard)
         pill = _PILLS.get(row.check.decision)
         box = {"boxstyle": "round,pad=0.25", **pill} if pill else None
         axes.text(
@@ -144,10 +152,10 @@ def _draw(
         chosen = [i for i, row in enumerate(rows) if row.check.decision == decision]
         if chosen:
             _points(axes, [rows[i] for i in chosen], [at[i] for i in chosen], look)
-    axes.set_title(words.head)
+    axes.set_title("Decisions")
     if simulated:
         look = {"color": style.QUIET, "fontsize": 10, "fontweight": "normal"}
-        axes.set_title(words.simulated, loc="right", **look)
+        axes.set_title("simulated", loc="right", **look)
     style.read_as(figure, note)
     return figure
 
@@ -169,7 +177,7 @@ def _place(check: ConformityCheck) -> tuple[float, float | None] | None:
     return value, None if measured.u95 is None else measured.u95 / tolerance
 
 
-def _strip(axes: Axes, row: DecisionRow, y: float, guard: bool, words: FigureWords) -> None:
+def _strip(axes: Axes, row: DecisionRow, y: float, guard: bool) -> None:
     """Draw what conforms, and the guard band; what is missing in words."""
     half = _HALF * (_ROW_IN + _LINE_IN)
     left, right = axes.get_xlim()
@@ -177,7 +185,8 @@ def _strip(axes: Axes, row: DecisionRow, y: float, guard: bool, words: FigureWor
     if place is None:
         look = {"facecolor": "none", "edgecolor": "#9ca3af", "hatch": "....", "linewidth": 0.6}
         axes.barh(y, right - left, 2 * half, left, label="_nolegend_", **look)
-        text = words.no_value if row.check.measurement is None else words.no_scale
+        known = row.check.measurement is not None
+        text = "no share of a limit of 0" if known else "no measured value"
         box = {"facecolor": "white", "linewidth": 0, "boxstyle": "square,pad=0.15"}
         look = {"ha": "center", "va": "center", "fontsize": 9, "color": "#374151"}
         axes.text((left + right) / 2, y, text, bbox=box, **look)

@@ -11,7 +11,6 @@ from hbench.records.conformity.acceptance import (
     Rule,
 )
 from hbench.report.conformity.decision_figure import DecisionRow, draw_decisions
-from hbench.report.conformity.figure_words import FIGURE_WORDS
 from hbench.report.conformity.text import (
     check_words,
     conforms_words,
@@ -95,7 +94,7 @@ def decision_drawings(
         )
         for check in shown
     ]
-    return draw_decisions(rows, rule, FIGURE_WORDS["en"], simulated, png)
+    return draw_decisions(rows, rule, simulated, png)
 
 
 def _shown(checks: Sequence[ConformityCheck]) -> tuple[str, list[ConformityCheck]]:

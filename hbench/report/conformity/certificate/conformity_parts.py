@@ -1,7 +1,6 @@
 """Parts with the statement of conformity, and with what was not tested."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 
 from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
 from hbench.records.conformity.certified import CERTIFIED_QUANTITIES
@@ -14,9 +13,6 @@ from hbench.report.conformity.certificate.layout import (
     on_a_line,
     without_empty,
 )
-from hbench.report.conformity.decision_figure import DecisionRow, draw_decisions
-from hbench.report.conformity.figure_words import FIGURE_WORDS
-from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import NONE, short, significant, with_interval
 from hbench.sentences import listed
 from hbench.units import from_si
@@ -25,11 +21,8 @@ from hbench.untrusted_text import printable
 _MOST_REMARKS = 5  # on runs; the report has all
 
 
-def conformity_part(certificate: Certificate, png: bool = False) -> Part:
-    """Return the decision on the specimen, its product and limits, figure, table and rule.
-
-    ``png`` draws the figure as PNG too.
-    """
+def conformity_part(certificate: Certificate) -> Part:
+    """Return the decision on the specimen, its product and limits, the table and the rule."""
     word, acceptance = certificate.word, certificate.acceptance
     if acceptance is None:
         return Part("conformity", word("conformity"), paragraphs=(word("no_limits"),))
@@ -43,7 +36,6 @@ def conformity_part(certificate: Certificate, png: bool = False) -> Part:
     of_series = {each.f_load_n for each in measured if each.direction}
     load = len(of_series) > 1 or not of_series <= loads
     rows = tuple(_decision_row(certificate, check, load, back) for check in acceptance.checks)
-    drawings = _drawings(certificate, acceptance, rows, png)
     rows = tuple(_without_repetitions(rows))
     table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({3, 4})))
     share = localized(certificate, short(100 * (acceptance.largest_uncertainty or 0.0)))
@@ -56,28 +48,12 @@ def conformity_part(certificate: Certificate, png: bool = False) -> Part:
     lead = " ".join(filter(None, (product, limits, _reservation(certificate))))
     return Part(
         *("conformity", word("conformity")),
-        drawings=drawings,
         tables=(table,),
         paragraphs=paragraphs,
         verdict=word(acceptance.decision),
         reserve=_not_calibrated(certificate),
         lead=lead,
     )
-
-
-def _drawings(
-    certificate: Certificate, acceptance: Acceptance, rows: Sequence[tuple[str, ...]], png: bool
-) -> tuple[Drawing, ...]:
-    """Draw the decisions; ``rows`` are those of the table. Only the first has the caption."""
-    drawn = [
-        DecisionRow(check, f"{quantity}, {limit}", series if series != NONE else "", decision)
-        for check, (quantity, limit, series, *_, decision) in zip(
-            acceptance.checks, rows, strict=True
-        )
-    ]
-    words = FIGURE_WORDS[certificate.file.language]
-    drawings = draw_decisions(drawn, acceptance.rule, words, certificate.simulated, png)
-    return (*drawings[:1], *(replace(drawing, caption="") for drawing in drawings[1:]))
 
 
 def _remarks(certificate: Certificate, acceptance: Acceptance) -> Iterator[str]:

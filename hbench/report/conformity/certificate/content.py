@@ -28,13 +28,13 @@ from hbench.report.conformity.certificate.result_parts import (
 )
 
 
-def content(certificate: Certificate, png: bool = False) -> Content:
-    """Return the content of a certificate; ``png`` draws its figures as PNG too."""
+def content(certificate: Certificate) -> Content:
+    """Return the content of a certificate."""
     word = certificate.word
     rows = (
         (laboratory_part(certificate), customer_part(certificate)),
         (specimen_part(certificate), test_part(certificate), conditions_part(certificate)),
-        (conformity_part(certificate, png),),  # on the first sheet
+        (conformity_part(certificate),),  # on the first sheet
         (instruments_part(certificate),),
         (method_part(certificate),),
         *((part,) for part in result_parts(certificate)),

@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from hbench.report.conformity.certificate.certificate import Certificate
-from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import NONE, unbroken
 
 _UNIT = re.compile(r"(\d) (mm/s|mm²|N/s|N|bar|%|°C|s|ml/min)(?![\w/])")
@@ -31,7 +30,6 @@ class Part:
     facts: tuple[Fact, ...] = ()
     tables: tuple[GridTable, ...] = ()
     paragraphs: tuple[str, ...] = ()
-    drawings: tuple[Drawing, ...] = ()  # before the tables
     verdict: str = ""  # the decision in large letters, first of all
     reserve: str = ""  # what the decision rests on, in bold
     lead: str = ""  # before the rest

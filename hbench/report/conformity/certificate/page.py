@@ -2,8 +2,7 @@
 
 The text of a replacement template is rendered in Jinja's sandbox with autoescape. Its variables:
 ``certificate`` (the content, see ``layout.Content``), ``parts`` (the same parts by key),
-``figures`` (SVG elements by the key of their part), ``laboratory``, ``logo`` (a data URL) and
-``style``. It can load no other file.
+``laboratory``, ``logo`` (a data URL) and ``style``. It can load no other file.
 """
 
 from base64 import b64encode
@@ -25,8 +24,6 @@ from hbench.errors import ConfigError
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.layout import Content
-from hbench.report.render.inline_svg import inline
-from hbench.report.render.style import DARK
 
 _PAGE = "certificate.html.j2"
 # Chromium from 131 on prints what is in the margins; elsewhere the browser's own header does.
@@ -48,7 +45,6 @@ def certificate_page(
     variables = {
         "certificate": shown,
         "parts": shown.parts,
-        "figures": _figures(shown),
         "laboratory": certificate.file.laboratory.name,
         "logo": _data_url(certificate.logo),
         "style": Markup(_style(shown)),
@@ -71,22 +67,11 @@ def certificate_page(
     return text
 
 
-def _figures(shown: Content) -> dict[str, list[Markup]]:
-    """Return the figures of each part, with names that differ from those of all others."""
-    number, figures = 0, dict[str, list[Markup]]()
-    for key, part in shown.parts.items():
-        figures[key] = [inline(drawing, number + i) for i, drawing in enumerate(part.drawings)]
-        number += len(part.drawings)
-    return figures
-
-
 def _style(shown: Content) -> str:
     """Return the style sheet. All texts in it are hbench's own, or have letters of a number."""
     loader = _environment().loader
     assert isinstance(loader, BaseLoader)
     css = loader.get_source(_environment(), "certificate.css")[0]
-    dark = "".join(f"--c{light[1:]}: {other};" for light, other in DARK.items())
-    css += f"\n@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
     return css + _MARGINS.format(
         number_label=shown.number_label,
         number=shown.number,

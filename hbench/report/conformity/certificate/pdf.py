@@ -17,7 +17,6 @@ from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.layout import Content, GridTable, Part
 from hbench.report.render.numbers import unbroken
-from hbench.report.render.pdf import set_figures
 from hbench.report.render.pdf_pen import (
     INK,
     INNER,
@@ -54,7 +53,7 @@ def certificate_pdf(certificate: Certificate) -> bytes:
 
 def sheets(certificate: Certificate) -> list[Figure]:
     """Return the sheets of paper that the certificate fills."""
-    shown = content(certificate, png=True)
+    shown = content(certificate)
     pen = Pen()
     _header(pen, certificate, shown)
     if shown.mark:
@@ -62,7 +61,6 @@ def sheets(certificate: Certificate) -> list[Figure]:
     *rows, (validity,) = shown.rows
     for row in rows:
         _row(pen, row)
-    pen.place_waiting()
     pen.room(_text_height(validity) + _signatures_height(shown) + 6 + _BODY * LINE)
     _part(pen, validity)  # on the sheet of the signatures
     _signatures(pen, shown)
@@ -202,7 +200,6 @@ def _part(pen: Pen, part: Part) -> None:
         pen.words(part.lead, _BODY)
         pen.space(3)
     _facts(pen, part.facts, _LABEL if pen.width < INNER else 0.22)
-    set_figures(pen, part.drawings)
     for table in part.tables:
         _table(pen, table)
     for text in part.paragraphs:
