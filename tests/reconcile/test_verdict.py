@@ -25,14 +25,14 @@ from hbench.reconcile.products import Products
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search_result import SearchResult, SearchStep
-from hbench.reconcile.verdict import (
+from hbench.reconcile.separation.missing_data import (
     FEWEST_POINTS,
     MISSING,
     data_shortfalls,
-    decide_verdict,
     missing_experiments,
     unmeasured_channels,
 )
+from hbench.reconcile.verdict import decide_verdict
 from hbench.records import Candidate, FitParameter, Gap, Rival, Run, RunPlan, Specimen
 from tests.support.reconcile.rounds import plant_of
 
