@@ -145,7 +145,7 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     absent = () if "load_cylinder" in task.plant_data else OF_LOAD_CYLINDER
     load = task.plant.load_cylinder
     areas = None if absent else (load.area_piston_m2, load.area_rod_m2)
-    missing = unmeasured_channels(usable, absent) | missing_experiments(usable, areas)
+    missing = unmeasured_channels(usable, absent) | missing_experiments(usable, areas, absent)
     if shortfalls := data_shortfalls(usable, areas):
         every = tuple((shortfalls | missing).values())
         return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)

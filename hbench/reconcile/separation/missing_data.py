@@ -6,6 +6,7 @@ from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
 from hbench.reconcile.separation.logged_loads import Areas, has_second_load, has_second_pressure
+from hbench.reconcile.separation.logged_motion import logged_motion
 from hbench.records import KINDS, Run
 
 FEWEST_POINTS = 8  # operating points
@@ -65,29 +66,37 @@ def _compared(runs: Sequence[Run]) -> tuple[str, ...]:
     return tuple(name for name in BALANCES if any(not channels_missing(run, name) for run in runs))
 
 
-def missing_experiments(runs: Sequence[Run], load_areas: Areas | None = None) -> dict[str, str]:
+def missing_experiments(
+    runs: Sequence[Run], load_areas: Areas | None = None, absent: Collection[str] = ()
+) -> dict[str, str]:
     """Return by code which experiments would make more effects distinguishable.
 
-    ``load_areas`` are those of the load cylinder.
+    ``load_areas`` are those of the load cylinder. The bench has no balances ``absent``: one
+    cylinder against a weight or a spring has a single pressure at each load.
     """
     plans = [run.plan for run in runs]
     steady = [plan for plan in plans if KINDS[plan.kind].has_constant_speed]
     kinds = [KINDS[plan.kind] for plan in plans]
+    motions = [logged_motion(run) for run in runs]
+    others = [each for each, kind in zip(motions, kinds, strict=True) if kind.covers_speeds]
     codes = []
     covers_speeds = not steady and any(kind.covers_speeds for kind in kinds)
-    if len({abs(plan.v_ref_m_s) for plan in steady}) < 3 and not covers_speeds:
+    several = covers_speeds or any(each.has_several_speeds for each in others)
+    if len({abs(plan.v_ref_m_s) for plan in steady}) < 3 and not several:
         codes.append("speeds")
     if not has_second_load(runs, load_areas):
         codes.append("loads")
     reverses = any(kind.reverses for kind in kinds)
-    if len({plan.direction for plan in steady}) < 2 and (steady or not reverses):
+    both = any(each.has_both_directions for each in others)
+    if len({plan.direction for plan in steady}) < 2 and (steady or not reverses) and not both:
         codes.append("directions")
-    if not reverses:
+    if not (reverses or any(each.reverses for each in motions)):
         codes.append("reversals")
-    if not any(kind.has_fast_changes for kind in kinds):
+    fast = any(kind.has_fast_changes for kind in kinds)
+    if not (fast or any(each.has_fast_changes for each in motions)):
         codes.append("steps")
     if not any(kind.analysis == "leakage" for kind in kinds):
         codes.append("hold")
-    if not has_second_pressure(runs, load_areas):
+    if "force_load" not in absent and not has_second_pressure(runs, load_areas):
         codes.append("pressures")
     return {code: MISSING[code] for code in codes}
