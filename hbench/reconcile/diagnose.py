@@ -36,11 +36,7 @@ from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult
-from hbench.reconcile.separation.missing_data import (
-    data_shortfalls,
-    missing_experiments,
-    unmeasured_channels,
-)
+from hbench.reconcile.separation.missing_data import missing_data
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Proposal, Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects
 from hbench.reconcile.separation.separability import Separation, with_remaining_noise
@@ -145,14 +141,14 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     absent = () if "load_cylinder" in task.plant_data else OF_LOAD_CYLINDER
     load = task.plant.load_cylinder
     areas = None if absent else (load.area_piston_m2, load.area_rod_m2)
-    missing = unmeasured_channels(usable, absent) | missing_experiments(usable, areas, absent)
-    if shortfalls := data_shortfalls(usable, areas):
-        every = tuple((shortfalls | missing).values())
-        return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
+    suffices, missing = missing_data(usable, task.runs, areas, absent)
+    if not suffices:
+        advice = _LIBRARY_ADVICE if task.bench else ""
+        return insufficient_data_diagnosis(task, missing, left_out, advice)
     task = replace(task, runs=usable)
     names, not_tried = observable_effects(task.runs, task.plant)
     measured, result, held_out = run_search(task, names)
-    return assembled(task, measured, result, held_out, not_tried, tuple(missing.values()), left_out)
+    return assembled(task, measured, result, held_out, not_tried, missing, left_out)
 
 
 def assembled(

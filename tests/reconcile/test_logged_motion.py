@@ -1,10 +1,12 @@
 """What the logged motion of a run contains, whatever the kind that its map states."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hbench.reconcile.separation.logged_motion import LoggedMotion, logged_motion
-from hbench.reconcile.separation.missing_data import MISSING, missing_experiments
+from hbench.reconcile.separation.missing_data import MISSING, missing_data, missing_experiments
 from hbench.records import Run, RunPlan, Specimen
 
 T = 0.005 * np.arange(1600)  # 8 s
@@ -67,3 +69,27 @@ def test_a_bench_of_one_cylinder_is_not_asked_for_one_load_at_two_pressures():
     runs = [logged(multi_sine())]
     assert MISSING["pressures"] in missing_experiments(runs).values()
     assert "pressures" not in missing_experiments(runs, absent=("flow_lp", "force_load"))
+
+
+def test_what_runs_that_are_left_out_have_measured_is_not_asked_for_again():
+    """Two loads, eight plans; the logs of all are left out, as for gaps of samples."""
+    channels = {name: np.ones(1600) for name in ("v_m_s", "p_tp_pa", "p_tr_pa", "p_s_pa", "u_t_v")}
+    every = [
+        replace(
+            (run := logged(random_steps())),
+            plan=replace(run.plan, label=f"plan {i}"),
+            f_applied_n=np.full(1600, 500.0 + 1500.0 * (i % 2)),
+            **channels,
+        )
+        for i in range(8)
+    ]
+    of_load = ("flow_lp", "flow_lr", "force_load")
+    assert missing_data(every, every, absent=of_load) == (True, (MISSING["hold"],))
+    logs = "the runs that are left out, with complete logs"
+    assert missing_data([], every, absent=of_load) == (False, (logs, MISSING["hold"]))
+    suffices, (first, *_) = missing_data(every[:1], every, absent=of_load)
+    assert not suffices and first == f"{logs} (the others do not suffice)"
+    aborted = [replace(run, aborted="emergency stop") for run in every]
+    suffices, (first, *others) = missing_data(every[:7], [*every[:7], aborted[7]], absent=of_load)
+    assert first.startswith("at least 8 operating points (") and first.endswith("have 7")
+    assert not suffices and others == [MISSING["hold"]]

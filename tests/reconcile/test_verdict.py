@@ -306,6 +306,8 @@ def test_too_few_operating_points_name_nothing_and_simulate_nothing(bench):
     assert found.missing[0].endswith(" 7") and f" {FEWEST_POINTS} " in found.missing[0]
     assert MISSING["hold"] in found.missing
     assert "discriminate.yaml" in found.next_experiment
+    elsewhere = diagnose(replace(task, bench=None))  # its runs cannot be made there
+    assert "discriminate.yaml" not in elsewhere.next_experiment
     assert found.revised == {"oil": {}} and set(found.not_tried) == set(EFFECTS)
     assert len(found.left_out) == 1
 

@@ -23,6 +23,29 @@ MISSING: Mapping[str, str] = {
 """Text of each kind of missing data, by code."""
 
 
+def missing_data(
+    usable: Sequence[Run],
+    measured: Sequence[Run],
+    load_areas: Areas | None = None,
+    absent: Collection[str] = (),
+) -> tuple[bool, tuple[str, ...]]:
+    """Return whether the usable runs suffice to name an effect, and what is missing in words.
+
+    The most important item is the first. What complete runs that are left out have ``measured`` is
+    not asked for again, but their logs are. ``load_areas`` are those of the load cylinder; the
+    bench has no balances ``absent``.
+    """
+    complete = [run for run in measured if not (run.aborted or run.truncated)]
+    short = data_shortfalls(usable, load_areas)
+    missing = data_shortfalls(complete, load_areas) if short else {}
+    if short.keys() - missing.keys():
+        others = " (the others do not suffice)" if usable else ""
+        missing = {"logs": f"the runs that are left out, with complete logs{others}"} | missing
+    missing |= unmeasured_channels(complete, absent)
+    missing |= missing_experiments(complete, load_areas, absent)
+    return not short, tuple(missing.values())
+
+
 def data_shortfalls(runs: Sequence[Run], load_areas: Areas | None = None) -> dict[str, str]:
     """Return by code why complete runs do not suffice to name an effect; empty if they do.
 
@@ -35,7 +58,8 @@ def data_shortfalls(runs: Sequence[Run], load_areas: Areas | None = None) -> dic
     shortfalls = {}
     if points < FEWEST_POINTS:
         shortfalls["points"] = (
-            f"at least {FEWEST_POINTS} operating points; these runs have {points}"
+            f"at least {FEWEST_POINTS} operating points (runs with the same plan are trials of one "
+            f"operating point); these runs have {points}"
         )
     codes = []
     if len(speeds) < 2 and not any(KINDS[plan.kind].covers_speeds for plan in plans):
