@@ -13,7 +13,7 @@ from hbench.report.diagnosis.words.coefficient import coefficient_text, effect_w
 from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
 
 _SOURCES = {
-    "simulated": "SIMULATED on the virtual rig: not valid for a real bench",
+    "simulated": "SIMULATED: not valid for a real bench",
     "real": "measured on a bench",
     "imported": "measured elsewhere and imported",
 }

@@ -146,6 +146,12 @@ def undetectable(diagnosis: Diagnosis) -> str:
     )
 
 
+def unseen_line(diagnosis: Diagnosis) -> str:
+    """Return which effects could be present without showing, where none is found."""
+    unseen = _unseen(diagnosis) if diagnosis.verdict == "none" else []
+    return f"Could be present at a typical size: {', '.join(unseen)}" if unseen else ""
+
+
 def untried_words(diagnosis: Diagnosis) -> str:
     """Return the unseen effects for which no experiment was simulated, with the reasons."""
     unseen = [name for name, known in _detectable(diagnosis).items() if not known]
