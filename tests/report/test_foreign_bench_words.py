@@ -27,6 +27,13 @@ def test_simulated_numbers_are_not_said_to_be_of_the_virtual_rig(named):
     assert "virtual rig" not in page + model
 
 
+def test_the_model_of_a_bench_without_hbenchs_board_is_not_for_hbench_run(named):
+    elsewhere = replace(named, provenance=replace(named.provenance, firmware=""))
+    assert "hbench run --plant" in revised_yaml(named) and "--plant" in diagnosis_page(named, ())
+    assert "--plant" not in revised_yaml(elsewhere) + diagnosis_page(elsewhere, ())
+    assert "Give it to `hbench reconcile` as --model." in revised_yaml(elsewhere)
+
+
 def test_the_terminals_table_of_effects_is_not_announced_with_gaps(named):
     lines = diagnosis_text(named).splitlines()
     title = lines.index("Effects")
