@@ -64,7 +64,7 @@ def test_the_terminal_lists_the_effects_that_could_be_present_unseen(compared):
     )
     known = replace(compared, verdict="none", separability=Separability(sizes, ()))
     found = replace(known, not_tried={"rest_time": "runs of the kind breakaway measure it"})
-    line = "Could be present at a typical size: direction asymmetry, rest time (not tried)"
+    line = "Could be present at a typical size: direction asymmetry; not tried: rest time"
     assert line in diagnosis_text(found).splitlines()
     assert "Could be present" not in diagnosis_text(replace(found, verdict="unknown"))
 
