@@ -3,7 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from hbench.reconcile.practice.working_point import _nearest_point
 from hbench.reconcile.separation.logged_loads import has_second_load, has_second_pressure
 from hbench.reconcile.separation.missing_data import data_shortfalls
 from hbench.records import Run, RunPlan, Specimen
@@ -89,3 +91,10 @@ def test_one_load_at_two_pressures_is_seen_without_a_load_cell():
 
     assert has_second_pressure([steady(8e5, 3000.0), steady(40e5, 3000.0)], LOAD_AREAS)
     assert not has_second_pressure([steady(8e5, 3000.0), steady(40e5, 6000.0)], LOAD_AREAS)
+
+
+@pytest.mark.filterwarnings("error")
+def test_the_working_point_of_a_bench_without_load_cell_is_found_by_the_other_signals():
+    point, speed = np.repeat([0, 1, 2], 4), np.repeat([0.02, 0.05, 0.09], 4)
+    unmeasured, chosen = np.full(12, np.nan), np.ones(12, bool)
+    assert _nearest_point(point, [speed, unmeasured], chosen) == 1
