@@ -36,15 +36,11 @@ from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult
+from hbench.reconcile.separation.missing_data import missing_data
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary, Proposal, Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects
 from hbench.reconcile.separation.separability import Separation, with_remaining_noise
-from hbench.reconcile.verdict import (
-    data_shortfalls,
-    decide_verdict,
-    missing_experiments,
-    unmeasured_channels,
-)
+from hbench.reconcile.verdict import decide_verdict
 from hbench.records import (
     AddedEffect,
     Diagnosis,
@@ -143,14 +139,16 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     """
     usable, left_out = comparable_runs(task.runs)
     absent = () if "load_cylinder" in task.plant_data else OF_LOAD_CYLINDER
-    missing = unmeasured_channels(usable, absent) | missing_experiments(usable)
-    if shortfalls := data_shortfalls(usable):
-        every = tuple((shortfalls | missing).values())
-        return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
+    load = task.plant.load_cylinder
+    areas = None if absent else (load.area_piston_m2, load.area_rod_m2)
+    suffices, missing = missing_data(usable, task.runs, areas, absent)
+    if not suffices:
+        advice = _LIBRARY_ADVICE if task.bench else ""
+        return insufficient_data_diagnosis(task, missing, left_out, advice)
     task = replace(task, runs=usable)
     names, not_tried = observable_effects(task.runs, task.plant)
     measured, result, held_out = run_search(task, names)
-    return assembled(task, measured, result, held_out, not_tried, tuple(missing.values()), left_out)
+    return assembled(task, measured, result, held_out, not_tried, missing, left_out)
 
 
 def assembled(

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from hbench.cli.main import app
 from hbench.errors import ConfigError
+from hbench.reconcile.separation.missing_data import MISSING
 from hbench.reconcile.strokes.stroke_diagnosis import FEWEST_LOADS
-from hbench.reconcile.verdict import MISSING
 from hbench.records.diagnosis import MATERIAL
 from hbench.report.diagnosis.names import keys_in_words
 from hbench.report.render.terminal_text import plain

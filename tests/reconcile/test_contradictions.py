@@ -15,7 +15,7 @@ from hbench.reconcile.measured.balances import balance_model
 from hbench.reconcile.measured.contradictions import refuse_contradictions
 from hbench.reconcile.measured.moving_windows import moving_windows
 from hbench.reconcile.measured.session import sessions
-from hbench.records import Run, RunPlan
+from hbench.records import Run, RunPlan, Specimen
 from tests.support.reconcile.exact_logs import SPECIMEN
 
 BAR = 1e5
@@ -159,6 +159,22 @@ def test_a_wrong_rod_in_the_model_is_refused_with_the_rod_that_would_fit(runs, m
     assert error.message.startswith(f"{name}: ") and "limit: 8 %" in error.message
     found = float(error.message.split(" a rod of ")[1].split(" mm")[0])
     assert found == pytest.approx(1e3 * rod_m, abs=0.3)
+
+
+def test_other_diameters_in_the_import_map_are_stated_beside_those_of_the_model(runs, model):
+    """The map has a bore of 50 mm and a rod of 32 mm; the areas are circles."""
+    own, (thinner, rod_m) = model.par.test, with_thinner_rod(model, "test")
+
+    def measured_on(bore_m, rod_m):
+        piston = np.pi / 4 * bore_m**2
+        cylinder = Specimen(piston, piston - np.pi / 4 * rod_m**2)
+        return [replace(run, plan=replace(run.plan, specimen=cylinder)) for run in runs]
+
+    words = refused(measured_on(0.05, 0.032), thinner).message
+    assert "states a bore of 50 mm and a rod of 32 mm, the model file " in words
+    bore_m = np.sqrt(4 * own.area_piston_m2 / np.pi)
+    assert words.endswith(f"{1e3 * bore_m:.4g} mm and {1e3 * rod_m - 5:.4g} mm")
+    assert "states" not in refused(measured_on(bore_m, rod_m - 5e-3), thinner).message
 
 
 def test_areas_are_not_judged_by_forces_that_no_area_explains(runs, model):

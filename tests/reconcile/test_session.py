@@ -224,6 +224,12 @@ def test_the_diagnosis_says_in_which_runs_the_control_oscillates(runs):
     (remark,) = log_remarks((with_oscillating(session, found),))
     assert f"(run {runs[2].plan.run})" in remark and runs[0].plan.run not in remark
     assert log_remarks((session,)) == ()
+    assert "Faster logs do not help" in remark and "records of 10 ms" in remark
+    (slower,) = sessions([replace(run, t_s=2.0 * run.t_s) for run in runs])
+    found = np.zeros(slower.counts.sum(), bool)
+    found[slower.run_of_window == 2] = True
+    (remark,) = log_remarks((with_oscillating(slower, found),))
+    assert remark.endswith("Log faster, or lower the gains of the loops.") and "20 ms" in remark
 
 
 def test_the_flow_of_a_cavitating_chamber_is_left_out_and_the_diagnosis_says_so(runs, model):

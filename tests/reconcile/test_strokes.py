@@ -8,9 +8,9 @@ import pytest
 
 from hbench.config.stroke_model import parse_strokes
 from hbench.errors import ConfigError
+from hbench.reconcile.separation.missing_data import MISSING
 from hbench.reconcile.strokes.series import stroke_pairs
 from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE, StrokeTask, diagnose_strokes
-from hbench.reconcile.verdict import MISSING
 from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 from hbench.units import to_si
 

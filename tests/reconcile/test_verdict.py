@@ -25,14 +25,14 @@ from hbench.reconcile.products import Products
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search_result import SearchResult, SearchStep
-from hbench.reconcile.verdict import (
+from hbench.reconcile.separation.missing_data import (
     FEWEST_POINTS,
     MISSING,
     data_shortfalls,
-    decide_verdict,
     missing_experiments,
     unmeasured_channels,
 )
+from hbench.reconcile.verdict import decide_verdict
 from hbench.records import Candidate, FitParameter, Gap, Rival, Run, RunPlan, Specimen
 from tests.support.reconcile.rounds import plant_of
 
@@ -306,6 +306,8 @@ def test_too_few_operating_points_name_nothing_and_simulate_nothing(bench):
     assert found.missing[0].endswith(" 7") and f" {FEWEST_POINTS} " in found.missing[0]
     assert MISSING["hold"] in found.missing
     assert "discriminate.yaml" in found.next_experiment
+    elsewhere = diagnose(replace(task, bench=None))  # its runs cannot be made there
+    assert "discriminate.yaml" not in elsewhere.next_experiment
     assert found.revised == {"oil": {}} and set(found.not_tried) == set(EFFECTS)
     assert len(found.left_out) == 1
 

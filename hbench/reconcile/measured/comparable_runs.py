@@ -6,14 +6,19 @@ import numpy as np
 
 from hbench.errors import DataError
 from hbench.reconcile.measured.balances import incomplete_reason
-from hbench.reconcile.measured.session import CAVITATES_PA, Session, averaged
+from hbench.reconcile.measured.session import CAVITATES_PA, RECORD_S, Session, averaged
 from hbench.records import Run
 from hbench.units import from_si
 
 _MUCH = 0.25  # of a run's windows
+_NOT_AVERAGED = 1.05  # times the records of averaged logs: the log itself is as slow
 _OSCILLATES = (
-    "The control oscillates faster than the log resolves ({runs}). The balances of flows and "
-    "forces leave those windows out. Log faster, or lower the gains of the loops."
+    "The control oscillates too fast for records of {step_ms:.2g} ms ({runs}). The balances of "
+    "flows and forces leave those windows out. {advice}"
+)
+_LOG_FASTER = "Log faster, or lower the gains of the loops."
+_LOWER_GAINS = (
+    "Lower the gains of the loops. Faster logs do not help: hbench averages them to about 10 ms."
 )
 _CAVITATES = (
     "The pressure of a chamber falls below {limit:g} bar ({runs}), where oil releases air. The "
@@ -55,13 +60,18 @@ def _gaps(logs: Sequence[Session]) -> tuple[str, ...]:
 
 def _oscillations(logs: Sequence[Session]) -> tuple[str, ...]:
     """Return a remark on runs in which the control oscillates much of the time."""
-    runs = [
-        run.plan.run
+    found = [
+        (log.window.dt_s, run.plan.run)
         for log in logs
         for i, run in enumerate(log.runs)
         if log.counts[i] and log.oscillating[log.run_of_window == i].mean() > _MUCH
     ]
-    return (_OSCILLATES.format(runs=_first_of(runs)),) if runs else ()
+    if not found:
+        return ()
+    step_s = max(dt_s for dt_s, _ in found)
+    advice = _LOG_FASTER if step_s > _NOT_AVERAGED * RECORD_S else _LOWER_GAINS
+    runs = _first_of([run for _, run in found])
+    return (_OSCILLATES.format(step_ms=from_si(step_s, "ms"), runs=runs, advice=advice),)
 
 
 def _cavitations(logs: Sequence[Session]) -> tuple[str, ...]:

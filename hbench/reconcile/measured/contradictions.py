@@ -32,7 +32,8 @@ def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     refuse_commands(moving, model.par.valve.limit_v)
     refuse_driving_friction(moving, model.par)
     p_tp, p_tr, p_lp, p_lr = moving.pressures_pa
-    refuse_areas("test_cylinder", model.par.test, p_tp, p_tr, moving)
+    stated = logs[0].runs[0].plan.specimen
+    refuse_areas("test_cylinder", model.par.test, p_tp, p_tr, moving, stated)
     refuse_areas("load_cylinder", model.par.load, p_lp, p_lr, moving)
 
 

@@ -24,11 +24,13 @@ from hbench.model.cylinders import pressure_force
 from hbench.model.parameters import CylinderParameters, PlantParameters
 from hbench.reconcile.measured.command_checks import TURNED_HINT
 from hbench.reconcile.measured.moving_windows import FEWEST, SIGMAS, Moving
+from hbench.records import Specimen
 
 _AREAS = 0.08  # relative error of the areas' ratio; 11 % or more to the next rod of ISO 3320
 _LEAST_SHARE = 0.5  # of the piston's area by the fit
 _LEAST_OWN = 0.05  # part of a pressure that neither friction nor the other pressure explains
 _SCALE = 2.0  # times both areas
+_SAME_SIZE = 0.002  # of a diameter
 _CLEAR = 3.0  # times the force that the fit leaves: what a wrong area must explain, at least
 _VISIBLE = 0.01  # of the applied force: load cells have such errors
 
@@ -67,8 +69,9 @@ def refuse_areas(
     p_p: np.ndarray,
     p_r: np.ndarray,
     moving: Moving,
+    stated: Specimen | None = None,
 ) -> None:
-    """Raise ``DataError`` for areas that do not fit.
+    """Raise ``DataError`` for areas that do not fit; the campaign has the areas ``stated``.
 
     The standard error of the ratio leaves out the correlation of both areas.
     """
@@ -110,7 +113,8 @@ def refuse_areas(
         raise DataError(
             f"{name}: pressures and force give a ratio of rod side to piston side area of "
             f"{found:.3f}, the model file {given:.3f} ({100 * off:+.0f} %, limit: "
-            f"{100 * _AREAS:.0f} %){_fitting_rod(piston_m2, found)}",
+            f"{100 * _AREAS:.0f} %){_fitting_rod(piston_m2, found)}"
+            f"{_other_sizes(cylinder, stated)}",
             "Correct the cylinder's diameters in the model file, or the scale of a pressure in the "
             "import map.",
         )
@@ -135,6 +139,25 @@ def _own_part(columns: np.ndarray, which: int) -> float:
     others = np.delete(columns, which, axis=1)
     left = columns[:, which] - others @ np.linalg.lstsq(others, columns[:, which], rcond=None)[0]
     return float(np.linalg.norm(left))
+
+
+def _other_sizes(cylinder: CylinderParameters, stated: Specimen | None) -> str:
+    """Return the diameters of the campaign's cylinder; empty for those of the model file."""
+    if stated is None or not stated.area_piston_m2 > 0:
+        return ""
+    own = _diameters_mm(cylinder.area_piston_m2, cylinder.area_rod_m2)
+    other = _diameters_mm(stated.area_piston_m2, stated.area_rod_m2)
+    if np.allclose(own, other, rtol=_SAME_SIZE):
+        return ""
+    return (
+        f"; the import map (or the campaign's bench file) states a bore of {other[0]:.4g} mm and a "
+        f"rod of {other[1]:.4g} mm, the model file {own[0]:.4g} mm and {own[1]:.4g} mm"
+    )
+
+
+def _diameters_mm(piston_m2: float, rod_m2: float) -> tuple[float, float]:
+    """Return bore and rod of a cylinder's areas."""
+    return 1e3 * sqrt(4 * piston_m2 / pi), 1e3 * sqrt(4 * max(piston_m2 - rod_m2, 0.0) / pi)
 
 
 def _fitting_rod(piston_m2: float, ratio: float) -> str:

@@ -21,7 +21,7 @@ from hbench.records.diagnosis import REST_M_S
 PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
 VELOCITY = "velocity"  # of the position, see ``Session.velocity_m_s``
 COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
-_RECORD_S = 0.01  # of a log with the board's rate; the records of faster ones are averaged
+RECORD_S = 0.01  # of a log with the board's rate; the records of faster ones are averaged
 _SMOOTHED, _ORDER = 7, 4  # samples of a polynomial, and its order
 _FEWEST = 5  # samples of a polynomial of that order
 _VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least five samples
@@ -184,9 +184,9 @@ def averaged(run: Run) -> Run:
     usual = float(np.median(steps))
     if np.abs(steps - usual).max() > EVEN * usual:
         together = steps[steps <= _FEW * usual]
-        width = max(_RECORD_S, float(f"{together.mean():.1g}"))  # one for all runs
+        width = max(RECORD_S, float(f"{together.mean():.1g}"))  # one for all runs
     else:
-        width = usual * max(1, int(_RECORD_S / usual + 1e-6))
+        width = usual * max(1, int(RECORD_S / usual + 1e-6))
         if width == usual:
             return run
     if run.t_s[-1] - run.t_s[0] < 2 * width:

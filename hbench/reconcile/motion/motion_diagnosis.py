@@ -30,8 +30,8 @@ from hbench.reconcile.motion.open_loop import open_loop_positions
 from hbench.reconcile.revised_model import without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult
+from hbench.reconcile.separation.missing_data import FEWEST_POINTS
 from hbench.reconcile.separation.observable import divided_points
-from hbench.reconcile.verdict import FEWEST_POINTS
 from hbench.records import Diagnosis, HeldOutError, Overlay, Run
 
 _SHORTEST_S = 1.0

@@ -68,6 +68,8 @@ def _nearest_point(point: np.ndarray, signals: Sequence[np.ndarray], chosen: np.
     points = np.unique(point[chosen])
     distance = np.zeros(len(points))
     for signal in signals:
+        if not np.isfinite(signal[chosen]).any():
+            continue  # not measured
         low, middle, high = np.nanquantile(signal[chosen], (0.25, 0.5, 0.75))
         if high > low:
             own = [_median(signal[chosen & (point == each)]) for each in points]

@@ -8,10 +8,10 @@ from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.separation.missing_data import data_shortfalls, missing_experiments
 from hbench.reconcile.separation.observable import divided_points, observable_effects
 from hbench.reconcile.separation.separability import Separation
 from hbench.reconcile.simulated_runs import simulator
-from hbench.reconcile.verdict import data_shortfalls, missing_experiments
 from hbench.records import KINDS, PlannedEffects, Run, RunPlan
 from hbench.records.diagnosis import MATERIAL
 

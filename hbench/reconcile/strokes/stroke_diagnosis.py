@@ -24,6 +24,7 @@ from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.nuisance import FACTORS
 from hbench.reconcile.revised_model import revised
+from hbench.reconcile.separation.missing_data import missing_experiments
 from hbench.reconcile.strokes.leave_one_out import (
     gap_floor,
     gap_table,
@@ -49,7 +50,6 @@ from hbench.reconcile.strokes.stroke_search import (
 )
 from hbench.reconcile.verdict import (
     NO_RESIDUALS,
-    missing_experiments,
     named_words,
     scores,
     unexplained_words,

@@ -216,7 +216,7 @@ def _banner(differences: CampaignDifferences) -> str:
     ]
     if len(simulated) == 2:
         return BANNERS["simulated"]
-    return f"{simulated[0]} is simulated. The virtual rig made its numbers." if simulated else ""
+    return f"{simulated[0]} is simulated. A simulation made its numbers." if simulated else ""
 
 
 def _checks(differences: CampaignDifferences, settings: bool) -> Iterator[tuple[str, str]]:

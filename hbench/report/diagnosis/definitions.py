@@ -56,10 +56,11 @@ _DRAWN = "Means over windows of 0.16 s are compared. Gaps below 0.3 are drawn at
 _BALANCES = (
     "Flows and forces",
     "The quantities that decide, computed from the measured signals and compared with the model: "
-    "the oil flow into each of the four chambers (continuity), the force balance of either "
-    "cylinder, the derivative of the position against the velocity, and the supply pressure. They "
-    "need no simulation.",
+    "the oil flow into each {chamber} (continuity), the force balance of {cylinder}, the "
+    "derivative of the position against the velocity, and the supply pressure. They need no "
+    "simulation.",
 )
+_OF_LOAD = ("flow_lp", "flow_lr", "force_load")
 _STROKES = (
     "Pairs of strokes",
     "Pairs of steady strokes, one in each direction at one load. Half the difference of their "
@@ -189,7 +190,7 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     gap, expected = of_numbers(diagnosis)
     every = (
         gap,
-        _MOTION if diagnosis.errors else _STROKES if strokes else _BALANCES,
+        _MOTION if diagnosis.errors else _STROKES if strokes else _balances(diagnosis),
         *([("Signals", _SIGNALS)] if diagnosis.gap_heldout.signals else []),
         *([] if diagnosis.refit_refused else [("Refitted", _REFITTED_STAGE)]),
         expected,
@@ -197,6 +198,16 @@ def of_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
     )
     elsewhere = (gap, expected) if diagnosis.held_out_loads else ()
     return tuple(fact for fact in every if fact not in elsewhere)
+
+
+def _balances(diagnosis: Diagnosis) -> Fact:
+    """Return what is compared along logs: of both cylinders, or of a single one."""
+    both = any(gap.name in _OF_LOAD for gap in diagnosis.where)
+    chamber, cylinder = ("of the four chambers", "either cylinder") if both else (
+        "chamber of the cylinder", "the cylinder"
+    )  # fmt: skip
+    name, words = _BALANCES
+    return name, words.format(chamber=chamber, cylinder=cylinder)
 
 
 def of_numbers(diagnosis: Diagnosis) -> tuple[Fact, Fact]:

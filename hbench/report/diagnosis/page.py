@@ -216,8 +216,8 @@ def _files(diagnosis: Diagnosis) -> str:
         contents.insert(0, "refitted values")
     model = f"the model with {listed(contents)}" if contents else "the model as given"
     files = [definitions.NEXT_FILE] if diagnosis.next_schedule else []
-    incomplete = of_strokes(diagnosis) or diagnosis.errors  # no plant of a whole bench
-    command = "reconcile" if incomplete else "run --plant"
+    whole = not (of_strokes(diagnosis) or diagnosis.errors)  # the plant of a bench
+    command = "run --plant" if whole and diagnosis.provenance.firmware else "reconcile"
     use = "; do not predict with it" if predictions_words(diagnosis) else f", for hbench {command}"
     files.append(f"model.yaml is {model}{use}.")
     left_out = [in_words(effect.name) for effect in diagnosis.effects if not effect.confirmed]

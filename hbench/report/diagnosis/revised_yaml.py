@@ -13,10 +13,12 @@ from hbench.report.diagnosis.words.coefficient import coefficient_text, effect_w
 from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
 
 _SOURCES = {
-    "simulated": "SIMULATED on the virtual rig: not valid for a real bench",
+    "simulated": "SIMULATED: not valid for a real bench",
     "real": "measured on a bench",
     "imported": "measured elsewhere and imported",
 }
+_USE = "Give it to `hbench run --plant`, or to `hbench simulate` or `reconcile` as --model."
+_USE_ELSEWHERE = "Give it to `hbench reconcile` as --model."  # the bench has no board of hbench
 _TOLERATED = "within a bench's tolerances: fitted with the values of the model"
 _WIDE = 96
 _COLUMN = 44  # where a comment beside a value begins
@@ -28,7 +30,7 @@ def revised_yaml(diagnosis: Diagnosis) -> str:
     lines = [
         f"{diagnosis.model}, revised by `hbench reconcile` after campaign {provenance.name!r} of "
         f"{provenance.started[:10]} (bench {provenance.bench!r}), {_SOURCES[provenance.source]}.",
-        "Give it to `hbench run --plant`, or to `hbench simulate` or `reconcile` as --model.",
+        _USE if diagnosis.provenance.firmware else _USE_ELSEWHERE,
         f"Verdict: {diagnosis.verdict}. {diagnosis.why}",
         *(
             f"Not in this model: {effect_words(effect)}. {gap_change(effect)}"

@@ -85,8 +85,9 @@ def least_odds(effects: Sequence[AddedEffect]) -> str:
 
 def ruled_out_words(diagnosis: Diagnosis) -> str:
     """Return which candidates explain enough and are ruled out by other data; empty for none."""
+    also = " too" if diagnosis.effects else ""
     return " ".join(
-        f"{title(each.name)} would explain {share(each.explained)} of the gap too, but is ruled "
+        f"{title(each.name)} would explain {share(each.explained)} of the gap{also}, but is ruled "
         f"out: {keys_as_words(diagnosis.ruled_out[each.name])}."
         for each in diagnosis.ranking
         if each.name in diagnosis.ruled_out and each.score > each.threshold

@@ -34,7 +34,12 @@ from hbench.report.diagnosis.words.action import (
     zero_check,
     zero_readings,
 )
-from hbench.report.diagnosis.words.candidate import best_candidate, closeness, hint
+from hbench.report.diagnosis.words.candidate import (
+    absorbed_words,
+    best_candidate,
+    closeness,
+    hint,
+)
 from hbench.report.diagnosis.words.change import (
     READINGS,
     TEST_FRICTION,
@@ -279,6 +284,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
         yield _ACTION, _model_to_use(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis) if hint(diagnosis) else ""
+    yield _CLOSEST, absorbed_words(diagnosis)
     yield _REFIT, refit_words(diagnosis)
     yield _DETECTABLE, detectable(diagnosis)
     if diagnosis.next_experiment:

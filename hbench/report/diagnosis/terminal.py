@@ -5,11 +5,12 @@ from collections.abc import Iterator
 from hbench.records import Diagnosis
 from hbench.report.diagnosis.heading import title_words
 from hbench.report.diagnosis.names import keys_in_words, of_the_mass
-from hbench.report.diagnosis.sentences import refused_words
+from hbench.report.diagnosis.sentences import refused_words, ruled_out_words
 from hbench.report.diagnosis.summary import OF_NEXT, Answer, answers, on_method
-from hbench.report.diagnosis.tables.separability_tables import not_tried_lines
+from hbench.report.diagnosis.tables.separability_tables import not_tried_lines, unseen_line
 from hbench.report.diagnosis.text import diagnosis_tables, gap_line, in_page_words, law_lines
 from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.diagnosis.words.candidate import absorbed_words
 from hbench.report.diagnosis.words.coefficient import keys_as_words
 from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
 from hbench.report.render.terminal_table import table_lines
@@ -34,6 +35,8 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     ]
     tables = map(in_page_words, diagnosis_tables(diagnosis))
     blocks += ["\n".join(table_lines(table)) for table in tables]
+    if diagnosis.verdict == "unknown":
+        blocks.append(_paragraphs(ruled_out_words(diagnosis)))
     notes = [line for note in diagnosis.notes for line in wrapped(note)]  # keys of files are kept
     blocks += [_paragraphs(*caveats(diagnosis)), "\n".join(notes)]
     return plain("\n\n".join(block for block in blocks if block))
@@ -57,6 +60,7 @@ def _paragraphs(*texts: str) -> str:
 def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return missing data, effects that were not tried and runs left out, a sentence each."""
     lines = [f"Missing for a better verdict: {item}" for item in diagnosis.missing]
+    lines += filter(None, (unseen_line(diagnosis), absorbed_words(diagnosis)))
     lines += map(capital, map(keys_as_words, not_tried_lines(diagnosis.not_tried)))
     lines += [refused_words(diagnosis)] if diagnosis.refit_refused else []
     if diagnosis.left_out:

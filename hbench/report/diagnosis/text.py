@@ -1,6 +1,7 @@
 """A diagnosis in words and tables, for the terminal and the page."""
 
 from collections.abc import Collection
+from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis.names import gap_number, in_sentence, keys_in_words, steps_of
@@ -87,7 +88,7 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
         candidates_table(diagnosis),
         errors_table(diagnosis),
         loads_table(diagnosis),
-        _columns(effects_table(diagnosis), _OF_EFFECTS),
+        replace(_columns(effects_table(diagnosis), _OF_EFFECTS), title="Effects"),
         alternatives_table(diagnosis),
         _columns(where_table(diagnosis) if unnamed else rest_table(diagnosis), _OF_DEVIATIONS),
         *([ranking_table(diagnosis, _FEW)] if diagnosis.verdict == "unknown" else []),

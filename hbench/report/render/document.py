@@ -33,7 +33,7 @@ _NUMBERED = re.compile(r"\b(Table) (\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 _OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")  # of a command
 BANNERS = {
-    "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
+    "simulated": "Simulated. A simulation made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
     "real": "Measured on a bench that hbench ran.",
 }

@@ -13,7 +13,7 @@ from hbench.report.render.numbers import NONE, number
 _NO_GAIN = 0.05  # nats that are written as 0
 _RANK_HEAD = (
     *("candidate", "score (nats)", "must exceed", "explains", "size"),
-    *("too small to be named", "tried"),
+    *("why not named", "tried"),
 )
 Rows = tuple[tuple[str, ...], ...]
 
@@ -56,7 +56,9 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
 def alternatives_table(diagnosis: Diagnosis) -> WordTable:
     """Return the ambiguous set."""
     return WordTable(
-        "Effects that these data cannot distinguish", _RANK_HEAD, _ranked(diagnosis.alternatives)
+        "Effects that these data cannot distinguish",
+        _RANK_HEAD,
+        _ranked(diagnosis, diagnosis.alternatives),
     )
 
 
@@ -66,7 +68,7 @@ def ranking_table(diagnosis: Diagnosis, most: int | None = None) -> WordTable:
     title = "Candidates of the first search"
     if len(chosen) < len(diagnosis.ranking):
         title += f" (the best {len(chosen)} of {len(diagnosis.ranking)})"
-    return WordTable(title, _RANK_HEAD, _ranked(chosen))
+    return WordTable(title, _RANK_HEAD, _ranked(diagnosis, chosen))
 
 
 def refitted_table(diagnosis: Diagnosis) -> WordTable:
@@ -81,7 +83,13 @@ def _size(size: float) -> str:
     return "< 0.01" if size < 0.01 else number(size, 2)
 
 
-def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
+def _obstacles(diagnosis: Diagnosis, candidate: Candidate) -> str:
+    """Return what is too small for a candidate to be named, or that it is ruled out."""
+    ruled_out = ["ruled out"] if candidate.name in diagnosis.ruled_out else []
+    return ", ".join(too_small(candidate) or ruled_out) or NONE
+
+
+def _ranked(diagnosis: Diagnosis, candidates: tuple[Candidate, ...]) -> Rows:
     return tuple(
         (
             candidate.name,
@@ -91,7 +99,7 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
                 (
                     share(candidate.explained),
                     f"{_size(candidate.size)} × typical",
-                    ", ".join(too_small(candidate)) or NONE,
+                    _obstacles(diagnosis, candidate),
                 )
                 if candidate.score > _NO_GAIN
                 else (NONE, NONE, "score")

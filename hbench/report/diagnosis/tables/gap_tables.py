@@ -101,12 +101,12 @@ def edges_table(diagnosis: Diagnosis) -> WordTable:
     rows = []
     for name in EDGES:
         gaps = edge_gaps(diagnosis, name)
-        cells = (number(gaps.get(edge), 2) for edge in ("supply", "tank"))
-        rows.append((balance(name).title, *cells))
-    known = any(cell != NONE for _, *cells in rows for cell in cells)
+        cells = [number(gaps.get(edge), 2) for edge in ("supply", "tank")]
+        if any(cell != NONE for cell in cells):
+            rows.append((balance(name).title, *cells))
     head = ("chamber", "open to supply", "open to tank")
     title = f"Gap by metering edge, {compared_model(diagnosis)}, all runs"
-    return WordTable(title, head, tuple(rows) if known else ())
+    return WordTable(title, head, tuple(rows))
 
 
 def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from hbench.records import BeforeAfter, Diagnosis, GapTable, RunPlan, WordTable
+from hbench.records import KINDS, BeforeAfter, Diagnosis, GapTable, RunPlan, WordTable
 from hbench.report.campaign.series_words import load_words
 from hbench.report.diagnosis.names import STEPS, balance, signal, steps_of
 from hbench.report.render.csv_text import csv_text
@@ -61,7 +61,11 @@ def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
 
 def plan_words(plan: RunPlan) -> str:
     """Return what a run was: its experiment, speed, load and trial."""
-    speed = f"{plan.kind} {short(1e3 * plan.v_ref_m_s)} mm/s" if plan.v_ref_m_s else plan.kind
+    speed = plan.kind
+    if plan.v_ref_m_s:  # of imported runs at several speeds it is the largest measured one
+        several = plan.motion is None and KINDS[plan.kind].covers_speeds
+        largest, signed = f"up to {short(1e3 * abs(plan.v_ref_m_s))}", short(1e3 * plan.v_ref_m_s)
+        speed = f"{plan.kind} {largest if several else signed} mm/s"
     load = load_words(plan.f_load_n, plan.p_lr_ref_pa)
     label = plan.label.removesuffix(plan.run).strip()  # strokes of one file are runs of their own
     return ", ".join(filter(None, (label, speed, load, f"trial {plan.trial}")))

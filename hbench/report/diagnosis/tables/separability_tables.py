@@ -146,6 +146,17 @@ def undetectable(diagnosis: Diagnosis) -> str:
     )
 
 
+def unseen_line(diagnosis: Diagnosis) -> str:
+    """Return which effects could be present without showing, where none is found."""
+    if diagnosis.verdict != "none":
+        return ""
+    unseen = [name for name, known in _detectable(diagnosis).items() if not known]
+    tried = [in_words(name) for name in unseen if name not in diagnosis.not_tried]
+    others = [in_words(name) for name in unseen if name in diagnosis.not_tried]
+    parts = filter(None, (", ".join(tried), f"not tried: {', '.join(others)}" if others else ""))
+    return f"Could be present at a typical size: {'; '.join(parts)}" if unseen else ""
+
+
 def untried_words(diagnosis: Diagnosis) -> str:
     """Return the unseen effects for which no experiment was simulated, with the reasons."""
     unseen = [name for name, known in _detectable(diagnosis).items() if not known]

@@ -58,6 +58,23 @@ def best_candidate(diagnosis: Diagnosis) -> str:
     )
 
 
+def absorbed_words(diagnosis: Diagnosis) -> str:
+    """Return the candidates with a sufficient score that the refitted values make superfluous."""
+    names = [
+        f"{in_words(each.name)} (score {number(each.score, 1)} nats, {number(each.threshold, 1)} "
+        f"needed; explains {share(each.explained)})"
+        for each in diagnosis.ranking
+        if each.score > each.threshold and each.explained < LEAST_EXPLAINED
+    ]
+    if not names or diagnosis.verdict != "none":
+        return ""
+    without = "it" if len(names) == 1 else "them"
+    return (
+        f"Not excluded: {listed(names)}. The refitted model without {without}, with errors of the "
+        "sensors within their tolerances, comes about as close."
+    )
+
+
 def _coefficients(candidate: Candidate) -> str:
     """Write which offsets of the pressures a candidate consists of; empty for other candidates."""
     sizes = [abs(value) for name, value in candidate.parameters.items() if name in PRESSURE_SYMBOLS]
