@@ -40,6 +40,7 @@ BY_NAME += (
     "ruled_out",
     "next_schedule",
     "zero_tolerances",
+    "delays",
     "also",
 )
 
