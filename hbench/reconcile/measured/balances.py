@@ -28,7 +28,6 @@ import numpy as np
 from hbench.analysis.rounding import is_constant
 from hbench.config.bench import Bench, Controllers, Plant
 from hbench.config.sensors import Sensors
-from hbench.errors import DataError
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import (
     EFFECTS,
@@ -55,7 +54,6 @@ from hbench.reconcile.measured.disturbances import POSITION, Ripples
 from hbench.reconcile.measured.integration import Starts
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, VELOCITY, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
-from hbench.reconcile.measured.weak import sampling
 from hbench.records import Run, RunPlan
 
 BALANCE_UNITS = {
@@ -345,21 +343,3 @@ def _supply(p_s: np.ndarray, means: AlongLog, session: Session, par: PlantParame
 def channels_missing(run: Run, balance: str) -> tuple[str, ...]:
     """Return the channels of a balance that a run does not have."""
     return tuple(name for name in CHANNELS_OF[balance] if getattr(run, name) is None)
-
-
-def run_channels(run: Run, *names: str) -> list[np.ndarray] | None:
-    """Return the channels of a run with these names, in order; None if any is missing."""
-    channels = [getattr(run, name) for name in names]
-    return None if any(channel is None for channel in channels) else channels
-
-
-def incomplete_reason(run: Run) -> str:
-    """Return why a run's log is incomplete or unevenly sampled; empty for a complete one."""
-    inside = f"{run.missing_records} records are missing inside the log"
-    if reason := run.truncated or (inside if run.missing_records else ""):
-        return reason
-    try:
-        sampling(run)
-    except DataError as error:
-        return error.message.removeprefix(f"run {run.plan.run}: ")
-    return ""

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from hbench.errors import DataError
-from hbench.reconcile.measured.balances import incomplete_reason
 from hbench.reconcile.measured.session import CAVITATES_PA, RECORD_S, Session, averaged
+from hbench.reconcile.measured.weak import sampling
 from hbench.records import Run
 from hbench.units import from_si
 
@@ -45,6 +45,18 @@ def comparable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ..
         else:
             usable.append(even)
     return tuple(usable), tuple(left_out)
+
+
+def incomplete_reason(run: Run) -> str:
+    """Return why a run's log is incomplete or unevenly sampled; empty for a complete one."""
+    inside = f"{run.missing_records} records are missing inside the log"
+    if reason := run.truncated or (inside if run.missing_records else ""):
+        return reason
+    try:
+        sampling(run)
+    except DataError as error:
+        return error.message.removeprefix(f"run {run.plan.run}: ")
+    return ""
 
 
 def log_remarks(logs: Sequence[Session]) -> tuple[str, ...]:

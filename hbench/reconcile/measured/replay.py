@@ -14,7 +14,8 @@ from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.config.bench import Bench, Plant
 from hbench.model.effects.catalogue import changed_by, read_effects
 from hbench.model.sensors import SENSORS, sensor_gains, sensor_parameters
-from hbench.reconcile.measured.balances import balance_model, incomplete_reason
+from hbench.reconcile.measured.balances import balance_model
+from hbench.reconcile.measured.comparable_runs import incomplete_reason
 from hbench.reconcile.measured.window_signals import INPUTS, OPEN_LOOP_CHANNELS, SIGNALS, open_loop
 from hbench.records import Run, SignalError
 

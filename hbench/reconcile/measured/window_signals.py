@@ -40,7 +40,6 @@ from hbench.reconcile.measured.balances import (
     BalanceModel,
     WindowedRun,
     operating_conditions,
-    run_channels,
 )
 from hbench.reconcile.measured.session import Session, sessions
 from hbench.records import Run
@@ -74,7 +73,7 @@ def open_loop_errors(run: Run, model: BalanceModel) -> WindowedRun:
     names = OPEN_LOOP_SIGNALS
     (session,) = sessions([run])
     values = _means(session, model, names)
-    if run_channels(run, *(_FIELDS[name] for name in OPEN_LOOP_CHANNELS)) is None:
+    if _channels(run, *(_FIELDS[name] for name in OPEN_LOOP_CHANNELS)) is None:
         return _windowed(session, model, names, values * np.nan)
     (predicted,) = sessions([open_loop(run, model)])
     return _windowed(session, model, names, values - _means(predicted, model, names))
@@ -88,8 +87,8 @@ def open_loop(run: Run, model: BalanceModel) -> Run:
     Raises ``DataError`` where a channel is missing.
     """
     par = model.par
-    pressures = run_channels(run, *(_FIELDS[name] for name in _PRESSURES))
-    channels = run_channels(run, *(_FIELDS[name] for name in INPUTS))
+    pressures = _channels(run, *(_FIELDS[name] for name in _PRESSURES))
+    channels = _channels(run, *(_FIELDS[name] for name in INPUTS))
     if pressures is None or channels is None:
         raise DataError(
             f"run {run.plan.run}: the open loop needs {', '.join(OPEN_LOOP_CHANNELS)}",
@@ -167,7 +166,7 @@ def _mean(session: Session, model: BalanceModel, name: str) -> np.ndarray:
     if name != "friction":
         field = _FIELDS[name]
         return missing if getattr(run, field) is None else session.mean(channels[field])
-    if run_channels(run, "p_tp_pa", "p_tr_pa", "f_applied_n") is None:
+    if _channels(run, "p_tp_pa", "p_tr_pa", "f_applied_n") is None:
         return missing
     f_test = channels["p_tp_pa"] * par.test.area_piston_m2
     f_test = f_test - channels["p_tr_pa"] * par.test.area_rod_m2
@@ -181,3 +180,9 @@ def _windowed(
     steps = np.array([model.word_steps.get(name, 0.0) for name in names])
     conditions = operating_conditions(session, model)
     return WindowedRun(session.runs[0].plan, names, values, *conditions, steps / np.sqrt(12))
+
+
+def _channels(run: Run, *names: str) -> list[np.ndarray] | None:
+    """Return the channels of a run with these names, in order; None if any is missing."""
+    channels = [getattr(run, name) for name in names]
+    return None if any(channel is None for channel in channels) else channels

@@ -16,7 +16,8 @@ from hbench.reconcile.diagnose import NOT_SIMULATED, ReconcileTask, assembled
 from hbench.reconcile.diagnosis_fields import ModelledData, insufficient_data_diagnosis
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.measured.balances import BALANCES, incomplete_reason
+from hbench.reconcile.measured.balances import BALANCES
+from hbench.reconcile.measured.comparable_runs import incomplete_reason
 from hbench.reconcile.motion.force_unit import in_newtons
 from hbench.reconcile.motion.measured_motion import (
     BALANCE,
