@@ -396,6 +396,22 @@ def test_an_agreement_by_a_value_that_is_far_off_asks_to_check_it(
     assert (asked in text) is bool(told) and told in text
 
 
+def test_late_commands_say_what_a_bandwidth_at_its_bound_says(compared):
+    factor = FitParameter(1.57, None, (1.01, 1.57), "upper", "1")
+    none = replace(
+        compared,
+        verdict="none",
+        rest=(),
+        refitted={"valve.bandwidth": factor},
+        refit_priors={"valve.bandwidth": 0.15},
+    )
+    late = {"commands": FitParameter(18.5, 0.7, (17.1, 19.9), None, "ms")}
+    asked = "Check these values of the model file"
+    assert asked in verdict_words(none)
+    words = ordinary_spaces(verdict_words(replace(none, delays=late)))
+    assert asked not in words and "the valves' commands by 18.5" in words
+
+
 def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(compared):
     gaps = {
         "flow_lp": BeforeAfter(4.0, 2.79, 2.79, 4.48),

@@ -209,7 +209,8 @@ def doubtful_values(diagnosis: Diagnosis) -> str:
     """Return the values of the model that the refit moves far beyond their assumed accuracy.
 
     Empty without any. Volumes and masses are known from drawings and by weighing; of valves, oil
-    and supply a value counts that is at its bound. If such a value is right in the model file, the
+    and supply a value counts that is at its bound. Where the commands are late, the valves'
+    bandwidth does not count: both delay the flow. If such a value is right in the model file, the
     refit has changed it in place of an effect that the model does not contain.
     Where flows to chambers are unexplained, these are the dead volumes there, which are then a hint
     from one assumed standard deviation.
@@ -235,6 +236,8 @@ def doubtful_values(diagnosis: Diagnosis) -> str:
 def _is_doubtful(diagnosis: Diagnosis, path: str) -> bool:
     if path.startswith(_MASSES) or path in _DEAD_VOLUMES.values():
         return _priors_off(diagnosis, path) > _DOUBTFUL
+    if path == "valve.bandwidth" and "commands" in diagnosis.delays:
+        return False
     return path.startswith(_CATALOGUED) and diagnosis.refitted[path].at_bound is not None
 
 
