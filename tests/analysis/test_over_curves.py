@@ -65,6 +65,6 @@ def test_the_same_points_again_narrow_no_interval(tustin, frictions):
 def test_an_interval_over_curves_that_leaves_the_bounds_is_not_given(tustin):
     stribeck_speeds = np.array([0.006] * 6 + [0.03] * 2)
     fit = tustin(SPEEDS, np.array([stribeck(SPEEDS, 250, 500, v, 1500) for v in stribeck_speeds]))
-    stribeck = fit.parameters["v_stribeck_m_s"]
-    assert stribeck.at_bound is None and stribeck.ci95 is None and stribeck.se is None
+    found = fit.parameters["v_stribeck_m_s"]
+    assert found.at_bound is None and found.ci95 is None and found.se is None
     assert re.search(r"\bv_stribeck_m_s\b.*\blinearised\b", fit.message)

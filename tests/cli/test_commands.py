@@ -98,9 +98,9 @@ def test_check_lists_the_effects_that_the_runs_would_show(hbench, short_schedule
     assert done.returncode == 0 and "simulat" in done.stderr
     assert "internal_leakage" in done.stdout and "l/min/bar" in done.stdout
     assert (
-        "no effect can be named; missing: at least 8 operating points; these runs have 2"
-        in done.stdout
-    )
+        "no effect can be named; missing: at least 8 operating points (runs with the same plan are "
+        "trials of one operating point); these runs have 2"
+    ) in " ".join(done.stdout.split())
     done = hbench("run", schedule, "--check", "--effects", "--json")
     effects = json.loads(done.stdout)["effects"]
     sizes = {(size["effect"], size["coefficient"]) for size in effects["separability"]["sizes"]}
