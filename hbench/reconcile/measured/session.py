@@ -92,9 +92,10 @@ class Session:
 
     def shifted(self, name: str, by_s: float) -> np.ndarray:
         """Return a channel (n,), which may have steps, as it is ``by_s`` later."""
-        y, t_s = self.channels[name], self.channels["t_s"]
+        y = self.channels[name]
         if by_s == 0.0:
             return y
+        t_s = self.channels["t_s"]
         runs = (slice(*ends) for ends in pairwise(self.edges))
         return np.concatenate([np.interp(t_s[own] + by_s, t_s[own], y[own]) for own in runs])
 
