@@ -240,7 +240,7 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
     ("change", "message"),
     [
         ({"constants": {"p_tr_pa": "0"}}, "constants.p_tr_pa = '0': has no unit"),
-        ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa .*columns.*constants"),
+        ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa is both a column and a constant"),
         ({"constants": {"p_xx_pa": "0 bar"}}, "unknown channel 'p_xx_pa'"),
         ({"constants": {"p_tp_bar": "0 bar"}}, "'p_tp_bar'; did you mean 'p_tp_pa'[?]"),
         ({"constants": {"p_tp": "0 bar"}}, "'p_tp'; did you mean 'p_tp_pa'[?]"),
