@@ -205,17 +205,17 @@ def spread(
     residual = data.mixed[index] - of_columns[points]
     slope = np.einsum("g,pgj->pj", weight, residual)
     sandwich = inverse @ (_scatter(slope) + prior_information) @ inverse
-    covariance = sandwich
+    covariance = _larger(sandwich, inverse)
     if alike is not None:
         _, group = np.unique(alike[points], return_inverse=True)
         by_group = np.zeros((group.max() + 1, slope.shape[1]))
         np.add.at(by_group, group, slope)
         if len(by_group) > 1:
-            covariance = inverse @ (_scatter(by_group) + prior_information) @ inverse
-            covariance = _larger(covariance, sandwich)
+            of_groups = inverse @ (_scatter(by_group) + prior_information) @ inverse
+            covariance = _larger(of_groups, covariance)
     share = information / np.maximum(information.sum(axis=0), 1e-300)
     dof = np.maximum(share.T @ sums.points - 1, 1.0)
-    return Spread(_larger(covariance, inverse), sandwich, dof)
+    return Spread(covariance, sandwich, dof)
 
 
 def _scatter(slope: np.ndarray) -> np.ndarray:
