@@ -205,17 +205,16 @@ def spread(
     residual = data.mixed[index] - of_columns[points]
     slope = np.einsum("g,pgj->pj", weight, residual)
     sandwich = inverse @ (_scatter(slope) + prior_information) @ inverse
-    covariance = _larger(sandwich, inverse)
+    others = [sandwich]
     if alike is not None:
         _, group = np.unique(alike[points], return_inverse=True)
         by_group = np.zeros((group.max() + 1, slope.shape[1]))
         np.add.at(by_group, group, slope)
         if len(by_group) > 1:
-            of_groups = inverse @ (_scatter(by_group) + prior_information) @ inverse
-            covariance = _larger(of_groups, covariance)
+            others.append(inverse @ (_scatter(by_group) + prior_information) @ inverse)
     share = information / np.maximum(information.sum(axis=0), 1e-300)
     dof = np.maximum(share.T @ sums.points - 1, 1.0)
-    return Spread(covariance, sandwich, dof)
+    return Spread(_larger(inverse, *others), sandwich, dof)
 
 
 def _scatter(slope: np.ndarray) -> np.ndarray:
@@ -230,17 +229,19 @@ def _inverse(matrix: np.ndarray) -> np.ndarray:
     return 0.5 * (inverse + inverse.T)
 
 
-def _larger(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return a covariance (q, q) whose variance in any direction is at least that of both.
+def _larger(least: np.ndarray, *others: np.ndarray) -> np.ndarray:
+    """Return a covariance (q, q) whose variance in any direction is at least that of all.
 
-    It is the smallest such one that has their common principal axes; what both determine well, as
-    a sum of two parameters of which they determine neither, remains so.
+    Of two it is the smallest such one that has their common principal axes; what both determine
+    well, as a sum of two parameters of which they determine neither, remains so. ``least`` must be
+    well conditioned.
     """
-    root = np.linalg.cholesky(second)
-    turned = np.linalg.solve(root, np.linalg.solve(root, first).T)
-    values, vectors = np.linalg.eigh(0.5 * (turned + turned.T))
-    half = root @ vectors * np.sqrt(np.maximum(values, 1.0))
-    return half @ half.T
+    root = np.linalg.cholesky(least)
+    for other in others:
+        turned = np.linalg.solve(root, np.linalg.solve(root, other).T)
+        values, vectors = np.linalg.eigh(0.5 * (turned + turned.T))
+        root = root @ vectors * np.sqrt(np.maximum(values, 1.0))
+    return root @ root.T
 
 
 class Fit(NamedTuple):
