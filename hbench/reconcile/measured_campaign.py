@@ -27,7 +27,7 @@ from hbench.reconcile.measured.balances import (
     rounding_error,
 )
 from hbench.reconcile.measured.disturbances import (
-    COMMANDS,
+    ALL_COMMANDS,
     CYLINDERS,
     DELAY_S,
     POSITION,
@@ -84,7 +84,7 @@ class MeasuredCampaign:
         It reads all channels at the same time.
         """
         position = [POSITION] if self.late_position else []
-        return (*self.drifts, COMMANDS, *position) if self.bench is None else ()
+        return (*self.drifts, ALL_COMMANDS, *position) if self.bench is None else ()
 
     @property
     def cylinders(self) -> tuple[str, ...]:

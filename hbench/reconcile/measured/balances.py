@@ -48,9 +48,8 @@ from hbench.model.sensors import (
     sensor_parameters,
 )
 from hbench.model.states import P_TP, P_TR
-from hbench.reconcile.measured import disturbances
 from hbench.reconcile.measured.along import STEP_S, AlongLog, along
-from hbench.reconcile.measured.disturbances import POSITION, Ripples
+from hbench.reconcile.measured.disturbances import ALL_COMMANDS, POSITION, Ripples
 from hbench.reconcile.measured.integration import Starts
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, VELOCITY, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
@@ -305,7 +304,7 @@ def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:
         for name, channel in zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)
     ]
     x = true_values(session, "x_m", model, "x")
-    delay_s = model.delays_s.get(disturbances.COMMANDS, 0.0)
+    delay_s = model.delays_s.get(ALL_COMMANDS, 0.0)
     commands = [session.shifted(name, delay_s) for name in COMMANDS]
     late_s = model.delays_s.get(POSITION, 0.0)
     velocity = session.ahead(VELOCITY, late_s) if late_s else session.velocity_m_s

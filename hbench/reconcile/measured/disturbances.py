@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 CYLINDERS = "test", "load"
-COMMANDS, POSITION = "commands", "x"  # channels; that of the commands is of all valves
+ALL_COMMANDS, POSITION = "commands", "x"  # channels; that of the commands is of all valves
 _DELAY = "~delay_"
 _LARGEST = 3**0.5  # equally likely within a limit
 DELAY_S = 30e-3 / _LARGEST  # assumed; a filter of 10 Hz takes 23 ms
@@ -56,7 +56,7 @@ def limits(name: str) -> tuple[float, float]:
 
     Commands that are early, against all else, are late valves.
     """
-    is_late = delayed_channel(name) in (COMMANDS, POSITION)
+    is_late = delayed_channel(name) in (ALL_COMMANDS, POSITION)
     return (0.0 if is_late else -_LARGEST), _LARGEST
 
 

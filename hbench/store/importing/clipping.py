@@ -29,10 +29,9 @@ def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarra
     """
     none = np.zeros(len(values), dtype=bool)
     known = values[np.isfinite(values)]
-    steps = np.abs(np.diff(known))
-    if len(known) < 3 * LEAST_SAMPLES or not steps.any():
+    resolution = _resolution(known)
+    if len(known) < 3 * LEAST_SAMPLES or not resolution:
         return none
-    resolution = steps[steps > 1e-9 * np.ptp(known)].min()
     inside = known[(known > known.min()) & (known < known.max())]
     least = max(LEAST_SAMPLES, _longest(np.diff(inside) == 0) + 2)
     within = np.isfinite(values) & (values > known.min()) & (values < known.max())
@@ -49,6 +48,12 @@ def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarra
     return clipped
 
 
+def _resolution(known: np.ndarray) -> float:
+    """Return the smallest step between successive samples (n,); 0 where they are constant."""
+    steps = np.abs(np.diff(known))
+    return float(steps[steps > 1e-9 * np.ptp(known)].min()) if steps.any() else 0.0
+
+
 def near_limit(values: np.ndarray) -> np.ndarray:
     """Return the samples (n,) in stretches near the highest or the lowest value with little noise.
 
@@ -57,10 +62,9 @@ def near_limit(values: np.ndarray) -> np.ndarray:
     """
     near = np.zeros(len(values), dtype=bool)
     known = values[np.isfinite(values)]
-    steps = np.abs(np.diff(known))
-    if len(known) < 3 * _LEAST_NOISY_SAMPLES or not steps.any():
+    resolution = _resolution(known)
+    if len(known) < 3 * _LEAST_NOISY_SAMPLES or not resolution:
         return near
-    resolution = steps[steps > 1e-9 * np.ptp(known)].min()
     for limit in (known.max(), known.min()):
         within = np.abs(values - limit) <= (_COUNTS + 0.01) * resolution
         beyond = np.isfinite(values) & ~within
