@@ -49,7 +49,6 @@ from hbench.records import Candidate
 
 _MOST_IN_FULL = 6  # candidates
 _MOST_AFRESH = 3  # candidates; their columns are far from the fit, so a score says little
-_LEAST_SHARE = 0.3  # of the best score; candidates below are not evaluated in full
 _LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not evaluated in full
 _MOST_EFFECTS = 4
 _REFUSED = (
@@ -265,8 +264,7 @@ def _names(candidates: Iterable[Candidate]) -> list[str]:
 
 def _promising(linear: Sequence[EvaluatedCandidate]) -> list[str]:
     """Return the candidates, best first, whose linear score suffices for an evaluation in full."""
-    highest = linear[0].candidate.score if linear else 0.0
-    least = max(_LEAST_SHARE * highest, _LEAST_PROMISING * CRITERIA.score)
+    least = _LEAST_PROMISING * CRITERIA.score
     names = [each.candidate.name for each in linear if each.candidate.score > least]
     return names[:_MOST_IN_FULL]
 
