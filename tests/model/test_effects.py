@@ -12,7 +12,13 @@ from hbench.model.build import plant_parameters
 from hbench.model.effects.applied import compose
 from hbench.model.effects.catalogue import EFFECTS, Effect, changed_by, with_effects
 from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
-from hbench.model.effects.flows import overlapped, uneven_ports, valve_trim, with_air
+from hbench.model.effects.flows import (
+    overlapped,
+    uneven_ports,
+    valve_hysteresis,
+    valve_trim,
+    with_air,
+)
 from hbench.model.noise import new_noise
 from hbench.model.plant import (
     P_LP,
@@ -261,6 +267,44 @@ def test_a_slow_valve_in_two_parts_is_two_lags_in_a_row(par, start):
     for place, volts in zip(range(at, at + 3), (0.7, 0.3, -1.4), strict=True):
         slow, fast = lagged.state[:, place], lagged.state[:, place + 3]
         assert slow + weight * (slow - fast) == pytest.approx(volts * expected, abs=2e-5)
+
+
+@pytest.mark.parametrize("rate", [2.0, 40.0])
+def test_a_spool_with_play_follows_a_triangle_as_a_loop_of_twice_the_play(par, rate):
+    """A closed form at each sample: behind by the play on the way, at rest after each turn."""
+    play, amplitude = 0.1, 0.5
+    t_s = np.arange(0.0, 4 * amplitude / rate, 1e-4)
+    u = amplitude - np.abs((rate * t_s + amplitude) % (4 * amplitude) - 2 * amplitude)
+    state, rates = np.zeros((2, 3))
+    found = []
+    for command in u:
+        c, opened = (play, 0.0), Openings(command, command, 0.0)
+        found.append(valve_hysteresis(opened, c, state, 0, rates, par))
+        state += 1e-4 * rates
+    test, load_1, _ = np.array(found).T
+    expected = [0.0]
+    for command in u[1:]:
+        expected.append(min(max(expected[-1], command - play), command + play))
+    assert test == pytest.approx(np.array(expected), abs=2e-3 * rate)
+    assert np.array_equal(load_1, u)
+    assert test.max() == pytest.approx(amplitude - play, abs=1e-3 * rate)
+
+
+def test_play_gives_another_flow_up_than_down(par, start):
+    """The opening of the same command differs by twice the play."""
+    play, u = 0.1, np.array([0.8, 0.3, -1.4])
+    loose = with_effects(par, {"valve_hysteresis": {"test": play}})
+    state = np.zeros(n_states(loose))
+    state[: len(start)] = start
+    up = simulate(loose, state, np.tile(u, (3000, 1)))
+    more = simulate(loose, up.state[-1], np.tile(u + [0.3, 0, 0], (3000, 1)))
+    down = simulate(loose, more.state[-1], np.tile(u, (3000, 1)))
+    tight = with_effects(par, {"valve_hysteresis": {"test": 0.0}})
+    for loop, opening in ((up, u[0] - play), (down, u[0] + play)):
+        at = np.zeros(n_states(tight))
+        at[: len(start)] = loop.state[-1, : len(start)]
+        plain = simulate(tight, at, np.tile([opening, *u[1:]], (3000, 1)))
+        assert loop.state[-1, V] == pytest.approx(plain.state[-1, V], rel=2e-2)
 
 
 # ---- oil and lines

@@ -52,12 +52,13 @@ def run(par, there_and_back):
 def chambers(run):
     """For each chamber: pressure, volume, flow from its valve, all flow, and that of a sharp edge.
 
-    The valves' gains, nulls and curvature are in the openings that lag.
+    The valves' gains, nulls and curvature are in the openings that lag, play and overlap behind.
     """
     y = run.state
     x, supply, at = y[:, X], y[:, P_S], first_state("valve_lag")
-    lagged = y[:, at : at + 3]
-    dead = np.sign(lagged) * np.maximum(np.abs(lagged) - 0.05, 0)
+    lagged, at = y[:, at : at + 3], first_state("valve_hysteresis")
+    loose = lagged - np.clip(lagged - y[:, at : at + 3], -0.05, 0.05)
+    dead = np.sign(loose) * np.maximum(np.abs(loose) - 0.05, 0)
     uneven = np.array([0.05, 0.05 + 0.05, 0.05 - 0.05])  # the load valves about their mean
     u_t, u_l1, u_l2 = (dead + uneven * np.abs(dead)).T
     tank = 2 * BAR + y[:, first_state("tank_back_pressure")]

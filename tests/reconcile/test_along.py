@@ -31,6 +31,7 @@ LIMITS = {**dict.fromkeys(FLOWS, 2e-8), **dict.fromkeys(FORCES, 0.5), "supply": 
 # half a step of 1 ms would leave a tenth of that of a lag of 5 ms: two limits.
 CASES = [
     ({"valve_lag": {"time": "5 ms"}}, FLOWS),
+    ({"valve_hysteresis": {"test": "0.1 V", "load": "0.1 V"}}, FLOWS),
     ({"tank_back_pressure": {"resistance": "0.05 bar min^2/l^2"}}, FLOWS),
     ({"presliding": {"force": "100 N", "length": "2 mm"}}, ("force_test",)),
     ({"friction_lag": {"time": "60 ms"}}, FORCES),

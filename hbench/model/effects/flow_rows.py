@@ -80,6 +80,34 @@ ROWS = {
         repair="Clean or replace the pilot stage, or enter the measured bandwidth.",
         source="Merritt (1967), chapter 7",
     ),
+    "valve_hysteresis": Effect(
+        description="each valve's spool follows its command with play",
+        coefficients={
+            "test": Coefficient("V", 0.05, 0, 2),
+            "load": Coefficient("V", 0.05, 0, 2),
+        },
+        balances=FLOWS,
+        laws={"openings": flows.valve_hysteresis},
+        states=3,
+        law="the opening y stays until the spool's command u is w away, w = test or load: "
+        "|u - y| <= w, and 2 w is the width of the loop",
+        signals="After a command turns, its next change moves nothing; the same voltage at any "
+        "rate.",
+        confused_with={
+            "valve_lag": Separation(
+                "triangle", "slow and fast changes of the command: play is a voltage, a lag a time"
+            ),
+            "valve_deadband": Separation(
+                "triangle", "commands that turn far from 0: an overlap acts at 0 alone"
+            ),
+        },
+        inspect=(
+            "the flow curve recorded up and down, the valve's dither, its position feedback, and "
+            "dirt at the spool"
+        ),
+        repair="Clean the spool and set the dither, or replace the valve.",
+        source="Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), section 2",
+    ),
     "valve_deadband": Effect(
         description="a valve opens only beyond a voltage; where it is negative, the edges underlap",
         coefficients={

@@ -12,10 +12,12 @@ from hbench.model.effects.couplings import ChamberFlows, Coefficients, OilProper
 from hbench.model.effects.shapes import power_law, soft_edge
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
+from hbench.model.valves import clamp
 
 FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
 PRESSURE_PA = 50e5
 LEAST_LAG_S = 5e-5  # that the steps of the virtual rig, of 0.1 ms, can follow
+_DRIVES_S = 1e-3  # in which a spool beyond its play is driven; its opening follows at once
 LEAST_DROP_PA = 1e3  # across a port
 SMALL_OPENING_V = 2.0  # a fifth of a valve's stroke
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
@@ -123,6 +125,36 @@ def lagging(
         return slow
     rates[at + 3] = (u - fast) / max(share * tau, LEAST_LAG_S)
     return slow + weight * (slow - fast)
+
+
+def valve_hysteresis(
+    u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Openings:  # fmt: skip
+    """Play between command and spool: its opening stays until u is w away. c: w [V] of the test
+    valve and of both load valves, half the width of the loop.
+
+    Friction of a spool without position feedback, or a worn linkage. The play operator of
+    Krasnosel'skii and Pokrovskii (Systems with Hysteresis, 1989, section 2).
+    """
+    test, load = c
+    return Openings(
+        with_play(u.test, test, state, at, rates),
+        with_play(u.load_1, load, state, at + 1, rates),
+        with_play(u.load_2, load, state, at + 2, rates),
+    )
+
+
+@inlined
+def with_play(u: float, width: float, state: np.ndarray, at: int, rates: np.ndarray) -> float:
+    """Opening [V] of one valve; the state ``at`` is where the play's middle was last driven to."""
+    if width == 0.0:
+        rates[at] = 0.0
+        return u
+    ahead = u - state[at]
+    inside = clamp(ahead, width)
+    rates[at] = (ahead - inside) / _DRIVES_S
+    return u - inside
 
 
 @inlined

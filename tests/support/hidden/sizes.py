@@ -73,11 +73,11 @@ KNOWN: dict[str, Size] = {
         {f"p_{name}": 4.0 * BAR for name in ("tp", "tr", "lp", "lr", "s")}, signed=True
     ),
     "velocity_filter_lag": Size({"time": 2e-3}),
+    "valve_hysteresis": Size({"test": 0.05, "load": 0.05}),
 }  # fmt: skip
 
 # Effects that it does not have.
 OUTSIDE: dict[str, Size] = {
-    "valve_play": Size({"width": 0.05}),
     "flow_force": Size({"share": 0.05}),
     "position_error": Size(
         {"bow": 0.03, "wave": 0.03}, signed=True, shape={"period": (0.03, 0.06)}

@@ -102,6 +102,7 @@ QUANTITIES: dict[str, dict[str, Pair]] = {
     "load_cell_offset": {"force": _same("force")},
     "pressure_offset": {f"p_{name}": _same(f"p_{name}") for name in ("tp", "tr", "lp", "lr", "s")},
     "velocity_filter_lag": {"time": _same("time")},
+    "valve_hysteresis": {side: _same(side) for side in _SIDES},
 }
 
 

@@ -44,6 +44,27 @@ def soft_lap(u, width):
     return copysign(sqrt(u * u + width * width) - width, u)
 
 
+@inlined
+def follow(y, u, width, rates, at):
+    """A spool that friction holds with +-``width`` against a spring, and that creeps within it."""
+    ahead = abs(u - y) / width if width > 0.0 else 2.0
+    rates[at] = (u - y) / 2e-3 * min(max(0.0, ahead - 1.0) + 0.002, 1.0)
+    return u if width == 0.0 else y
+
+
+def valve_hysteresis(u, c, state, at, rates, par):
+    """Sticky spools: an opening depends on where it came from."""
+    test, load = c
+    if test == 0.0 and load == 0.0:
+        rates[at] = rates[at + 1] = rates[at + 2] = 0.0
+        return u
+    return Openings(
+        follow(state[at], u.test, test, rates, at),
+        follow(state[at + 1], u.load_1, load, rates, at + 1),
+        follow(state[at + 2], u.load_2, load, rates, at + 2),
+    )
+
+
 def valve_deadband(u, c, state, at, rates, par):
     test, load = c
     return Openings(soft_lap(u.test, test), soft_lap(u.load_1, load), soft_lap(u.load_2, load))
@@ -184,30 +205,6 @@ def external_leakage(q, c, state, at, rates, par):
 
 
 # ---- what the catalogue does not have
-
-
-@inlined
-def follow(y, u, width, rates, at):
-    """A part driven by u with a play of +- width."""
-    rates[at] = 0.0
-    if u - y > width:
-        rates[at] = (u - y - width) / 1e-3
-    elif u - y < -width:
-        rates[at] = (u - y + width) / 1e-3
-    return y
-
-
-def valve_play(u, c, state, at, rates, par):
-    """Play between motor and spool of each valve: its opening depends on where it came from."""
-    (width,) = c
-    if width == 0.0:
-        rates[at] = rates[at + 1] = rates[at + 2] = 0.0
-        return u
-    return Openings(
-        follow(state[at], u.test, width, rates, at),
-        follow(state[at + 1], u.load_1, width, rates, at + 1),
-        follow(state[at + 2], u.load_2, width, rates, at + 2),
-    )
 
 
 def flow_force(u, c, state, at, rates, par):

@@ -35,7 +35,9 @@ EFFECTS = {
         ),
         "valve_asymmetry": _row(_FLOWS, _SHARES | {"knee": "V"}, openings=flows.valve_asymmetry),
         "gain_curvature": _row(_FLOWS, {"share": "1"}, openings=flows.gain_curvature),
-        "valve_play": _row(_FLOWS, {"width": "V"}, 3, openings=flows.valve_play),
+        "valve_hysteresis": _row(
+            _FLOWS, {"test": "V", "load": "V"}, 3, openings=flows.valve_hysteresis
+        ),
         "flow_force": _row(_FLOWS, {"share": "1"}, openings=flows.flow_force),
         "laminar_ports": _row(
             _FLOWS, {"transition": "Pa"}, flows=flows.laminar_ports
