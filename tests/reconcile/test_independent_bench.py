@@ -45,6 +45,7 @@ def test_a_leak_and_the_supplys_droop_are_named(tmp_path):
         (Effects(overlap_v=0.25), "valve_deadband"),
         (Effects(uneven=0.12), "valve_asymmetry"),
         (Effects(lag_s=0.006), "valve_lag"),
+        (Effects(stick_v=0.1), "valve_hysteresis"),
         (Effects(tank=4e10), "tank_back_pressure"),
         (Effects(cell_gain=0.03), "load_cell_gain"),
     ],

@@ -106,7 +106,7 @@ ROWS = {
             "dirt at the spool"
         ),
         repair="Clean the spool and set the dither, or replace the valve.",
-        source="Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), section 2",
+        source="Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), play operator",
     ),
     "valve_deadband": Effect(
         description="a valve opens only beyond a voltage; where it is negative, the edges underlap",

@@ -135,7 +135,7 @@ def valve_hysteresis(
     valve and of both load valves, half the width of the loop.
 
     Friction of a spool without position feedback, or a worn linkage. The play operator of
-    Krasnosel'skii and Pokrovskii (Systems with Hysteresis, 1989, section 2).
+    Krasnosel'skii and Pokrovskii (Systems with Hysteresis, 1989).
     """
     test, load = c
     return Openings(

@@ -58,6 +58,7 @@ class Effects(NamedTuple):
     tank: float = 0.0  # Pa / (m^3/s)^1.6 in the return line
     cell_gain: float = 0.0
     offset_pa: float = 0.0  # of the transducer of the test piston chamber
+    stick_v: float = 0.0  # that dry friction of all spools takes from their drive
 
 
 @njit
@@ -125,7 +126,9 @@ def stroke(bench, effects, start_m, end_m, speed, p_lp_ref, p_lr_ref, levels, du
             u[2] = 0.06 * (p_lp_ref - p_lp) / BAR + error_lp
             u = np.minimum(np.maximum(u, -10.0), 10.0)
         for i in range(3):
-            rate[i] += DT_S * (omega * omega * (u[i] - spool[i]) - 1.4 * omega * rate[i])
+            drive = u[i] - spool[i]
+            drive -= max(min(drive, effects.stick_v), -effects.stick_v)
+            rate[i] += DT_S * (omega * omega * drive - 1.4 * omega * rate[i])
             spool[i] += DT_S * rate[i]
             if effects.lag_s > 0.0:
                 opening[i] += DT_S * (spool[i] - opening[i]) / effects.lag_s

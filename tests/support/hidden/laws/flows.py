@@ -48,7 +48,7 @@ def soft_lap(u, width):
 def follow(y, u, width, rates, at):
     """A spool that friction holds with +-``width`` against a spring, and that creeps within it."""
     ahead = abs(u - y) / width if width > 0.0 else 2.0
-    rates[at] = (u - y) / 2e-3 * min(max(0.0, ahead - 1.0) + 0.002, 1.0)
+    rates[at] = (u - y) / 2e-3 * min(max(0.0, ahead - 1.0) + 1e-4, 1.0)
     return u if width == 0.0 else y
 
 
