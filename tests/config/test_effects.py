@@ -84,7 +84,7 @@ def test_the_catalogue_is_complete_and_its_typical_sizes_are_in_range():
         *("load_friction", "direction_asymmetry", "friction_lag", "presliding"),
         *("position_friction", "oil_warming", "end_cushion", "tank_back_pressure", "added_mass"),
         *("load_cell_gain", "load_cell_offset", "pressure_offset", "velocity_filter_lag"),
-        *("valve_trim", "pressure_gain", "rest_time"),
+        *("valve_trim", "valve_hysteresis", "pressure_gain", "rest_time"),
     }
     for row in EFFECTS.values():
         assert set(row.balances) <= set(BALANCES)
