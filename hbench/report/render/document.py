@@ -31,7 +31,10 @@ _FIGURE = re.compile(r"Figure (\d+)\. ")
 _INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
 _NUMBERED = re.compile(r"\b(Table) (\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
-_OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")  # of a command
+_RANGE = re.compile(r"\(([−+]?[\d.]+) to ([−+]?[\d.]+)\)")
+_OPTION = r"(?<![\w-])--[a-z][a-z-]*"  # of a command
+_NAME = r"(?<![\w&#-])(?=[\w-]*[A-Za-z])(?=[\w-]*\d)\w+(?:-\w+)+(?![\w-])"  # such as HC-0011
+_ON_ONE_LINE = re.compile(f"{_OPTION}|{_NAME}")
 BANNERS = {
     "simulated": "Simulated. A simulation made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
@@ -40,6 +43,7 @@ BANNERS = {
 _PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
 _LONG_FLAG = 18  # letters of a flag that is not broken
+_LONG_NAME = 25  # letters of a name that is broken at its hyphens
 _NARROW = 3  # columns of a table that fits beside a figure
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
@@ -328,14 +332,20 @@ def _endless(text: str) -> list[str]:
 def _kept(text: str) -> str:
     """Return a text that is not broken within a number, its interval and its unit."""
     text = _NUMBERED.sub("\\g<1>\N{NO-BREAK SPACE}\\g<2>", text)
+    text = _RANGE.sub("(\\g<1>\N{NO-BREAK SPACE}to\N{NO-BREAK SPACE}\\g<2>)", text)
     return _INTERVAL.sub("\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}", unit_kept(text))
 
 
 def _subscripts(text: str) -> Markup:
     """Write the index of a symbol such as F_C below the line; all else is escaped.
 
-    A number is kept on one line with its unit and its interval, and so is an option.
+    A number is kept on one line with its unit and its interval, and so are an option and a name.
     """
     parts = pieces(_kept(text))
     words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
-    return Markup(_OPTION.sub(r'<span class="option">\g<0></span>', "".join(words)))
+    return Markup(_ON_ONE_LINE.sub(_whole, "".join(words)))
+
+
+def _whole(found: re.Match[str]) -> str:
+    word = found[0]
+    return word if len(word) >= _LONG_NAME else f'<span class="whole">{word}</span>'
