@@ -34,7 +34,8 @@ _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 _RANGE = re.compile(r"\(([−+]?[\d.]+) to ([−+]?[\d.]+)\)")
 _OPTION = r"(?<![\w-])--[a-z][a-z-]*"  # of a command
 _NAME = r"(?<![\w&#-])(?=[\w-]*[A-Za-z])(?=[\w-]*\d)\w+(?:-\w+)+(?![\w-])"  # such as HC-0011
-_ON_ONE_LINE = re.compile(f"{_OPTION}|{_NAME}")
+_DATE = r"(?<![\w&#-])\d{4}-\d\d-\d\d(?![\w-])"
+_ON_ONE_LINE = re.compile(f"{_OPTION}|{_NAME}|{_DATE}")
 BANNERS = {
     "simulated": "Simulated. A simulation made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
@@ -339,7 +340,8 @@ def _kept(text: str) -> str:
 def _subscripts(text: str) -> Markup:
     """Write the index of a symbol such as F_C below the line; all else is escaped.
 
-    A number is kept on one line with its unit and its interval, and so are an option and a name.
+    A number is kept on one line with its unit and its interval, and so are an option, a name
+    and a date.
     """
     parts = pieces(_kept(text))
     words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
