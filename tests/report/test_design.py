@@ -301,3 +301,7 @@ def test_the_terminals_checks_have_the_failed_first_and_no_empty_column(design):
     at = next(i for i, line in enumerate(lines) if re.match("check  +value", line))
     assert "worst at" not in lines[at]
     assert lines[at + 1].startswith("velocity: gain margin") and lines[at + 1].endswith("FAIL")
+
+
+def test_no_line_of_a_design_is_wider_than_a_terminal(design):
+    assert max(map(len, design_text(design).splitlines())) <= 80

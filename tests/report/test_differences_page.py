@@ -344,3 +344,7 @@ def test_a_and_b_are_drawn_beside_each_other_with_their_measured_speeds_in_the_d
     left, right = (line.get_transform().transform((100.0, 400.0))[0] for line in (a, b))
     assert right - left == pytest.approx(0.08 * figure.dpi)
     assert above.get_ylim()[1] > max(b.get_ydata())
+
+
+def test_no_line_of_a_comparison_is_wider_than_a_terminal(found):
+    assert max(map(len, differences_text(found).splitlines())) <= 80

@@ -480,3 +480,7 @@ def test_a_terminals_columns_are_aligned_where_signs_are_spelled_out(found):
     end = lines[at + 1].index("Outlier beyond") + len("Outlier beyond")
     assert lines[at + 2][:end].endswith("(s.d.)")
     assert all(line[end - 1].isdigit() and line[end] == " " for line in lines[at + 3 : at + 6])
+
+
+def test_no_line_of_a_fleet_is_wider_than_a_terminal(found):
+    assert max(map(len, fleet_text(found).splitlines())) <= 80

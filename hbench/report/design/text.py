@@ -294,7 +294,8 @@ def design_text(design: Design) -> str:
         lines += ["", *_table(REPRODUCED_HEAD, reproduced_rows(design.reproduced))]
     if design.proposal is not None:
         proposal = design.proposal
-        lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
+        derived = [line for words in proposal_lines(proposal) for line in wrapped(words)]
+        lines += ["", "proposal", *derived, "", gains_yaml(proposal), ""]
         lines += _loop_lines(proposal.loops, design.tick_s)
         checks = (*proposal.margins, *proposal.closed_loop)
         lines += _check_table(checks)

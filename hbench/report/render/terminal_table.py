@@ -54,10 +54,6 @@ class _Column:
         cell = self.cells[row]
         return _broken(cell, width) if len(cell) > width else [cell]
 
-    def height(self, width: int) -> int:
-        """Return the number of lines of all cells."""
-        return sum(len(self.lines(row, width)) for row in range(len(self.cells)))
-
     def justified(self, text: str, width: int) -> str:
         """Return a line of a cell or of the head at the width of the column."""
         return text.rjust(width) if self.alone else text.ljust(width)
@@ -148,13 +144,29 @@ def _widths(columns: Sequence[_Column]) -> list[int] | None:
     if sum(least) > room:
         return None
     excess = sum(narrow) - room
-    if alone := [i for i, column in enumerate(columns) if narrow[i] - excess >= least[i]]:
-        chosen = min(alone, key=lambda i: columns[i].height(narrow[i] - excess))
-        narrow[chosen] -= excess
-    while sum(narrow) > room:
-        spare = [(width, i) for i, width in enumerate(narrow) if width > least[i]]
-        narrow[max(spare)[1]] -= 1
-    return narrow
+    choices = [
+        [*narrow[:i], width - excess, *narrow[i + 1 :]]
+        for i, width in enumerate(narrow)
+        if width - excess >= least[i]
+    ]
+    choices.append(_shrunk(narrow, least, room))
+    return min(choices, key=lambda widths: _height(columns, widths))
+
+
+def _shrunk(widths: Sequence[int], least: Sequence[int], room: int) -> list[int]:
+    """Return widths that are reduced, the widest first, until they fit in ``room``."""
+    shrunk = list(widths)
+    while sum(shrunk) > room:
+        spare = [(width, i) for i, width in enumerate(shrunk) if width > least[i]]
+        shrunk[max(spare)[1]] -= 1
+    return shrunk
+
+
+def _height(columns: Sequence[_Column], widths: Sequence[int]) -> int:
+    """Return the number of lines of all rows."""
+    each = list(zip(columns, widths, strict=True))
+    rows = range(len(columns[0].cells))
+    return sum(max(len(column.lines(row, width)) for column, width in each) for row in rows)
 
 
 def _broken(text: str, width: int, indent: str = _INDENT) -> list[str]:
