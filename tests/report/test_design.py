@@ -202,6 +202,7 @@ def test_the_failed_checks_are_in_the_order_of_their_excess_over_the_limit(desig
     ) in shown(failing)
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):
     stop = (
         "the board stopped itself: speed_error: the speed was off its reference by more than "

@@ -33,7 +33,8 @@ _NUMBERED = re.compile(r"\b(Table) (\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 _RANGE = re.compile(r"\(([−+]?[\d.]+) to ([−+]?[\d.]+)\)")
 _OPTION = r"(?<![\w-])--[a-z][a-z-]*"  # of a command
-_NAME = r"(?<![\w&#-])(?=[\w-]*[A-Za-z])(?=[\w-]*\d)\w+(?:-\w+)+(?![\w-])"  # such as HC-0011
+# a name such as HC-0011, unless it is long
+_NAME = r"(?<![\w&#-])(?=[\w-]*[A-Za-z])(?=[\w-]*\d)(?![\w-]{25})\w+(?:-\w+)+(?![\w-])"
 _DATE = r"(?<![\w&#-])\d{4}-\d\d-\d\d(?![\w-])"
 _ON_ONE_LINE = re.compile(f"{_OPTION}|{_NAME}|{_DATE}")
 BANNERS = {
@@ -44,7 +45,6 @@ BANNERS = {
 _PARAGRAPH = 240  # letters of a verdict that is all emphasised
 _LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
 _LONG_FLAG = 18  # letters of a flag that is not broken
-_LONG_NAME = 25  # letters of a name that is broken at its hyphens
 _NARROW = 3  # columns of a table that fits beside a figure
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
@@ -340,14 +340,8 @@ def _kept(text: str) -> str:
 def _subscripts(text: str) -> Markup:
     """Write the index of a symbol such as F_C below the line; all else is escaped.
 
-    A number is kept on one line with its unit and its interval, and so are an option, a name
-    and a date.
+    A number is kept on one line with its unit and interval, and so are options, names and dates.
     """
     parts = pieces(_kept(text))
     words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
-    return Markup(_ON_ONE_LINE.sub(_whole, "".join(words)))
-
-
-def _whole(found: re.Match[str]) -> str:
-    word = found[0]
-    return word if len(word) >= _LONG_NAME else f'<span class="whole">{word}</span>'
+    return Markup(_ON_ONE_LINE.sub(r'<span class="whole">\g<0></span>', "".join(words)))
