@@ -61,6 +61,13 @@ def pytest_collection_finish():
     gc.enable()
 
 
+@pytest.fixture
+def wide_terminal(monkeypatch):
+    """Leave lines of paragraphs and tables unbroken, for tests of their content."""
+    for module in ("terminal_text", "terminal_table"):
+        monkeypatch.setattr(f"hbench.report.render.{module}.WIDE", 1000)
+
+
 @pytest.fixture(scope="session")
 def require_tool():
     """Return a function that gives a program's path; one that is missing skips the test.

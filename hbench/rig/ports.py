@@ -5,14 +5,16 @@ client's timeouts have the same meaning on both.
 """
 
 import errno
+import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Protocol
+from urllib.parse import urlsplit
 
 import serial
 
-from hbench.errors import DeviceError
+from hbench.errors import ConfigError, DeviceError
 
 _ERRORS: tuple[type[Exception], ...] = (OSError, TypeError, ValueError)  # of a lost or busy port
 with suppress(ImportError):  # not on Windows
@@ -22,6 +24,8 @@ with suppress(ImportError):  # not on Windows
 
 BAUD = 115_200
 _CHUNK = 4096
+_SOCKET = "socket://"
+_SOCKET_HINT = "Check the address, and that the board's server or `hbench rig --socket` runs there."
 
 
 class PortBusy(DeviceError):
@@ -51,6 +55,8 @@ class SerialPort:
 
     def __init__(self, name: str, baud: int = BAUD, parity: str = "N"):
         self.name = name
+        if name.startswith(_SOCKET):
+            _check_address(name)
         own_lock = {} if "://" in name else {"exclusive": True}
         with self._errors("open"):
             self._serial = serial.serial_for_url(
@@ -100,7 +106,27 @@ class SerialPort:
         except _ERRORS as error:
             code = getattr(error, "errno", None)
             kind = PortBusy if code in (errno.EAGAIN, errno.EBUSY) else DeviceError
-            raise kind(f"{self.name}: serial {action} failed: {error}", _hint(code)) from None
+            hint = _SOCKET_HINT if self.name.startswith(_SOCKET) else _hint(code)
+            raise kind(f"{self.name}: serial {action} failed: {_cause(error)}", hint) from None
+
+
+def _check_address(name: str) -> None:
+    """Raise ``ConfigError`` where a socket's address has no host or no port."""
+    try:
+        parts = urlsplit(name)
+        complete = bool(parts.hostname and parts.port)
+    except ValueError:  # a port that is no number
+        complete = False
+    if not complete:
+        raise ConfigError(
+            f"{name}: has no host and port", "Give both, such as socket://localhost:5000."
+        )
+
+
+def _cause(error: Exception) -> str:
+    """Return the system's words for an error, without the port's name, which pyserial repeats."""
+    code = getattr(error, "errno", None)
+    return os.strerror(code) if code else str(error)
 
 
 def _hint(code: int | None) -> str:

@@ -1,5 +1,6 @@
 """Comparison of two campaigns."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from hbench.analysis.comparison import matching
@@ -65,7 +66,7 @@ def compare(
     bands = band_differences(*both, instruments, same_instruments, tolerance)
     if not curves:
         raise DataError(
-            f"{a} and {b} have no curves in common: {'; '.join(notes) or 'neither has curves'}",
+            f"{a} and {b} have no curves in common:{_apart(notes) or ' neither has curves'}",
             "Measure both at the same kind, direction, load and rod-side pressure; imported series "
             "need the same label or factors.",
         )
@@ -95,3 +96,16 @@ def write_comparison(folder: Path, comparison: CampaignDifferences) -> None:
     files["comparison.json"] = differences_json(comparison).encode()
     files["comparison.html"] = differences_page(comparison, drawings).encode()
     write_files(folder, files)
+
+
+def _apart(notes: Sequence[str]) -> str:
+    """Return why no curves are compared, with the curves of only A and of only B in one list each.
+
+    A line of the message for each list.
+    """
+    lines = []
+    for only in ("only in A", "only in B"):
+        names = [note.removesuffix(f": {only}") for note in notes if note.endswith(f": {only}")]
+        lines += [f"{only}: {', '.join(names)}"] if names else []
+    others = [note for note in notes if not note.endswith((": only in A", ": only in B"))]
+    return "\n".join(["", *lines, *others]) if lines or others else ""

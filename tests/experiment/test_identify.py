@@ -189,6 +189,7 @@ def test_hbench_run_takes_the_written_file_as_plant(written, tmp_path, quick_sch
     assert {raw.outcome for raw in made.raw_runs()} == {"done"}
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_json_and_table_tell_the_same(found):
     document, tables = json.loads(identification_json(found)), identification_tables(found)
     assert document["schema"] == "hbench.identification/1"

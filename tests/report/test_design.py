@@ -202,6 +202,7 @@ def test_the_failed_checks_are_in_the_order_of_their_excess_over_the_limit(desig
     ) in shown(failing)
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):
     stop = (
         "the board stopped itself: speed_error: the speed was off its reference by more than "
@@ -301,3 +302,7 @@ def test_the_terminals_checks_have_the_failed_first_and_no_empty_column(design):
     at = next(i for i, line in enumerate(lines) if re.match("check  +value", line))
     assert "worst at" not in lines[at]
     assert lines[at + 1].startswith("velocity: gain margin") and lines[at + 1].endswith("FAIL")
+
+
+def test_no_line_of_a_design_is_wider_than_a_terminal(design):
+    assert max(map(len, design_text(design).splitlines())) <= 80

@@ -50,6 +50,7 @@ from hbench.report.render.document import BANNERS
 from hbench.report.render.figures import as_svg
 from hbench.units import parse_unit
 from tests.support.reconcile import made_diagnosis as made
+from tests.support.report.spaces import ordinary_spaces
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +77,7 @@ def test_the_terminal_gets_the_verdict_first_with_the_coefficient_in_the_benchs_
     assert text.isascii()
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_the_terminal_tells_the_gap_the_candidates_and_what_is_missing(named, unknown, ambiguous):
     text = diagnosis_text(named)
     assert "Gap of runs outside the fit" not in text  # the verdict has it
@@ -102,6 +104,7 @@ def test_the_score_of_the_next_best_effect_is_that_of_the_candidates(named):
     assert table.rows[0][-2:] == ("41.9", "load_cell_offset, 25.1")
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_a_coefficient_at_its_bound_is_left_to_the_table(named):
     (effect,) = named.effects
     at_bound = FitParameter(0.0, 1e-6, (0.0, 8e-6), "lower", "l/min/bar")
@@ -529,7 +532,7 @@ def test_a_single_gap_has_no_figure(named):
 def test_a_signal_that_the_effects_make_worse_is_named_with_the_gaps(named):
     worse = BeforeAfter(5.5, 5.4, 6.7, float("nan"))
     table = replace(named.gap_heldout, signals=named.gap_heldout.signals | {"v": worse})
-    page = diagnosis_page(replace(named, gap_heldout=table), ())
+    page = ordinary_spaces(diagnosis_page(replace(named, gap_heldout=table), ()))
     place = page.index("velocity in closed loop (5.40 to 6.70)")
     assert page.index('<h2 id="gap-between') < place < page.index('<h2 id="the-effects')
     better = replace(worse, after=5.5)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from hbench.report.diagnosis.page import diagnosis_page
 from tests.support.reconcile import made_diagnosis as made
+from tests.support.report.spaces import breakable
 
 
 def test_the_title_states_the_verdict_and_a_block_what_was_measured_where_and_when():
@@ -33,7 +34,7 @@ def test_the_title_states_the_verdict_and_a_block_what_was_measured_where_and_wh
         settings={"specimen": {"serial": "HC-0007"}},
     )  # fmt: skip
     found = replace(named, provenance=about, revised=named.revised | {"test_cylinder": sizes})
-    page = diagnosis_page(found, ())
+    page = breakable(diagnosis_page(found, ()))
     facts = dict(re.findall(r"<div><dt>(.*?)</dt><dd>(.*?)</dd></div>", page))
     assert facts["Model"] == "model-aau.yaml" and facts["Cylinder"] == "HC-0007"
     assert facts["Dimensions"].replace("\N{NO-BREAK SPACE}", " ") == (

@@ -179,6 +179,7 @@ def test_a_comparison_states_each_setting_that_differs(found):
     assert re.search(r'<p class="verdict">[^<]*3 settings differ between A and B; ', text)
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_settings(found):
     a, b = (
         replace(found.a, details={"port": "sim", "plant": {"sha256": checksum}})
@@ -228,6 +229,7 @@ def test_the_verdict_states_the_largest_drift_that_speed_hides(found):
     assert "A drift may hide a difference: a drift of up to 52 %" in text(drift)
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_stated(found):
     """40 ± 8 N: significant with a drift of 20 ± 11 N or less, and not with one of 20 ± 13 N."""
     drift = DRIFT
@@ -342,3 +344,7 @@ def test_a_and_b_are_drawn_beside_each_other_with_their_measured_speeds_in_the_d
     left, right = (line.get_transform().transform((100.0, 400.0))[0] for line in (a, b))
     assert right - left == pytest.approx(0.08 * figure.dpi)
     assert above.get_ylim()[1] > max(b.get_ydata())
+
+
+def test_no_line_of_a_comparison_is_wider_than_a_terminal(found):
+    assert max(map(len, differences_text(found).splitlines())) <= 80

@@ -1,6 +1,9 @@
 """Documents: sections of words, figures and tables, all of it escaped."""
 
 import re
+from html import unescape
+
+import pytest
 
 from hbench.records import WordTable
 from hbench.report.render.document import Document, Section, document, numbered
@@ -89,3 +92,22 @@ def test_a_caption_is_written_once_in_a_section_and_its_parts_that_are_seen():
     assert captions == [
         "Same words.", "As for Figure 1.", "As for Figure 1.", "Same words.", "Same words."
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "kept"),
+    [
+        ("by HC-0011, and", ["HC-0011"]),
+        ("2026-01-05 to 2026-01-18", ["2026-01-05", "2026-01-18"]),
+        ("give --propose", ["--propose"]),
+        ("PTFE-20 & <b>", ["PTFE-20"]),
+        ("hydro-mechanical, ISO 5725-6, -7", []),
+        ("a-name-that-does-not-fit-in-a-cell-0001", []),
+    ],
+)
+def test_names_dates_and_options_are_not_broken_at_hyphens(text, kept):
+    """A name that is too long for a narrow column is."""
+    page = document("title", "", (Section("part", (text,)),))
+    paragraph = re.search("<p>(.*)</p>", page)[1]
+    assert re.findall('<span class="whole">(.*?)</span>', paragraph) == kept
+    assert unescape(re.sub("</?span[^>]*>", "", paragraph)) == text

@@ -234,6 +234,7 @@ def shifted(tmp_path_factory):
     return summary_of(folder)
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_charts_show_a_shift_by_ewma_rules_and_a_step(shifted):
     chart = next(
         c for c in shifted.charts if (c.quantity.name, c.direction) == ("friction_n", "extend")
@@ -472,9 +473,14 @@ def test_a_campaign_is_compared_with_those_on_its_side_of_a_step(tmp_path):
     assert row[table.head.index("Mean and limits from")] == "the first 18"
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_a_terminals_columns_are_aligned_where_signs_are_spelled_out(found):
     lines = fleet_text(found).splitlines()
     at = lines.index("Largest deviations")
-    column = lines[at + 1].index("Outlier beyond")
-    assert lines[at + 2][column:].startswith("(s.d.)")
-    assert all(line[column - 1] == " " and line[column] != " " for line in lines[at + 3 : at + 6])
+    end = lines[at + 1].index("Outlier beyond") + len("Outlier beyond")
+    assert lines[at + 2][:end].endswith("(s.d.)")
+    assert all(line[end - 1].isdigit() and line[end] == " " for line in lines[at + 3 : at + 6])
+
+
+def test_no_line_of_a_fleet_is_wider_than_a_terminal(found):
+    assert max(map(len, fleet_text(found).splitlines())) <= 80

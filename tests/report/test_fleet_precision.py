@@ -59,6 +59,7 @@ def test_the_sources_of_a_plan_are_found(fleet):
     assert efficiency.tolerance is None
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_the_page_states_limits_tolerance_and_what_they_mean(fleet, undrawn):
     page = ordinary_spaces(fleet_page(fleet, draw_fleet(fleet)))
     limits = " ".join(limit_sentences(fleet))

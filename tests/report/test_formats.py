@@ -23,7 +23,7 @@ from hbench.report.render.figures import Drawing, as_png, as_svg
 from hbench.report.render.markdown import markdown
 from hbench.report.render.pdf import pdf, sheets
 from hbench.store.campaign.stored_diagnosis import diagnoses
-from tests.support.report.spaces import ordinary_spaces
+from tests.support.report.spaces import breakable, ordinary_spaces
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 
@@ -43,7 +43,7 @@ def test_the_folders_name_tells_campaigns_of_one_schedule_apart_in_every_form(ca
     results = campaign / "results"
     for form in ("html", "md", "pdf"):
         workflow.report(campaign, form=form)
-    page_text = (results / "report.html").read_text()
+    page_text = breakable((results / "report.html").read_text())
     assert re.search(r"<title>cylinder-7: bad runs \(\w+\)</title>", page_text)
     assert "<h1>bad runs</h1>" in page_text and '<p class="sub">cylinder-7 · ' in page_text
     assert (results / "report.md").read_text().startswith("# bad runs\n\ncylinder-7 · ")

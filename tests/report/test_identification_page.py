@@ -92,6 +92,10 @@ def test_of_equally_good_laws_the_one_is_advised_that_the_runs_determine_with_it
     ) in verdict(found)
     more = "Leuven (9.9 N) is as good, but has 2 undetermined parameters."
     assert more in verdict(found)
+    page = identification_page(found, ())
+    folded = page.index("Parameters of the other laws (1)")
+    assert page.index("LuGre: identified parameters") < folded
+    assert folded < page.index("Leuven: identified parameters")
     trace = Trace(np.array([0.0, 0.01]), np.array([0.05, -0.1234]), np.zeros(2))
     runs = [Followed(str(load), load, None, trace, {}) for load in (-5000.0, 500.0)]
     words = verdict(replace(found, followed=tuple(runs)))

@@ -272,6 +272,7 @@ def test_results_json_has_them_with_the_series_keys_of_curves(moving, schema_fau
     assert [c["a_ref_m_s2"] for c in document["curves"] if c["kind"] == "ramp"][:2] == [0.03, 0.1]
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
     text = summary_text(moving)
     assert text.isascii()
@@ -290,6 +291,7 @@ def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
         assert re.search(numbers, text, re.MULTILINE), numbers
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_an_overshoot_that_the_log_does_not_resolve_is_marked_and_not_in_the_summary(moving):
     hidden = replace(
         MOTIONS.levels[1], resolved=False, settling_step_s=0.01, overshoot_ci95_n=7.5, remark="why"

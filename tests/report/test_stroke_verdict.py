@@ -3,6 +3,8 @@
 import re
 from dataclasses import replace
 
+import pytest
+
 from hbench.records import (
     BeforeAfter,
     Candidate,
@@ -70,6 +72,7 @@ def test_strokes_have_words_of_their_own_and_gaps_of_loads_outside_the_fit(named
     assert tests in text and "the sizes" not in verdict
 
 
+@pytest.mark.usefixtures("wide_terminal")
 def test_models_of_strokes_have_their_force_error_at_each_held_out_load(named):
     loads = (
         HeldOutLoad(50.0, 3.0, 4.52, 1.53, {"load_cell_gain": 1.12}, {"force_middle": 0.02}),

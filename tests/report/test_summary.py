@@ -141,7 +141,7 @@ def test_an_effect_that_held_out_runs_do_not_confirm_is_repeated_before_parts_ar
     assert "for an effect of this size; the new model.yaml contains it." in text
     assert "Internal leakage not confirmed" in diagnosis_text(worse).splitlines()[0]
     proposed = replace(worse, next_schedule={"name": "next"})
-    assert "To confirm internal leakage, measure next.yaml and" in verdict_words(proposed)
+    assert "To confirm internal leakage, make the runs of next.yaml and" in verdict_words(proposed)
     cell = replace(unconfirmed, name="load_cell_gain", of_sensor=True)
     both = replace(named, effects=(effect, cell), practice=(LEAK, CELL))
     words = "Next, inspect the piston seal. To confirm load cell gain, repeat the runs"

@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from hbench.errors import DeviceError, ExitCode
+from hbench.errors import ConfigError, DeviceError, ExitCode
 from hbench.rig.ports import PortBusy, SerialPort
 
 
@@ -197,3 +197,19 @@ def test_nobody_listening_is_a_device_error():
         number = server.getsockname()[1]
     with pytest.raises(DeviceError, match="open failed"):
         SerialPort(f"socket://127.0.0.1:{number}")
+
+
+@pytest.mark.parametrize("name", ["socket://localhost", "socket://:5000", "socket://a:b"])
+def test_a_socket_without_host_and_port_is_refused_as_a_wrong_option(name):
+    with pytest.raises(ConfigError, match="has no host and port") as raised:
+        SerialPort(name)
+    assert "socket://localhost:5000" in raised.value.hint
+
+
+def test_a_port_that_does_not_exist_is_named_once_with_the_cause():
+    with pytest.raises(DeviceError) as raised:
+        SerialPort("/dev/nonexistent-tty")
+    assert raised.value.message == (
+        "/dev/nonexistent-tty: serial open failed: No such file or directory"
+    )
+    assert "hbench ports" in raised.value.hint

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from hbench.cli.printed import AS_JSON, as_object
+from hbench.cli.printed import AS_JSON, as_object, remark
 from hbench.errors import ConfigError, ExitCode
 
 
@@ -99,9 +99,7 @@ def _suggest(source: Path, as_json: bool) -> None:
 
 
 def _print_notes(notes: tuple[str, ...]) -> None:
-    from hbench.report.render.terminal_text import wrapped
     from hbench.untrusted_text import printable
 
     for note in notes:
-        for line in wrapped(f"note: {printable(note)}"):
-            typer.echo(line, err=True)
+        remark(f"note: {printable(note)}")

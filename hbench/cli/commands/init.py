@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from hbench.cli.printed import AS_JSON, as_object
+from hbench.cli.printed import AS_JSON, as_object, remark
 
 if TYPE_CHECKING:
     from hbench.config.files.sized_examples import Size
@@ -85,9 +85,10 @@ def init(
     typer.echo("\n".join(paths))
     schedule, bench_file = (shlex.quote(str(directory / name)) for name in ("demo.yaml", bench))
     if size is not None:
-        typer.echo(f"gains: {made.gains}", err=True)
-    design = f", then hbench design {bench_file} --propose --write" if size else ""
-    typer.echo(f"for measurements, first enter your bench's data in {bench_file}{design}", err=True)
+        remark(f"gains: {made.gains}")
+    remark(f"for measurements, first enter your bench's data in {bench_file}")
+    if size is not None:
+        typer.echo(f"then: hbench design {bench_file} --propose --write", err=True)
     typer.echo(f"next: hbench run {schedule} --check", err=True)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from hbench.cli.printed import AS_JSON, as_object
+from hbench.cli.printed import AS_JSON, as_object, remark
 
 if TYPE_CHECKING:
     from hbench.experiment.steady_demand import SteadyDemand
@@ -79,11 +79,10 @@ def run(
     experiment = workflow.load_experiment(schedule, bench, serial)
     estimate = workflow.estimate(experiment)
     most = "at most " if estimate.at_most else ""
-    typer.echo(
+    remark(
         f"{experiment.schedule.name}: {most}{estimate.runs} runs, about "
         f"{_minutes(estimate.seconds)} on the bench, {estimate.bytes / 1e6:.1f} MB of logs"
-        f"{'; adaptive velocities: the measured friction determines how many' if most else ''}",
-        err=True,
+        f"{'; adaptive velocities: the measured friction determines how many' if most else ''}"
     )
     if effects and not check:
         raise typer.BadParameter("needs --check", param_hint="'--effects'")
@@ -157,13 +156,12 @@ def _check(
         typer.echo(as_object("estimate", name=experiment.schedule.name, **values))
         return
     if demand is not None:
-        typer.echo(_demand_words(demand), err=True)
+        remark(_demand_words(demand))
         for words in demand.not_held[:_MOST_NOTES]:
-            typer.echo(f"note: not held: {words}", err=True)
-    typer.echo(
+            remark(f"note: not held: {words}")
+    remark(
         "checked: travel, speeds, loads and pressures are within the bench's limits; "
-        "nothing has moved",
-        err=True,
+        "nothing has moved"
     )
 
 

@@ -32,6 +32,8 @@ def watch(
 
     if campaign.is_file():
         raise ConfigError(f"{campaign}: is a file", "Give the campaign's folder.")
+    if not campaign.exists():
+        typer.echo(f"note: {campaign}: does not exist yet; the page waits for it", err=True)
     server = new_server((workflow.Station if station else workflow.Watch)(campaign), port)
     try:
         print(f"http://127.0.0.1:{server.server_port}/", flush=True)  # for a reader of a pipe

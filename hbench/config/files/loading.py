@@ -63,7 +63,9 @@ def read_text(path: Path) -> str:
     except FileTooLarge as error:
         raise ConfigError(f"{path}: {error}; not a configuration file") from None
     except IsADirectoryError:
-        raise ConfigError(f"{path}: is a folder; a YAML file is expected") from None
+        raise ConfigError(
+            f"{path}: is a folder; a YAML file is expected", "Give a file in it, or check the path."
+        ) from None
     except OSError as error:
         raise ConfigError(
             f"{path}: {error.strerror or error}",
@@ -115,11 +117,13 @@ def _refuse_other_type(model: type[BaseModel], data: dict[str, Any], source: str
     there = [name for key, name in _FILE_TYPES.items() if key in data]
     if any(key in fields and key in data for key in _FILE_TYPES):
         return
+    expected = (*wanted, "the expected file")[0]
+    hint = f"Give {expected}, such as one of those that `hbench init DIR` writes."
     if there:
-        raise ConfigError(f"{source}: is {there[0]}, not {(*wanted, 'the expected file')[0]}")
+        raise ConfigError(f"{source}: is {there[0]}, not {expected}", hint)
     if wanted and not data.keys() & fields.keys() - {"name"}:
         has = brief(", ".join(map(str, data)))
-        raise ConfigError(f"{source}: is not {wanted[0]}; it has {has}")
+        raise ConfigError(f"{source}: is not {expected}; it has {has}", hint)
 
 
 def _meant(faults: list["ErrorDetails"], model: type[BaseModel]) -> dict[tuple, tuple]:

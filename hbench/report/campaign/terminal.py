@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from hbench.records import KINDS, Curve, Fit, FitParameter, Results, WordTable
+from hbench.records import DIRECTION_WORDS, KINDS, Curve, Fit, FitParameter, Results, WordTable
 from hbench.records.friction_laws import parameter_named
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.fit_tables import label_and_unit, law_words, parameter_cell
@@ -23,7 +23,7 @@ from hbench.report.next_step import next_step_words
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.numbers import significant, span, with_interval
 from hbench.report.render.terminal_table import table_lines
-from hbench.report.render.terminal_text import plain, wrapped
+from hbench.report.render.terminal_text import wrapped
 from hbench.report.render.word_tables import Table
 
 _REFERENCE = re.compile(r"; \[\[\w+\]\]")  # to a table of the page
@@ -46,20 +46,18 @@ def summary_text(results: Results, decision: str = "") -> str:
     of_kinds = f" ({kind_counts})" if several else ""
     curves = without_common_rod_pressure(results.curves)
     intervals = _known_intervals(curves)
-    rows = [["direction", "load", "speeds mm/s", "friction N", *intervals]]
-    for curve in curves:
-        rows.append(
-            [
-                " ".join(filter(None, (curve.label, kind_words(curve), curve.direction))),
-                load_words(curve.f_load_n, curve.p_lr_ref_pa) or "not set",
-                span([1e3 * abs(point.v_m_s) for point in curve.points]),
-                _friction_words(curve),
-                *(_interval_words(curve, field) for field in intervals.values()),
-            ]
+    columns = ("direction", "load", "speeds mm/s", "friction N", *intervals)
+    rows = [
+        (
+            _name(curve),
+            load_words(curve.f_load_n, curve.p_lr_ref_pa) or "not set",
+            span([1e3 * abs(point.v_m_s) for point in curve.points]),
+            _friction_words(curve),
+            *(_interval_words(curve, field) for field in intervals.values()),
         )
-    rows = [[plain(cell.replace("–", " to ")) for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+        for curve in curves
+    ]
+    lines = list(table_lines(WordTable("Friction against the motion", columns, tuple(rows))))
     head = f"{results.provenance.name} ({results.provenance.source})"
     counts = f"{len(results.runs)} runs{of_kinds}: {accepted} accepted, {rejected}"
     notes = [f"note: {note}" for note in results.notes]
@@ -70,7 +68,7 @@ def summary_text(results: Results, decision: str = "") -> str:
     fits = [line for each in _fit_tables(curves) for line in ("", *table_lines(each))]
     lines += [*fits, *(line for words in _joint_words(results) for line in wrapped(words))]
     table = ["", *lines] if results.curves else []
-    moving = motion_lines(results.motions)
+    moving = [line for words in motion_lines(results.motions) for line in wrapped(words)]
     bands = [line for each in _band_tables(results) for line in ("", *table_lines(each))]
     moving = ["", *moving] if moving else []
     drift = possible_drift_words(results)
@@ -89,6 +87,12 @@ def summary_text(results: Results, decision: str = "") -> str:
     return text.replace("–", " to ")  # not every terminal can show them
 
 
+def _name(curve: Curve) -> str:
+    """Write label, kind and direction of a curve; a label that is the direction is left out."""
+    label = "" if curve.label == DIRECTION_WORDS[curve.direction] else curve.label
+    return " ".join(filter(None, (label, kind_words(curve), curve.direction)))
+
+
 def _friction_words(curve: Curve) -> str:
     """Write friction against the motion; negative where it acts with the motion."""
     sign = curve.against_motion
@@ -99,9 +103,12 @@ def _friction_words(curve: Curve) -> str:
 
 
 def _known_intervals(curves: Sequence[Curve]) -> dict[str, str]:
-    """Return the headings of the intervals that any point has, with their fields."""
+    """Return the headings of the intervals that any point has, with their fields.
+
+    Those of the trials do not contain the errors of the instruments; those of U do.
+    """
     points = [point for curve in curves for point in curve.points]
-    headings = {"trials alone +- N": "ci95_n", "U +- N": "u95_n"}
+    headings = {"trials +- N": "ci95_n", "U +- N": "u95_n"}
     return {
         heading: field
         for heading, field in headings.items()
@@ -145,7 +152,7 @@ def _fit_tables(curves: Sequence[Curve]) -> Iterator[WordTable]:
         units = {name: p.unit for _, fit in chosen for name, p in fit.parameters.items()}
         rows = tuple(
             (
-                " ".join(filter(None, (curve.label, curve.direction))),
+                _name(curve),
                 load_words(curve.f_load_n, curve.p_lr_ref_pa) or "not set",
                 *(_value(name, fit.parameters.get(name)) for name in names),
                 "" if fit.converged else "NOT CONVERGED",

@@ -19,7 +19,7 @@ from hbench.records.motions import BULK_MODULUS_ERROR, TEMPERATURE_RATE_K_S
 from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.render.numbers import NONE, short, significant, with_interval
-from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_table import lines_by_row
 from hbench.report.render.terminal_text import plain, wrapped
 from hbench.sentences import listed
 from hbench.units import from_si
@@ -78,8 +78,7 @@ def _decision_lines(checks: Sequence[ConformityCheck]) -> Iterator[str]:
         for check in checks
     )
     table = WordTable("", ("decision", "measured, U", "conforms", "test"), rows)
-    _, *lines = table_lines(table)
-    head, *decisions = (wrapped(line) for line in lines)
+    head, *decisions = lines_by_row(table)
     yield from head
     above = ""
     for check, decision in zip(checks, decisions, strict=True):

@@ -29,6 +29,7 @@ GRID = (
     "half of limits.speed_max, and three loads against the motion up to 45 % of the supply "
     "pressure on the rod side of the test cylinder"
 )
+_GAINS = 3  # first columns of a row of the loops: name, gain, time constant
 _CHAMBERS = ("p_tp", "p_tr", "p_lp", "p_lr")
 _VALVES = {"u_T": "test valve", "u_L1": "load valve L1", "u_L2": "load valve L2"}
 
@@ -284,8 +285,7 @@ def design_text(design: Design) -> str:
         *range_lines(design),
         *wrapped(f"operating point: {point_words(design)}"),
         "",
-        *_table(LOOP_HEAD, loop_rows(design.loops, design.tick_s)),
-        "",
+        *_loop_lines(design.loops, design.tick_s),
         *(line for note in loop_notes(design) for line in wrapped(": ".join(note))),
         "",
         *(line for result in results for line in wrapped(result)),
@@ -294,8 +294,9 @@ def design_text(design: Design) -> str:
         lines += ["", *_table(REPRODUCED_HEAD, reproduced_rows(design.reproduced))]
     if design.proposal is not None:
         proposal = design.proposal
-        lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
-        lines += [*_table(LOOP_HEAD, loop_rows(proposal.loops, design.tick_s)), ""]
+        derived = [line for words in proposal_lines(proposal) for line in wrapped(words)]
+        lines += ["", "proposal", *derived, "", gains_yaml(proposal), ""]
+        lines += _loop_lines(proposal.loops, design.tick_s)
         checks = (*proposal.margins, *proposal.closed_loop)
         lines += _check_table(checks)
     text = "\n".join(lines).replace("−", "-").replace("–", "-")
@@ -308,6 +309,15 @@ def _check_table(checks: Sequence[Check]) -> list[str]:
     columns = [column for column in zip(*rows, strict=True) if any(column[1:])]
     head, *kept = zip(*columns, strict=True)
     return _table(head, kept)
+
+
+def _loop_lines(loops: Sequence[ControlLoop], tick_s: float) -> list[str]:
+    """Return the gains of the loops, then a row for each model of a loop."""
+    rows = loop_rows(loops, tick_s)
+    gains = [row[:_GAINS] for row in rows if row[0]]
+    merits = [(row[0], *row[_GAINS:]) for row in rows]
+    head = (LOOP_HEAD[0], *LOOP_HEAD[_GAINS:])
+    return [*_table(LOOP_HEAD[:_GAINS], gains), "", *_table(head, merits), ""]
 
 
 def _table(head: tuple[str, ...], rows: TextRows) -> list[str]:

@@ -98,7 +98,8 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     shown = of_section(profiles, best)
     others = tuple(drawing for drawing in profiles if drawing.section != best)
     verified = [_once(tables[title]) for title in (ERRORS, HELD_OUT) if title in tables]
-    order = [law_words(law.law) for law in ranked_laws(identification)]
+    ranked = sorted(ranked_laws(identification), key=lambda law: law.law != best)
+    order = [law_words(law.law) for law in ranked]  # the one to be used is not folded
     parameters = _of_each_law(tables[PARAMETERS], order) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
     terms = Section("Criteria for the errors and the parameters", facts=facts, folded=True)

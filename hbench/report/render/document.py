@@ -31,7 +31,12 @@ _FIGURE = re.compile(r"Figure (\d+)\. ")
 _INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
 _NUMBERED = re.compile(r"\b(Table) (\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
-_OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")  # of a command
+_RANGE = re.compile(r"\(([−+]?[\d.]+) to ([−+]?[\d.]+)\)")
+_OPTION = r"(?<![\w-])--[a-z][a-z-]*"  # of a command
+# a name such as HC-0011, unless it is long
+_NAME = r"(?<![\w&#-])(?=[\w-]*[A-Za-z])(?=[\w-]*\d)(?![\w-]{25})\w+(?:-\w+)+(?![\w-])"
+_DATE = r"(?<![\w&#-])\d{4}-\d\d-\d\d(?![\w-])"
+_ON_ONE_LINE = re.compile(f"{_OPTION}|{_NAME}|{_DATE}")
 BANNERS = {
     "simulated": "Simulated. A simulation made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
@@ -328,14 +333,15 @@ def _endless(text: str) -> list[str]:
 def _kept(text: str) -> str:
     """Return a text that is not broken within a number, its interval and its unit."""
     text = _NUMBERED.sub("\\g<1>\N{NO-BREAK SPACE}\\g<2>", text)
+    text = _RANGE.sub("(\\g<1>\N{NO-BREAK SPACE}to\N{NO-BREAK SPACE}\\g<2>)", text)
     return _INTERVAL.sub("\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}", unit_kept(text))
 
 
 def _subscripts(text: str) -> Markup:
     """Write the index of a symbol such as F_C below the line; all else is escaped.
 
-    A number is kept on one line with its unit and its interval, and so is an option.
+    A number is kept on one line with its unit and interval, and so are options, names and dates.
     """
     parts = pieces(_kept(text))
     words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
-    return Markup(_OPTION.sub(r'<span class="option">\g<0></span>', "".join(words)))
+    return Markup(_ON_ONE_LINE.sub(r'<span class="whole">\g<0></span>', "".join(words)))

@@ -6,8 +6,8 @@ from collections.abc import Collection
 from operator import itemgetter
 
 _WITH_UNIT = re.compile(
-    r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹] (?:%|k?N(?: s/m|/bar)?|m?m(?:/s²?|²)?|m?V(?: s/m|/m|/\(Pa s\))?|[kM]?Pa|bar"
-    r"|m?s|min|h|k?Hz|rad/s|dB|deg|J|kg|m?l/min(?:/bar| per bar)?|°C|K|nats)(?![\w/])"
+    r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹] (?:%|k?N(?: s/m|/mm?|/bar)?|m?m(?:/s²?|²)?|m?V(?: s/m|/m|/\(Pa s\))?|[kM]?Pa"
+    r"|bar|m?s|min|h|k?Hz|rad/s|dB|deg|J|kg|m?l/min(?:/bar| per bar)?|°C|K|nats)(?![\w/])"
     r"|\((?:N s/m|Pa s|ml/min per bar)\)"
 )
 _OF_SYMBOL = re.compile(r"\b(P_[TLS][pr]?) (?=−?\d)")  # a pressure before its value

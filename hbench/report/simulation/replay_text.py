@@ -7,6 +7,7 @@ from hbench.report.diagnosis.names import signal
 from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.numbers import significant
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import wrapped
 
 
 def replay_text(replay: Replay) -> str:
@@ -22,11 +23,13 @@ def replay_text(replay: Replay) -> str:
     )
     head = ("signal", "unit", "all runs", "worst run", "which")
     lines = [
-        f"SIMULATED: {len(replay.runs)} runs of {replay.provenance.name!r} by {replay.model}, "
-        "in open loop: under the measured valve commands and supply pressure.",
+        *wrapped(
+            f"SIMULATED: {len(replay.runs)} runs of {replay.provenance.name!r} by {replay.model}, "
+            "in open loop: under the measured valve commands and supply pressure."
+        ),
         "",
         *table_lines(WordTable("Simulated less measured, root mean square", head, rows)),
-        *(f"left out: {line}" for line in replay.left_out),
+        *(line for words in replay.left_out for line in wrapped(f"left out: {words}")),
     ]
     return "\n".join(lines).replace("−", "-")
 

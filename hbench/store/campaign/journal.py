@@ -167,7 +167,11 @@ def parse_journal(data: bytes, source: str) -> JournalContent:
         raise DataError(f"{source}: {error}", "The journal is not valid YAML.") from None
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         schema = content.get("schema") if isinstance(content, dict) else None
-        raise DataError(f"{source}: schema is {schema!r}; expected {SCHEMA!r}")
+        found = "has no schema" if schema is None else f"schema is {schema!r}"
+        raise DataError(
+            f"{source}: {found}; expected {SCHEMA!r}",
+            "The file was changed, or another version wrote it: restore it, or use that version.",
+        )
     missing = [key for key in REQUIRED if key not in content]
     if missing:
         raise DataError(f"{source}: key {missing[0]!r} is missing")

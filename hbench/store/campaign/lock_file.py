@@ -28,7 +28,10 @@ def campaign_lock(folder: Path) -> Iterator[None]:
         make_folder(folder)
         handle = os.open(folder, os.O_RDONLY) if fcntl else None
     except OSError as error:
-        raise DataError(f"{folder}: can't be created or opened: {error.strerror}") from None
+        raise DataError(
+            f"{folder}: can't be created or opened: {error.strerror}",
+            "Give another folder, or check the permissions of the one above it.",
+        ) from None
     try:
         if handle is not None:
             _lock(handle, folder)

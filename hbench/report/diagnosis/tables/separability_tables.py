@@ -3,11 +3,19 @@
 from collections.abc import Mapping, Sequence
 from math import isfinite
 
-from hbench.records import Diagnosis, EffectPair, PlannedEffects, Separability, WordTable
+from hbench.records import (
+    DetectableSize,
+    Diagnosis,
+    EffectPair,
+    PlannedEffects,
+    Separability,
+    WordTable,
+)
 from hbench.records.diagnosis import FITTED, NO_PART
 from hbench.report.diagnosis.names import in_words
 from hbench.report.render.numbers import NONE, number, significant
 from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.terminal_text import wrapped
 from hbench.sentences import capital, listed
 
 MATRIX_TEXT = (
@@ -17,11 +25,9 @@ MATRIX_TEXT = (
     "is expected to score nearly as well. diagnosis.json contains all pairs and the smallest "
     "detectable size of every effect."
 )
-_LIMITS = {
-    "evidence": "residuals",
-    "size": "least size that is named",
-}
 _SIZES = "Smallest effects that hbench reconcile would detect, by simulation of the runs"
+_LEAST_SIZE = "*: limited by the least size that is named, not by the residuals"
+_BEYOND = "-: not detectable at ten times the typical size"
 _NO_PAIR = "All pairs of detectable effects are distinguishable."
 _NEIGHBOURS = 3  # closest effects to each one that matters
 _MOST = 8  # effects of the matrix
@@ -31,17 +37,27 @@ def sizes_table(separability: Separability) -> WordTable:
     """Return a row for each coefficient: its smallest detectable and its typical value."""
     rows = tuple(
         (
-            size.effect,
-            size.coefficient,
-            _with_unit(size.smallest, size.unit),
-            _with_unit(size.typical, size.unit),
+            f"{size.effect} {size.coefficient}",
+            size.unit,
+            significant(size.smallest, 2) + (" *" if _has_least_size(size) else ""),
+            significant(size.typical, 2),
             "yes" if size.detectable else "no",
-            _LIMITS[size.limit] if isfinite(size.smallest) else "not at ten times typical",
         )
         for size in separability.sizes
     )
-    head = ("effect", "coefficient", "smallest detectable", "typical")
-    return WordTable(_SIZES, (*head, "typical is detected", "limited by"), rows)
+    head = ("effect and coefficient", "unit", "smallest detectable", "typical")
+    return WordTable(_SIZES, (*head, "typical detected"), rows)
+
+
+def _has_least_size(size: DetectableSize) -> bool:
+    return size.limit == "size" and isfinite(size.smallest)
+
+
+def _size_notes(separability: Separability) -> list[str]:
+    """Return the meaning of the signs in the table of sizes."""
+    least = any(map(_has_least_size, separability.sizes))
+    beyond = not all(isfinite(size.smallest) for size in separability.sizes)
+    return [_LEAST_SIZE] * least + [_BEYOND] * beyond
 
 
 def alike_table(separability: Separability) -> WordTable:
@@ -60,10 +76,12 @@ def planned_effects_text(planned: PlannedEffects) -> str:
     alike = alike_table(planned.separability)
     shortfalls = [f"no effect can be named; missing: {item}" for item in planned.shortfalls]
     missing = [f"missing to distinguish more effects: {item}" for item in planned.missing]
+    remarks = [*shortfalls, *missing, *not_tried_lines(planned.not_tried)]
+    sizes = table_lines(sizes_table(planned.separability))
     blocks = [
-        "\n".join(table_lines(sizes_table(planned.separability))),
+        "\n".join([*sizes, *_size_notes(planned.separability)]),
         "\n".join(table_lines(alike)) if alike.rows else _NO_PAIR,
-        "\n".join([*shortfalls, *missing, *not_tried_lines(planned.not_tried)]),
+        "\n".join(line for words in remarks for line in wrapped(words)),
     ]
     text = "\n\n".join(filter(None, blocks))
     return text.replace(NONE, "-").replace("\u2212", "-")
@@ -113,10 +131,6 @@ def _that_matter(diagnosis: Diagnosis, pairs: Sequence[EffectPair]) -> tuple[str
 def _cell(pair: EffectPair) -> str:
     angle = number(pair.angle_deg, 0)
     return f"{angle}°{' *' if pair.distinguishable is False else ''}" if angle != NONE else NONE
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return f"{significant(value, 2)} {unit}" if isfinite(value) else NONE
 
 
 def detectable(diagnosis: Diagnosis) -> str:

@@ -205,7 +205,7 @@ def first_step(diagnosis: Diagnosis) -> str:
 
 def confirmation(diagnosis: Diagnosis, effects: Sequence[AddedEffect]) -> str:
     """Return how to confirm effects that do not reduce the gap of runs outside the fit."""
-    measure = "measure next.yaml" if diagnosis.next_schedule else "repeat the runs"
+    measure = "make the runs of next.yaml" if diagnosis.next_schedule else "repeat the runs"
     return (
         f"To confirm {listed([in_words(effect.name) for effect in effects])}, {measure} and "
         "reconcile again; replace or adjust nothing before that."
@@ -232,7 +232,7 @@ def next_step(diagnosis: Diagnosis) -> str:
     """Return the sentence of the verdict on what to do next; empty where nothing is missing."""
     if diagnosis.alternatives:
         if diagnosis.next_schedule:
-            return "Next step: measure next.yaml; the command is below."
+            return "Next step: make the runs of next.yaml, with the command below."
         if check := zero_check(diagnosis):
             return check[0]
         kinds = dict.fromkeys(_runs(other) for _, other in _separable_pairs(diagnosis))
