@@ -126,8 +126,47 @@ def test_friction_that_never_falls_is_rejected():
     run = push(500.0, after=None)
     rising = replace(run, p_tp_pa=run.p_tp_pa[0] + 4e5 * run.t_s)
     (reason,) = screen(rising, Screening()).reasons
-    assert reason.startswith("incomplete: friction had not fallen by 3 %")
+    assert reason.startswith("incomplete: friction had not fallen from a maximum when")
     assert screen(run, Screening()).accepted
+
+
+def slid(friction, x=None):
+    """A push with another friction (a function of the time after breakaway) and position."""
+    run = push(1000.0)
+    after = run.t_s - 2.0
+    force = np.where(after < 0, RATE * run.t_s, friction(np.clip(after, 0.0, None)))
+    f_test = LOAD + force + 20e5 * SPECIMEN.area_rod_m2
+    return replace(run, p_tp_pa=f_test / SPECIMEN.area_piston_m2, x_m=run.x_m if x is None else x)
+
+
+def test_a_maximum_of_which_rising_pressures_leave_two_per_cent_is_breakaway():
+    """Friction of sliding falls by 40 N and rises with the pressures: by 19 N below the peak."""
+    run = slid(lambda t: 1000.0 - 40.0 * (1 - np.exp(-t / 0.1)) + 80.0 * t)
+    assert screen(run, Screening()).accepted
+    (found,) = breakaways(accepted(run), None)
+    assert found.breakaway_n == pytest.approx(1000.0, abs=5.0)
+
+
+@pytest.mark.parametrize("slope", [0.0, 40.0, -8.0])
+def test_sliding_without_a_peak_is_rejected_within_noise(slope):
+    """Friction stays, rises, or falls by less than 1 %, as after a breakaway without stiction."""
+    for seed in range(50):
+        run = slid(lambda t: 1000.0 + slope * t)
+        noise = 4.0 * np.random.default_rng(seed).standard_normal(len(run.t_s))
+        run = replace(run, p_tp_pa=run.p_tp_pa + noise / SPECIMEN.area_piston_m2)
+        reasons = screen(run, Screening()).reasons
+        assert [reason.split(" when ")[0] for reason in reasons] == [
+            "incomplete: friction had not fallen from a maximum"
+        ]
+
+
+def test_a_peak_at_the_end_stop_is_rejected_although_friction_falls():
+    """The stop takes the force, then the piston rebounds."""
+    at_stop = SPECIMEN.stroke_m - 1e-4
+    run = slid(lambda t: 1000.0 - 400.0 * (1 - np.exp(-t / 0.05)))
+    assert screen(run, Screening()).accepted
+    run = replace(run, x_m=np.minimum(run.x_m + at_stop - 0.2003, at_stop))
+    assert any(reason.startswith("end_stop:") for reason in screen(run, Screening()).reasons)
 
 
 DWELLS = (1.0, 4.0, 20.0, 90.0, 600.0)

@@ -112,6 +112,32 @@ def test_the_examples_own_size_changes_nothing_but_names_and_comments():
         assert after == before
 
 
+@pytest.mark.parametrize("size", [Size(0.125, 0.090, 0.4, 250e5), Size(0.025, 0.014, 0.3, 150e5)])
+def test_a_zero_check_has_the_tanks_pressure_at_every_size(size):
+    """A supply of another pressure does not change the tank's, which the vented chambers have."""
+    tank = yaml.safe_load(sized(EXAMPLES["bench-aau.yaml"], size))["supply"]["tank"]
+    checks = [
+        experiment["pressure"]
+        for text in EXAMPLES.values()
+        for experiment in yaml.safe_load(sized(text, size)).get("experiments", ())
+        if experiment["kind"] == "check" and "pressure" in experiment
+    ]
+    assert checks and set(checks) == {tank}
+    limits = yaml.safe_load(sized(EXAMPLES["acceptance-limits.yaml"], size))["limits"]
+    scaled = 100 * size.pressure
+    assert any(float(limit.get("pressure", "0 bar").split()[0]) == pytest.approx(scaled, rel=0.05)
+               for limit in limits)  # fmt: skip
+
+
+def test_a_push_may_rise_by_what_the_friction_of_a_small_cylinder_needs():
+    """Seals of 25 mm have 0.63 of the example's friction, and the piston 0.39 of its area."""
+    size = Size(0.025, 0.014, 0.3, 150e5)
+    push = yaml.safe_load(sized(EXAMPLES["breakaway.yaml"], size))["experiments"][1]
+    own = yaml.safe_load(EXAMPLES["breakaway.yaml"])["experiments"][1]
+    rise, of_example = (float(each["rise"].split()[0]) for each in (push, own))
+    assert rise == pytest.approx(of_example * 0.625, rel=0.02)
+
+
 def test_scaled_lines_say_so_and_given_ones_too():
     lines = sized(EXAMPLES["bench-aau.yaml"], SIZES[0]).splitlines()
     assert sum(line.endswith("# given") for line in lines) == 4

@@ -24,7 +24,7 @@ from hbench.analysis.screening.friction_channels import (
     friction_with_inertia,
     missing_friction_channels,
 )
-from hbench.analysis.screening.push_peak import FALL, first_peak
+from hbench.analysis.screening.push_peak import first_peak, least_fall
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
 from hbench.analysis.screening.saturation import saturated_valves, saturation_reasons
 from hbench.analysis.screening.steadiness import speeds_over_tenths
@@ -181,8 +181,8 @@ def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
         friction = forward * (friction_with_inertia(run))
         if first_peak(friction) is None:
             yield (
-                f"incomplete: friction had not fallen by {100 * FALL:g} % from a maximum when the "
-                f"piston had moved by {moved_mm:.2f} mm (increase displacement)"
+                f"incomplete: friction had not fallen from a maximum when the piston had moved by "
+                f"{moved_mm:.2f} mm; limit {least_fall(friction):.3g} N (increase displacement)"
             )
 
 

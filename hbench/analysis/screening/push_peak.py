@@ -6,7 +6,9 @@ import numpy as np
 
 from hbench.motion.noise import noise_of_differences
 
-FALL = 0.03  # of the largest friction, by which it falls after the maximum
+# Of the largest friction, by which it falls after the maximum. Pressures rise during a push, and
+# the friction of seals with them: of a fall of a tenth they may leave less than 3 %.
+FALL = 0.01
 _FALL_NOISE = 8.0  # or so many standard deviations of the noise, if that is more: 4 up, 4 down
 _HIGH = 0.7  # of the largest friction: humps below it are those of the loop as the push begins
 _SAMPLES = 5  # of a straight line at least, ...
@@ -25,22 +27,40 @@ def first_peak(friction_n: np.ndarray) -> Peak | None:
 
     Friction is the end of a straight line through the last m samples, with the variance
     4 sigma^2 / m, so that the largest of many noisy samples is no maximum. A maximum counts once
-    friction has fallen below it by 3 %, and by more than noise. None if friction rises until the
-    end. Sliding friction may exceed it later, since the pressures rise.
+    friction has fallen below it by ``least_fall``. None if friction rises until the end. Sliding
+    friction may exceed it later, since the pressures rise.
     """
-    if len(friction_n) < 4 or not float(friction_n.max()) > 0.0:
+    if not _pushes(friction_n):
         return None
-    noise = noise_of_differences(np.diff(friction_n, 2), 2)  # second ones: the push is a ramp
-    samples = int(np.ceil((2 * noise / (_NOISE * friction_n.max())) ** 2))
-    samples = min(max(samples, _SAMPLES), len(friction_n) // 2)
+    samples, limit = _samples_and_fall(friction_n)
     friction = _ends_of_lines(friction_n, samples)
-    most = float(friction.max())
     highest = np.maximum.accumulate(friction)
-    limit = max(FALL * most, _FALL_NOISE * 2 * noise / np.sqrt(samples))
-    fallen = (highest - friction > limit) & (highest >= _HIGH * most)
+    fallen = (highest - friction > limit) & (highest >= _HIGH * friction.max())
     if not fallen.any():
         return None
     return Peak(int(np.argmax(friction[: np.argmax(fallen)])), samples)
+
+
+def least_fall(friction_n: np.ndarray) -> float:
+    """Return the fall [N] of friction (n,) [N] after a maximum that counts.
+
+    1 % of the largest friction, or eight standard deviations of the noise of a line's end, if that
+    is more. NaN without friction against the push.
+    """
+    return _samples_and_fall(friction_n)[1] if _pushes(friction_n) else float("nan")
+
+
+def _pushes(friction_n: np.ndarray) -> bool:
+    return len(friction_n) >= 4 and float(friction_n.max()) > 0.0
+
+
+def _samples_and_fall(friction_n: np.ndarray) -> tuple[int, float]:
+    """Return the samples of a line, and the fall [N] that counts."""
+    noise = noise_of_differences(np.diff(friction_n, 2), 2)  # second ones: the push is a ramp
+    samples = int(np.ceil((2 * noise / (_NOISE * friction_n.max())) ** 2))
+    samples = min(max(samples, _SAMPLES), len(friction_n) // 2)
+    most = float(_ends_of_lines(friction_n, samples).max())
+    return samples, max(FALL * most, _FALL_NOISE * 2 * noise / float(np.sqrt(samples)))
 
 
 def _ends_of_lines(y: np.ndarray, m: int) -> np.ndarray:

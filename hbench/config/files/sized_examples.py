@@ -135,6 +135,11 @@ class Size:
         return self.seal * (sliding + _SEALS_N * self.pressure)
 
     @property
+    def breakaway(self) -> float:
+        """Static friction at the supply pressure over that of the example."""
+        return self.seal * (_STATIC_N + _SEALS_N * self.pressure) / (_STATIC_N + _SEALS_N)
+
+    @property
     def rod_force_n(self) -> float:
         """Force of the supply pressure on the rod side."""
         return self.supply_pa * self.rod_m2
@@ -189,7 +194,8 @@ def _by_path(rules: dict[Path, Rule], size: Size) -> Callable[[Path, str], str |
 def _by_last_key(rules: dict[str, Rule], size: Size) -> Callable[[Path, str], str | None]:
     def change(path: Path, value: str) -> str | None:
         key = next(key for key in reversed(path) if not key.isdigit())
-        return rules[key](value, size) if key in rules else None
+        rule = rules.get(f"{path[0]}.{key}", rules.get(key))
+        return None if rule is None else rule(value, size)
 
     return change
 
@@ -251,7 +257,6 @@ def _of_friction(value: str, size: Size) -> str:
 _PISTON = _times(lambda size: size.piston_area, 4)
 _PISTON_VOLUME = _times(lambda size: size.piston_area * size.reach, 4)
 _ROD_VOLUME = _times(lambda size: size.rod_area * size.reach, 4)
-_FORCE = _times(lambda size: size.force)
 _LOAD_CELL = _times(lambda size: max(size.piston_area, size.rod_area) * size.pressure)
 _LENGTH = _times(lambda size: size.length, 3)
 _REACH = _times(lambda size: size.reach)
@@ -298,9 +303,12 @@ _BENCH: dict[Path, Rule] = {
 _SCHEDULE: dict[str, Rule] = {
     **dict.fromkeys(("loads", "load"), _load),
     "p_lr": _rod_pressure,
-    "pressure": _PRESSURE,  # of limits
+    "limits.pressure": _PRESSURE,  # not that of a check, which is the tank's and is not scaled
     **dict.fromkeys(("start", "end", "position", "positions", "rest_travel"), _LENGTH),
-    **dict.fromkeys(("rise", "rate"), _FORCE),
+    # A rate in proportion to the stiffness of the oil moves the piston as in the example. The rise
+    # must overcome friction in both directions, and the lag of the force loop.
+    "rate": _times(lambda size: size.force),
+    "rise": _times(lambda size: max(size.force, size.breakaway)),
     "displacement": _displacement,
     **dict.fromkeys(("first", "last", "velocities", "speed", "levels", "velocity"), _SPEED),
     **dict.fromkeys(("acceleration", "accelerations"), _ACCELERATION),
