@@ -96,7 +96,7 @@ def run_search(
     train, held_out = divided_points(len({point_of(run.plan) for run in task.runs}))
     search = CampaignSearch(measured, train, tuple(names), task.stage)
     result = without_unconfirmed(search, search.run(), held_out)
-    if not task.bench and _position_is_late(
+    if measured.delayed and _position_is_late(
         fit_coefficients(task.plant, result.final, result.confirmed, train)
     ):
         task.stage("all sensors are early, so the position is late")

@@ -79,12 +79,12 @@ class MeasuredCampaign:
 
     @property
     def delayed(self) -> tuple[str, ...]:
-        """What may be late against the position: sensors, whose amplifiers filter.
+        """What may be late against the position; nothing where the board is known.
 
-        A board that is known reads all channels and writes its commands at the same time.
+        It reads all channels at the same time.
         """
         position = [POSITION] if self.late_position else []
-        return (*self.drifts, *([] if self.bench else [ALL_COMMANDS, *position]))
+        return (*self.drifts, ALL_COMMANDS, *position) if self.bench is None else ()
 
     @property
     def cylinders(self) -> tuple[str, ...]:
