@@ -124,7 +124,7 @@ def _blocks(columns: Sequence[_Column]) -> Iterator[list[_Column]]:
 
 
 def _keys(columns: Sequence[_Column]) -> int:
-    """Return how many of the first columns tell the rows apart; at least one."""
+    """Return how many of the first columns distinguish the rows; at least one."""
     for count in range(1, len(columns)):
         rows = list(zip(*(column.cells for column in columns[:count]), strict=True))
         if len(set(rows)) == len(rows):
