@@ -12,13 +12,8 @@ from hbench.model.build import plant_parameters
 from hbench.model.effects.applied import compose
 from hbench.model.effects.catalogue import EFFECTS, Effect, changed_by, with_effects
 from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
-from hbench.model.effects.flows import (
-    overlapped,
-    uneven_ports,
-    valve_hysteresis,
-    valve_trim,
-    with_air,
-)
+from hbench.model.effects.flows import uneven_ports, with_air
+from hbench.model.effects.openings import overlapped, valve_hysteresis, valve_trim
 from hbench.model.noise import new_noise
 from hbench.model.plant import (
     P_LP,

@@ -1,7 +1,7 @@
 """Rows of the catalogue for valves, oil, lines and leaks."""
 
 from hbench.config.effects import Coefficient
-from hbench.model.effects import flows, friction
+from hbench.model.effects import flows, friction, openings
 from hbench.model.effects.rows import FLOWS, FORCES, Effect, Separation
 
 _VALVES = ("test", "load_1", "load_2")
@@ -24,7 +24,7 @@ ROWS = {
             "hose": Coefficient("bar min/l", 0.02, -1, 10),
         },
         balances=FLOWS,
-        laws={"openings": flows.valve_trim, "flows": flows.uneven_ports},
+        laws={"openings": openings.valve_trim, "flows": flows.uneven_ports},
         law="opening = u (1 + gain + curvature |u|) + null, the slope lower by small within 2 V; "
         "Q grows with dP^(1/2 + exponent), and by 1 +- ports +- inlets at the test valve: + at the "
         "port to the piston side, + at inlets; hose Q is lost of each drop dP",
@@ -54,7 +54,7 @@ ROWS = {
             "second": Coefficient("1", 0, 0, 0.45),
         },
         balances=FLOWS,
-        laws={"openings": flows.valve_lag},
+        laws={"openings": openings.valve_lag},
         states=6,
         law="time dy/dt = u - y, y the opening, u the spool with the bandwidth of the model file; "
         "second: this share of time is a second lag in a row",
@@ -87,7 +87,7 @@ ROWS = {
             "load": Coefficient("V", 0.05, 0, 2),
         },
         balances=FLOWS,
-        laws={"openings": flows.valve_hysteresis},
+        laws={"openings": openings.valve_hysteresis},
         states=3,
         law="the opening y stays until the spool's command u is w away, w = test or load: "
         "|u - y| <= w, and 2 w is the width of the loop",
@@ -116,7 +116,7 @@ ROWS = {
             "softness": Coefficient("1", 0, 0, 5),
         },
         balances=FLOWS,
-        laws={"openings": flows.valve_deadband},
+        laws={"openings": openings.valve_deadband},
         law="opening = sign(u) max(|u| - w, 0), w = test or load; softness rounds the edge; "
         "where w is negative, u + |w| u / (|u| + |w|)",
         signals="Commands at low speed rise by the same voltage in both directions, or fall.",
@@ -140,7 +140,7 @@ ROWS = {
             "knee": Coefficient("V", 0, 0, 10),
         },
         balances=FLOWS,
-        laws={"openings": flows.valve_asymmetry},
+        laws={"openings": openings.valve_asymmetry},
         law="opening = u (1 + k sign u), k = test (T), load + load_apart (L1), load - load_apart "
         "(L2), less below the knee",
         signals="Commands at the same speed differ between extending and retracting.",

@@ -12,7 +12,8 @@ import numpy as np
 
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.model.effects.flows import overlapped, with_air
+from hbench.model.effects.flows import with_air
+from hbench.model.effects.openings import overlapped
 from hbench.reconcile.estimates import ParameterEstimates, whole_dof
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients
 from tests.support.hidden.laws.flows import compliance, soft_lap
