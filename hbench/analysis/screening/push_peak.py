@@ -8,7 +8,7 @@ from hbench.motion.noise import noise_of_differences
 
 # Of the largest friction, by which it falls after the maximum. Pressures rise during a push, and
 # the friction of seals with them: of a fall of a tenth they may leave less than 3 %.
-FALL = 0.01
+_FALL = 0.01
 _FALL_NOISE = 8.0  # or so many standard deviations of the noise, if that is more: 4 up, 4 down
 _HIGH = 0.7  # of the largest friction: humps below it are those of the loop as the push begins
 _SAMPLES = 5  # of a straight line at least, ...
@@ -60,7 +60,7 @@ def _samples_and_fall(friction_n: np.ndarray) -> tuple[int, float]:
     samples = int(np.ceil((2 * noise / (_NOISE * friction_n.max())) ** 2))
     samples = min(max(samples, _SAMPLES), len(friction_n) // 2)
     most = float(_ends_of_lines(friction_n, samples).max())
-    return samples, max(FALL * most, _FALL_NOISE * 2 * noise / float(np.sqrt(samples)))
+    return samples, max(_FALL * most, _FALL_NOISE * 2 * noise / float(np.sqrt(samples)))
 
 
 def _ends_of_lines(y: np.ndarray, m: int) -> np.ndarray:
