@@ -18,7 +18,7 @@ from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.products import Products, column_products
-from hbench.reconcile.search.campaign_search import CampaignSearch
+from hbench.reconcile.search.campaign_search import CampaignSearch, _promising
 from hbench.reconcile.search.candidates import (
     EvaluatedCandidate,
     explained_share,
@@ -287,6 +287,16 @@ def test_a_rival_known_by_its_columns_alone_is_evaluated_in_full(name, close):
     first = [name, "load_cell_gain"]  # in full it leads by 1 nat
     assert [each.name for each in step.ambiguous] == (first if close else [])
     assert {each.candidate.tried for each in step.evaluated} == {"full"}
+
+
+def test_a_small_linear_score_beside_a_large_one_is_evaluated_in_full():
+    """A lag is far from linear: friction lag of 3.5 nats had 29.8 in full, and its rival 13.7."""
+    scores = {"position_friction": 13.7, "friction_lag": 3.5, "added_mass": 1.4}
+    linear = [
+        EvaluatedCandidate(Candidate(name, score, 0.3, 1.0, {}, "linear", 5.0), None)
+        for name, score in scores.items()
+    ]
+    assert _promising(linear) == ["position_friction", "friction_lag"]
 
 
 @pytest.mark.parametrize(
