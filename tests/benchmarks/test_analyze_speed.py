@@ -1,6 +1,5 @@
 """``analyze`` of a quarter of the 360-run campaign, against plain pandas and lmfit."""
 
-import time
 import tracemalloc
 from dataclasses import replace
 from pathlib import Path
@@ -13,11 +12,12 @@ from hbench import workflow
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.fleet import FleetTask, analyzed
 from tests.support.analysis.plain_analysis import intervals_and_held_out_errors, plain_pipeline
+from tests.support.benchmarks import best_seconds
 from tests.support.rig_campaign import measure_on_rig
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 LOADS = 1  # of four: 90 runs
-ROUNDS = 2
+ROUNDS = 4
 
 
 @pytest.fixture(scope="module")
@@ -34,24 +34,20 @@ def campaign(tmp_path_factory):
     return folder
 
 
-def best(function):
-    times = []
-    for _ in range(ROUNDS):
-        before = time.process_time()
-        result = function()
-        times.append(time.process_time() - before)
-    return min(times), result
-
-
 @pytest.mark.filterwarnings("ignore:Bound reached:UserWarning", "ignore:rel_change:UserWarning")
 def test_analyze_is_faster_than_a_plain_pipeline_and_finds_the_same_friction(campaign):
     """CPU time, without start-up; ``analyze`` also screens, and has the budget of uncertainty.
 
     The same fits have the intervals and the held-out errors of ``analyze``'s.
     """
-    ours, results = best(lambda: workflow.analyze(campaign))
-    plain, points = best(lambda: plain_pipeline(campaign))
-    more, fits = best(lambda: intervals_and_held_out_errors(points))
+    results, points = workflow.analyze(campaign), plain_pipeline(campaign)
+    fits = intervals_and_held_out_errors(points)
+    ours, plain, more = best_seconds(
+        lambda: workflow.analyze(campaign),
+        lambda: plain_pipeline(campaign),
+        lambda: intervals_and_held_out_errors(points),
+        rounds=ROUNDS,
+    )
     same = plain + more
     print(f"\nanalyze {ours:.2f} s, plain pandas and lmfit {plain:.2f} s: {plain / ours:.2f} times")
     print(f"pandas and lmfit with the same fits {same:.2f} s: {same / ours:.2f} times")
@@ -64,10 +60,12 @@ def test_analyze_is_faster_than_a_plain_pipeline_and_finds_the_same_friction(cam
 
 def test_a_campaign_of_a_fleet_takes_less_time_than_a_plain_pipeline(campaign):
     """CPU time of one more campaign, in a process that has started."""
-    ours, done = best(lambda: analyzed(FleetTask(str(campaign), None)))
-    plain, _ = best(lambda: plain_pipeline(campaign))
+    task = FleetTask(str(campaign), None)
+    assert not analyzed(task).row.failed
+    ours, plain = best_seconds(
+        lambda: analyzed(task), lambda: plain_pipeline(campaign), rounds=ROUNDS
+    )
     print(f"\na campaign of a fleet {ours:.2f} s, plain pandas and lmfit {plain:.2f} s")
-    assert not done.row.failed
     assert ours < 0.6 * plain
 
 
