@@ -1,7 +1,7 @@
 """Campaigns as logs of another bench, for ``hbench import``.
 
-``index`` is the default layout: SI, with ``runs.csv`` and ``bench.yaml``. It contains all that a
-campaign does except the motions. ``map`` is what a data logger writes: other names and units, a
+``index`` is the default layout: SI, with ``runs.csv`` and ``settings.yaml``. It contains all that a
+campaign does except the motions and the bench file: the board that made the logs is unknown. ``map`` is what a data logger writes: other names and units, a
 decimal comma, numbers in the files' names. A map has one kind, so that each kind is a folder with
 its own ``map.yaml``, to be imported as a campaign of its own.
 """
@@ -42,7 +42,8 @@ _COLUMNS = {
 def write_index(campaign: Path, out: Path) -> None:
     """Write a campaign in the default layout, without verdicts."""
     runs, content = _runs(campaign)
-    _write(csv_files(((run, "") for run in runs), content), out)
+    settings = {"settings.yaml": _settings(content)}
+    _write(csv_files(((run, "") for run in runs), settings), out)
 
 
 def write_mapped(campaign: Path, out: Path) -> None:
@@ -87,10 +88,17 @@ def _mapped_files(kind: str, runs: Iterable[Run], bench: Bench, content: dict[st
         "columns": columns,
         "constants": {"p_lr_ref_pa": "{pressure} bar"},
         "series": list(series.values()),
+        **_settings(content),
+    }
+    yield "map.yaml", yaml.safe_dump(rules, sort_keys=False).encode()
+
+
+def _settings(content: dict[str, Any]) -> dict[str, Any]:
+    """Return what a bench's owner knows of it beside the cylinders."""
+    return {
         "instruments": content["instruments"],
         "moving_mass": content["moving_mass"]["test"],
     }
-    yield "map.yaml", yaml.safe_dump(rules, sort_keys=False).encode()
 
 
 def _name(plan: RunPlan) -> tuple[str, dict[str, str]]:

@@ -24,7 +24,7 @@ sys.path.append(str(Path(__file__).parents[3]))  # behind the installed hbench
 import numpy as np
 
 from hbench import workflow
-from hbench.config.bench import parse_bench, parse_plant
+from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
@@ -122,9 +122,8 @@ def stored_outcome(folder: Path) -> Outcome:
 
 
 def task_of(folder: Path) -> ReconcileTask:
-    """Return the task of a campaign: made by ``hbench run``, or imported."""
+    """Return the task of a campaign: made by ``hbench run``, or imported, with an unknown board."""
     campaign = load_campaign(folder)
-    bench = campaign.bench() or parse_bench(read_yaml(BENCH), str(BENCH))
     content = (campaign.header.get("bench") or {}).get("content") or read_yaml(BENCH)
     plant = parse_plant(content, read_yaml(MODEL), MODEL.name)
     runs, instruments = tuple(calibrated_runs(campaign)), campaign.setup().instruments
@@ -132,7 +131,7 @@ def task_of(folder: Path) -> ReconcileTask:
         provenance=campaign.provenance(),
         model=MODEL.name,
         plant_data={},
-        bench=bench,
+        bench=campaign.bench(),
         plant=plant,
         runs=runs,
         instruments=instruments,
