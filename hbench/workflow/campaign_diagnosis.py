@@ -1,6 +1,7 @@
 """Diagnosis of a campaign along its logs, measured with hbench or imported."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,10 @@ _NO_BENCH = (
     "The campaign has no bench file, from which missing sections could come: the model needs all "
     "sections of configs/model-aau.yaml. A bench whose logs have no pressures of a load cylinder "
     "needs none of its sections."
+)
+_ORDER_ASSUMED = (
+    "The runs have no start times: they are taken in the order in which they were imported. If "
+    "they were measured in another order, warming oil and drifting sensors are not found as such."
 )
 
 
@@ -41,7 +46,14 @@ def diagnosed(
     report: Callable[[int, int], None],
     stage: Callable[[str], None],
 ) -> Diagnosis:
-    """Diagnose the runs of a campaign. Raises ``ConfigError``, ``DataError``."""
+    """Diagnose the runs of a campaign, in the order of their starts where these are known.
+
+    Raises ``ConfigError``, ``DataError``.
+    """
+    times_s = campaign.start_times_s()
+    dated = all(run.plan.run in times_s for run in runs)
+    if dated:
+        runs = sorted(runs, key=lambda run: times_s[run.plan.run])
     bench = campaign.bench()
     content = campaign.bench_content
     source = str(model_file)
@@ -59,7 +71,7 @@ def diagnosed(
     experiments = None
     if bench:
         experiments = ExperimentLibrary(bench, plant, instruments, schedule, bench_file)
-    return diagnose(
+    diagnosis = diagnose(
         ReconcileTask(
             provenance=campaign.provenance(),
             bench=bench,
@@ -74,6 +86,9 @@ def diagnosed(
             stage=stage,
         )
     )
+    if dated or not campaign.imported:
+        return diagnosis
+    return replace(diagnosis, notes=(*diagnosis.notes, _ORDER_ASSUMED))
 
 
 def _with_unused_load(sections: dict[str, Any]) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Logs of a whole bench, imported from CSV without a bench file, take part with the catalogue."""
 
 from datetime import UTC, datetime
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -9,6 +10,9 @@ from hbench import workflow
 from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.store.campaign.folder import StoredCampaign, load_campaign
+from hbench.workflow import campaign_diagnosis
+from hbench.workflow.results import calibrated_runs
 from tests.support import ROOT
 from tests.support.reconcile.blind import stored_outcome
 
@@ -44,6 +48,25 @@ def test_a_leak_is_named_in_imported_logs_with_the_coefficients_of_the_original(
     assert gap.refitted > 3 * gap.after
     assert not foreign.gap_heldout.signals and any("imported" in note for note in foreign.notes)
     assert any("instruments" in note for note in foreign.notes)
+    assert any("no start times" in note for note in foreign.notes)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_runs_are_diagnosed_in_the_order_of_their_starts(imported, monkeypatch, known):
+    """A drift or oil that warms follows the time, not the names of files."""
+    campaign = load_campaign(imported)
+    runs = tuple(calibrated_runs(campaign))
+    starts = {run.plan.run: -60.0 * i for i, run in enumerate(runs)}
+    if not known:
+        del starts[runs[0].plan.run]
+    monkeypatch.setattr(StoredCampaign, "start_times_s", lambda self: starts)
+    taken = []
+    made = SimpleNamespace(notes=())
+    monkeypatch.setattr(campaign_diagnosis, "diagnose", lambda task: taken.append(task) or made)
+    monkeypatch.setattr(campaign_diagnosis, "replace", lambda _, notes: notes)
+    noted = campaign_diagnosis.diagnosed(campaign, runs, MODEL, 0.002, print, print)
+    assert taken[0].runs == (runs[::-1] if known else runs)
+    assert noted is made if known else "no start times" in noted[0]
 
 
 def test_sections_that_no_bench_file_supplies_are_asked_for(imported, tmp_path):
