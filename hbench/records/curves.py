@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 from typing import Literal
 
+import numpy as np
+
 from hbench.records.numbers import (
     Count,
     Determination,
@@ -61,6 +63,19 @@ class CurvePoint:
 FitVerdict = Literal[Determination, "not converged"]
 
 
+@dataclass(frozen=True, eq=False)
+class FitSpread:
+    """Parts of a fit's covariance over its p parameters (``analysis/fitting/parameter_spread.py``).
+
+    Entries of parameters at an active bound are nan in ``residual``, and zero in the others.
+    """
+
+    residual: np.ndarray  # (p, p) by the scatter of the points about the law
+    weights: np.ndarray  # (p, p) its change by the standard error of the weights' law
+    level: np.ndarray  # (p,) standard uncertainties by the trials' levels, one error with signs
+    level_dof: float  # degrees of freedom of the squares of ``level``
+
+
 @dataclass(frozen=True)
 class Fit:
     """A friction law fitted to one curve."""
@@ -78,7 +93,8 @@ class Fit:
     # Of each pair of parameters by their names, linearised; in the product of their units. None at
     # an active bound, and where the data does not determine it.
     covariance: dict[str, dict[str, float | None]] = field(default_factory=dict)
-    dof: int | None = None  # degrees of freedom of the covariance: points less parameters
+    dof: int | None = None  # points less parameters
+    spread: FitSpread | None = None  # parts of the covariance
     # Errors of predictions at each point [N] by fits without its speed; nan at the ends.
     held_out_n: tuple[float, ...] = ()
 

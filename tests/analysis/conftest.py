@@ -159,3 +159,18 @@ def make_curve():
         return Curve("steady", direction, f_applied_n, None, "", SPECIMEN, points)
 
     return make
+
+
+@pytest.fixture
+def trials_curve(make_curve):
+    """Return a function that makes a curve of points with trials [N] (n, k), numbered alike."""
+
+    def make(speeds, trials):
+        curve = make_curve(speeds, trials.mean(axis=1))
+        points = [
+            replace(point, trials_n=tuple(own), trials=tuple(range(1, len(own) + 1)), n=len(own))
+            for point, own in zip(curve.points, trials.tolist(), strict=True)
+        ]
+        return replace(curve, points=tuple(points))
+
+    return make

@@ -16,7 +16,7 @@ SPEEDS = np.linspace(0.005, 0.2, 15)
 
 def test_exact_variances_of_a_power_of_speed_are_found():
     sigma = 4.0 * SPEEDS**0.7
-    found = pooled_sigma(SPEEDS, sigma**2, np.full(15, 2.0))
+    found = pooled_sigma(SPEEDS, sigma**2, np.full(15, 2.0)).sigma
     np.testing.assert_allclose(found, sigma, rtol=1e-8)
 
 
@@ -35,7 +35,7 @@ def test_it_is_the_most_likely_law_of_gamma_distributed_variances():
 
     best = minimize(unlikely, [2.0, 1.0], method="Nelder-Mead", options={"xatol": 1e-9}).x
     expected = np.exp((best[0] + best[1] * np.log(SPEEDS)) / 2)
-    np.testing.assert_allclose(pooled_sigma(SPEEDS, variance, dof), expected, rtol=1e-4)
+    np.testing.assert_allclose(pooled_sigma(SPEEDS, variance, dof).sigma, expected, rtol=1e-4)
 
 
 def test_without_scatter_or_trials_there_are_no_weights():

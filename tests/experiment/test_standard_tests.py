@@ -15,8 +15,11 @@ import pytest
 import yaml
 
 from hbench.analysis.conformity.acceptance import conformity_checks
+from hbench.cli.commands.init import _FILES
 from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.loading import read_yaml
+from hbench.config.files.sized_examples import Size
+from hbench.workflow import sized_files
 from hbench.workflow.results import derive
 from tests.support import ROOT
 
@@ -89,6 +92,20 @@ def plant_file(folder, plant):
     file = folder / "plant.yaml"
     file.write_text(yaml.safe_dump(plant))
     return file
+
+
+def test_all_pushes_of_a_large_cylinder_show_a_breakaway(tmp_path, on_the_rig):
+    """With the trials of a direction one after the other, a retracting push showed none."""
+    examples = {name: (CONFIGS / name).read_text() for name in _FILES}
+    files = sized_files(examples, Size(0.125, 0.090, 0.500, 250e5)).files
+    schedule = yaml.safe_load(files["acceptance-test.yaml"])
+    pushes = [one for one in schedule["experiments"] if one["kind"] == "breakaway"]
+    (tmp_path / "bench.yaml").write_text(files["bench.yaml"])
+    (tmp_path / "schedule.yaml").write_text(yaml.safe_dump(schedule | {"experiments": pushes}))
+    results = derive(on_the_rig(tmp_path / "schedule.yaml", tmp_path / "campaign"))
+    assert [run.reasons for run in results.runs] == 6 * [()]
+    found = {push.direction: push.n for push in results.motions.breakaways}
+    assert found == {"extend": 3, "retract": 3}
 
 
 def test_a_leaking_piston_seal_fails_with_the_flow_of_its_orifice(tmp_path, on_the_rig):

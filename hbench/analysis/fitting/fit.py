@@ -19,7 +19,13 @@ from hbench.analysis.fitting.information import (
     undetermined,
 )
 from hbench.analysis.fitting.marton_lantos import TWO_LINES
-from hbench.analysis.fitting.messages import BEYOND, beyond_messages, bound_messages, disagreements
+from hbench.analysis.fitting.messages import (
+    BEYOND,
+    beyond_messages,
+    bound_messages,
+    disagreements,
+    level_messages,
+)
 from hbench.analysis.fitting.parameter_intervals import (
     NEAR_TOLERANCE,
     Ends,
@@ -96,8 +102,9 @@ def fit_law(
 
     Points without a pressure that the law needs are left out. Standard errors come from the
     Jacobian of the parameters off their bounds, with s^2 = RSS / (n - p), p being the number of
-    these; intervals from Student's t with n - p degrees of freedom. There is no standard error
-    where the interval lies inside one to either side. ``rmse_n`` is sqrt(RSS / n), not weighted.
+    these; for one curve they contain the common level of each trial. Intervals are from Student's t
+    with the degrees of freedom of ``parameter_spread.py``. There is no standard error where the
+    interval lies inside one to either side. ``rmse_n`` is sqrt(RSS / n), not weighted.
     What the data does not determine has neither, and the message says so: a parameter of which the
     others can take the place, and one whose typical size changes friction by rounding alone.
     """
@@ -111,7 +118,8 @@ def fit_law(
         return Fit(law.name, {}, float("nan"), False, message)
     problem, solution, weights = estimate_parameters(law, data, how, bounds or {})
     freedom = n - int(solution.free.sum())
-    linearisation = SolutionIntervals(problem, solution, freedom)
+    levels = data.trial_levels() if len(curves) == 1 else None
+    linearisation = SolutionIntervals(problem, solution, freedom, data, levels)
     intervals = {"linearised": linearisation.linearised(), "profile": linearisation.profile()}
     if how.bootstrap and freedom > 0:
         intervals["bootstrap"] = bootstrap_intervals(
@@ -120,7 +128,7 @@ def fit_law(
     parameters = _parameters(law, problem, solution, linearisation, intervals)
     residual = law.model(data.inputs, solution.x) - data.friction_n
     messages = [] if solution.converged else ["the search for the best fit did not converge"]
-    messages += bound_messages(parameters) + disagreements(parameters)
+    messages += bound_messages(parameters) + disagreements(parameters) + level_messages(levels)
     if freedom <= 0:
         messages.append("as many parameters as points: no standard errors")
     else:
@@ -151,6 +159,7 @@ def fit_law(
         beyond=beyond,
         covariance=_by_names(law, linearisation.spread),
         dof=freedom if freedom > 0 else None,
+        spread=linearisation.parts,
     )
 
 
@@ -233,7 +242,7 @@ def _parameters(
         ends, x, se = intervals["profile"], float(solution.x[i]), float(linearisation.se[i])
         nothing = ROUNDING * float(problem.scale[i])
         known = False
-        if ends is not None and np.isfinite(linearisation.factor * se):
+        if ends is not None and np.isfinite(linearisation.factors[i] * se):
             known = se <= max(x - ends[0], ends[1] - x) + nothing
         parameters[name] = FitParameter(
             value=x,

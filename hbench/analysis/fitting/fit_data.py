@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
-from hbench.analysis.fitting.trial_weights import pooled_sigma
+from hbench.analysis.fitting.trial_weights import PooledSigma, pooled_sigma
 from hbench.analysis.rounding import distinct, is_constant
+from hbench.analysis.statistics.trial_levels import TrialLevels, trial_levels
 from hbench.records import Curve
 
 
@@ -18,7 +20,10 @@ class FitPoints:
     friction_n: np.ndarray  # (n,) means of the trials
     sigma: np.ndarray  # (n,) relative standard deviations of the means; mean square 1
     trials_n: tuple[np.ndarray, ...]  # of each point
+    trial_numbers: tuple[tuple[int, ...], ...]  # of each point's trials
     weighted: bool  # whether ``sigma`` comes from the trials
+    # (n,) changes of ln sigma^2 by the standard error of its slope over speed; 0 if not weighted
+    slope_errors: np.ndarray
 
     @property
     def speeds(self) -> int:
@@ -27,13 +32,27 @@ class FitPoints:
 
     def subset(self, chosen: np.ndarray) -> "FitPoints":
         """Return the points with True in ``chosen`` (n,)."""
-        trials = tuple(t for t, used in zip(self.trials_n, chosen, strict=True) if used)
+        numbers = np.flatnonzero(chosen).tolist()
         return FitPoints(
             self.inputs[:, chosen],
             self.friction_n[chosen],
             self.sigma[chosen],
-            trials,
+            tuple(self.trials_n[i] for i in numbers),
+            tuple(self.trial_numbers[i] for i in numbers),
             self.weighted,
+            self.slope_errors[chosen],
+        )
+
+    def trial_levels(self) -> TrialLevels | None:
+        """Estimate the levels that each trial has at all points; of the points of one curve."""
+        counts = [len(values) for values in self.trials_n]
+        if min(counts, default=0) < 1 or max(counts) < 2:
+            return None
+        return trial_levels(
+            np.concatenate(self.trials_n),
+            np.repeat(np.arange(len(counts)), counts),
+            np.array(list(chain.from_iterable(self.trial_numbers))),
+            self.sigma * np.sqrt(counts),
         )
 
 
@@ -55,21 +74,25 @@ def fit_points(curves: Sequence[Curve], weights: str = "equal") -> FitPoints:
     ]
     columns = np.array(rows, dtype=float).reshape(-1, 4).T
     trials = tuple(direction * np.array(point.trials_n) for direction, point in signed)
-    sigma = _sigma(columns[0], trials) if weights == "trials" else None
+    counts = np.array([len(values) for values in trials], dtype=float)
+    pooled = _pooled(columns[0], trials, counts) if weights == "trials" else None
+    sigma, slope_errors = np.ones(len(rows)), np.zeros(len(rows))
+    if pooled is not None:
+        of_means = pooled.sigma / np.sqrt(counts)
+        sigma, slope_errors = of_means / np.sqrt(np.mean(of_means**2)), pooled.slope_errors
     return FitPoints(
         inputs=columns[:3],
         friction_n=columns[3],
-        sigma=np.ones(len(rows)) if sigma is None else sigma,
+        sigma=sigma,
         trials_n=trials,
-        weighted=sigma is not None,
+        trial_numbers=tuple(point.trials for _, point in signed),
+        weighted=pooled is not None,
+        slope_errors=slope_errors,
     )
 
 
-def _sigma(speed: np.ndarray, trials: Sequence[np.ndarray]) -> np.ndarray | None:
-    counts = np.array([len(values) for values in trials], dtype=float)
+def _pooled(
+    speed: np.ndarray, trials: Sequence[np.ndarray], counts: np.ndarray
+) -> PooledSigma | None:
     variance = np.array([0.0 if is_constant(values) else values.var(ddof=1) for values in trials])
-    pooled = pooled_sigma(speed, variance, counts - 1)
-    if pooled is None:
-        return None
-    of_means = pooled / np.sqrt(counts)
-    return of_means / np.sqrt(np.mean(of_means**2))
+    return pooled_sigma(speed, variance, counts - 1)

@@ -5,10 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from hbench.analysis.fitting.information import Information, covariance_of_all
+from hbench.analysis.statistics.trial_levels import TrialLevels
 from hbench.records import FitParameter
 
 BEYOND = 1.2  # of the highest speed: end of the extrapolated line
 _UNCERTAIN = 0.05  # of the friction there: a larger uncertainty gives a warning
+_SIGNIFICANT = 0.05
 _NOTHING = 1e-6  # of what typical parameters make there: an exact fit knows friction that well
 
 
@@ -28,6 +30,13 @@ def _with_unit(value: float, unit: str) -> str:
     """Write a parameter's value; a speed in mm/s, as on the pages."""
     value, unit = (1e3 * value, "mm/s") if unit == "m/s" else (value, unit)
     return f"{float(f'{value:.3g}'):g} {unit}"
+
+
+def level_messages(levels: TrialLevels | None) -> list[str]:
+    """Return a sentence on significantly different levels of the trials."""
+    if levels is None or not levels.p < _SIGNIFICANT:
+        return []
+    return [f"the trials differ in level (p = {levels.p:.2g}): the intervals contain this"]
 
 
 def disagreements(parameters: Mapping[str, FitParameter]) -> list[str]:

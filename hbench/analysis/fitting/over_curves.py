@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from hbench.analysis.fitting.fit_data import fit_points
+from hbench.analysis.fitting.parameter_spread import standard_uncertainty
 from hbench.analysis.fitting.tustin import (
     PARAMETER_NAMES,
     TUSTIN_LAW,
@@ -31,8 +32,14 @@ def tustin_covariance(curves: Sequence[Curve], fit: Fit) -> OverRuns:
     """Return the covariance (4, 4) of a Tustin fit to ``curves``, and its degrees of freedom (4,).
 
     Points have the weights of the fit. For several curves it is ``covariance_over_runs``, for one
-    curve ``covariance`` with n - p. Rows of parameters at a bound are zero, their degrees nan.
+    curve that of the fit (``parameter_spread.py``). Rows of parameters at a bound are zero,
+    their degrees nan.
     """
+    if len(curves) == 1 and fit.spread is not None and fit.dof is not None:
+        own = fit.spread.residual + np.outer(fit.spread.level, fit.spread.level)
+        _, dof = standard_uncertainty(fit.spread, fit.dof, np.eye(len(own)))
+        fixed = np.array([fit.parameters[name].at_bound is not None for name in PARAMETER_NAMES])
+        return OverRuns(np.where(fixed[:, None] | fixed, 0.0, own), np.where(fixed, np.nan, dof))
     data = fit_points(curves, Fitting().weights)
     p = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
     free = np.array([fit.parameters[name].at_bound is None for name in PARAMETER_NAMES])

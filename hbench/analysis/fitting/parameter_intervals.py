@@ -6,6 +6,11 @@ import numpy as np
 
 from hbench.analysis.fitting.fit_data import FitPoints
 from hbench.analysis.fitting.fittable_law import FittableLaw
+from hbench.analysis.fitting.parameter_spread import (
+    parameter_spread,
+    placed,
+    standard_uncertainty,
+)
 from hbench.analysis.statistics.bootstrap import (
     drawn_means,
     drawn_residuals,
@@ -23,6 +28,7 @@ from hbench.analysis.statistics.bounded import (
 from hbench.analysis.statistics.intervals import covariance, has_effect
 from hbench.analysis.statistics.profile import profile_interval
 from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.statistics.trial_levels import TrialLevels
 
 NEAR_TOLERANCE = 1e-10  # of the cost, from a near start: exact to 1e-5 of the standard error
 _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
@@ -33,9 +39,20 @@ Ends = tuple[float, float] | None
 
 
 class SolutionIntervals:
-    """Linearised and profile intervals of a solution."""
+    """Linearised and profile intervals of a solution.
 
-    def __init__(self, problem: Problem, solution: Solution, freedom: int):
+    ``parts`` are those of the covariance ``spread``; ``factors`` (p,) are Student's for the degrees
+    of freedom of each parameter, ``factor`` is that for the points less the parameters.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        solution: Solution,
+        freedom: int,
+        data: FitPoints,
+        levels: TrialLevels | None,
+    ):
         self.problem, self.solution = problem, solution
         free = solution.free
         self.jacobian = problem.derivatives(solution.x)
@@ -46,15 +63,23 @@ class SolutionIntervals:
         self.variance = rest / freedom if freedom > 0 else np.nan
         # Where nothing is left, rounding is the noise beside which a parameter has an effect.
         self.noise = max(self.variance, self.rounding**2 / len(self.jacobian))
-        self.spread = np.full((len(free), len(free)), np.nan)
         residual = problem.residual(solution.x)
         effect = has_effect(self.jacobian, problem.scale)[free]
-        self.spread[np.ix_(free, free)] = covariance(self.jacobian[:, free], residual, effect)
+        own = covariance(self.jacobian[:, free], residual, effect)
+        parts = parameter_spread(
+            self.jacobian[:, free], own, self.variance, data.sigma, data.slope_errors, levels
+        )
+        self.parts = placed(parts, free)
+        self.spread = self.parts.residual + np.outer(self.parts.level, self.parts.level)
         self.se = np.sqrt(np.diag(self.spread))
+        self.factors = np.full(len(free), self.factor)
+        if freedom > 0:
+            _, dof = standard_uncertainty(self.parts, freedom, np.eye(len(free)))
+            self.factors = np.array([student_factor(each) for each in dof.tolist()])
 
     def linearised(self) -> list[Ends]:
         """Return the intervals of the law's line at the solution; none without a scatter."""
-        half = self.factor * self.se
+        half = self.factors * self.se
         return [
             (float(x - h), float(x + h)) if np.isfinite(h) else None
             for x, h in zip(self.solution.x, half, strict=True)
@@ -71,7 +96,7 @@ class SolutionIntervals:
         """
         free = self.solution.free
         bias = np.full(len(free), np.nan)
-        spread = self.spread[np.ix_(free, free)]
+        spread = self.parts.residual[np.ix_(free, free)]
         if not np.isfinite(spread).all() or not free.any():
             return bias
         variances, vectors = np.linalg.eigh(spread)
@@ -92,10 +117,9 @@ class SolutionIntervals:
 
     def profile(self) -> list[Ends]:
         """Return the profile's intervals; none where neither end is set by the data."""
-        level = self.factor**2 * self.variance
         if self.exact:
             return self.linearised()
-        return [self._profile(i, level) for i in range(len(self.se))]
+        return [self._profile(i) for i in range(len(self.se))]
 
     def ends_at_bound(self, intervals: Sequence[Ends]) -> np.ndarray:
         """Return which intervals (p,) a bound cuts off; not those of parameters at a bound."""
@@ -106,11 +130,17 @@ class SolutionIntervals:
         ]
         return self.solution.free & ~np.array(inside)
 
-    def _profile(self, i: int, level: float) -> Ends:
+    def _profile(self, i: int) -> Ends:
+        """Return the interval of a profile, widened by the trials' levels up to the bounds."""
         if self.solution.free[i] and not np.isfinite(self.se[i]):
             return None
-        along = np.where(self.solution.free, self.spread[:, i], 0.0) / self.se[i]
-        low, high = profile_interval(self.problem, self.solution, i, level, self.factor * along)
+        own, factor, x = self.parts.residual, float(self.factors[i]), float(self.solution.x[i])
+        along = np.where(self.solution.free, own[:, i], 0.0) / np.sqrt(own[i, i])
+        level = factor**2 * self.variance
+        low, high = profile_interval(self.problem, self.solution, i, level, factor * along)
+        if shift := factor * float(self.parts.level[i]):
+            low = max(x - float(np.hypot(x - low, shift)), float(self.problem.lower[i]))
+            high = min(x + float(np.hypot(high - x, shift)), float(self.problem.upper[i]))
         by_data = (self.problem.lower[i] < low, high < self.problem.upper[i])
         return (low, high) if any(by_data) and np.isfinite([low, high]).all() else None
 

@@ -2,15 +2,17 @@
 
     F = f(v, p),  u^2(F) = c' V c,  c_j = df/dp_j,  U_95 = t u(F)
 
-V is the covariance of the parameters and t Student's factor with its degrees of freedom. Without
-the off-diagonal entries of V the interval would be several times too wide, since the parameters
-of a Stribeck curve are strongly correlated. Source: JCGM 102:2011, 6.2 (propagation with
-covariances) and JCGM 100:2008, 5.2.2 and G.3 (one output quantity; t factor).
+V is the covariance of the parameters and t Student's factor with the degrees of freedom of c'Vc
+(``parameter_spread.py``). Without the off-diagonal entries of V the interval would be several
+times too wide, since the parameters of a Stribeck curve are strongly correlated. Source:
+JCGM 102:2011, 6.2 (propagation with covariances) and JCGM 100:2008, 5.2.2 and G.3 (one output
+quantity; t factor).
 """
 
 import numpy as np
 
 from hbench.analysis.fitting.fittable_law import FittableLaw
+from hbench.analysis.fitting.parameter_spread import standard_uncertainty
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import Fit
 
@@ -27,12 +29,10 @@ def predict_friction(
     """
     values = np.array([fit.parameters[name].value for name in law.names])
     friction, slopes = law.model(inputs, values), law.jacobian(inputs, values)
-    if fit.dof is None:
+    if fit.dof is None or fit.spread is None:
         return friction, np.full(len(friction), np.nan)
     known = np.array([fit.parameters[name].at_bound is None for name in law.names])
-    matrix = np.array([[fit.covariance[a][b] for b in law.names] for a in law.names], dtype=float)
-    c, v = slopes[:, known], matrix[np.ix_(known, known)]
-    lost = ~np.isfinite(np.diag(v))
-    u = np.sqrt(np.sum(c @ np.where(np.isfinite(v), v, 0.0) * c, axis=1))
-    half = student_factor(fit.dof) * u
-    return friction, np.where((c[:, lost] != 0.0).any(axis=1), np.nan, half)
+    lost = known & ~np.isfinite(np.diag(fit.spread.residual))
+    u, dof = standard_uncertainty(fit.spread, fit.dof, np.where(known & ~lost, slopes, 0.0))
+    half = np.array([student_factor(each) for each in dof.tolist()]) * u
+    return friction, np.where((slopes[:, lost] != 0.0).any(axis=1), np.nan, half)

@@ -97,7 +97,7 @@ LAYOUTS: Layouts = {
     CurvePoint: all_fields(CurvePoint, without=("u_steps",)),
     Fit: all_fields(
         Fit,
-        without=("line", "beyond", "covariance", "held_out_n"),
+        without=("line", "beyond", "covariance", "spread", "held_out_n"),
         covariances="covariances",
         verdict="verdict",
         undetermined="undetermined",
