@@ -190,7 +190,7 @@ def test_a_campaign_is_not_resumed_with_another_bench_or_plant(measure, short_sc
             bench={"oil": {"density": "860 kg/m^3"}}, velocities=["120 mm/s"], trials=1
         )
         measure(schedule, resume=True)
-    with pytest.raises(ConfigError, match="campaign: .*schedule"):
+    with pytest.raises(ConfigError, match="schedule.*velocities.0: .120.*60"):
         measure(short_schedule(velocities=["60 mm/s"], trials=1), resume=True)
     plant = tmp_path / "plant.yaml"
     plant.write_text("oil: {bulk_modulus: 654 bar}\n")
