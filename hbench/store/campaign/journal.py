@@ -71,6 +71,13 @@ class Entry:
     origin: Mapping[str, Any] | None = None  # of an imported run: file, lines, sha256; start
     after_rejection: str = ""  # of a run repeated directly: why the attempt before was rejected
 
+    @property
+    def measured(self) -> str:
+        """Identity of the measurement: the checksum of its log, or of the imported file's lines."""
+        if self.origin is not None:
+            return f"{self.origin.get('sha256')} {self.origin.get('lines')}"
+        return self.stop.sha256 if self.stop else ""
+
 
 @dataclass(frozen=True)
 class JournalContent:
