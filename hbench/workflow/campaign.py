@@ -27,7 +27,7 @@ from hbench.records import RunPlan
 from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient, Identity
 from hbench.rig.ports import Port
-from hbench.store.campaign.folder import StoredCampaign, load_campaign
+from hbench.store.campaign.folder import JOURNAL, StoredCampaign, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
 from hbench.store.campaign.writer import CampaignWriter
 from hbench.store.files.bounded_read import LARGEST_LOG
@@ -182,6 +182,11 @@ def measure(
         )
     bench, simulated = experiment.bench, line.port == "sim"
     with campaign_lock(folder):
+        if resume and not (folder / JOURNAL).exists():
+            raise ConfigError(
+                f"{folder}: no campaign to resume: {JOURNAL} does not exist",
+                "Check the folder. If no run was made yet, give the command without --resume.",
+            )
         campaign = load_campaign(folder) if resume else None
         damaged = campaign.damaged() if campaign else {}
         physics = physics_of(experiment.files["bench"]["content"], line.plant)

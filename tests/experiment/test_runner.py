@@ -198,6 +198,16 @@ def test_a_campaign_is_not_resumed_with_another_bench_or_plant(measure, short_sc
         measure(short_schedule(velocities=["120 mm/s"], trials=1), resume=True, plant=plant)
 
 
+def test_a_resume_before_the_first_run_says_to_leave_the_option_out(
+    measure, short_schedule, tmp_path
+):
+    schedule = short_schedule(velocities=["120 mm/s"], trials=1)
+    with pytest.raises(ConfigError, match="campaign: no campaign to resume") as error:
+        measure(schedule, resume=True)
+    assert "without --resume" in error.value.hint
+    assert measure(schedule).runs == 1
+
+
 def test_a_finished_campaign_resumed_makes_nothing_and_changes_nothing(
     measure, short_schedule, tmp_path
 ):
