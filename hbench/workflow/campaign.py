@@ -11,7 +11,7 @@ from hbench.analysis.screening.screen import screen
 from hbench.config.bench import Bench, parse_bench
 from hbench.config.files.loading import file_sha256, read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
-from hbench.errors import ConfigError
+from hbench.errors import ConfigError, DataError
 from hbench.experiment.campaign_header import (
     campaign_header,
     refuse_another,
@@ -183,7 +183,7 @@ def measure(
     bench, simulated = experiment.bench, line.port == "sim"
     with campaign_lock(folder):
         if resume and not (folder / JOURNAL).exists():
-            raise ConfigError(
+            raise DataError(
                 f"{folder}: no campaign to resume: {JOURNAL} does not exist",
                 "Check the folder. If no run was made yet, give the command without --resume.",
             )

@@ -202,7 +202,7 @@ def test_a_resume_before_the_first_run_says_to_leave_the_option_out(
     measure, short_schedule, tmp_path
 ):
     schedule = short_schedule(velocities=["120 mm/s"], trials=1)
-    with pytest.raises(ConfigError, match="campaign: no campaign to resume") as error:
+    with pytest.raises(DataError, match="campaign: no campaign to resume") as error:
         measure(schedule, resume=True)
     assert "without --resume" in error.value.hint
     assert measure(schedule).runs == 1
