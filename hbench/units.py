@@ -114,7 +114,10 @@ def _factors(text: str) -> Iterator[tuple[Unit, int, int]]:
     while position < end:
         match = _TOKEN.match(text, position)
         if match is None:
-            raise ValueError(f"unit {text!r}: can't read {text[position:]!r}")
+            rest = text[position:]
+            if position and text[position - 1].isalpha() and rest[0].isdigit():
+                raise ValueError(f"unit {text!r}: a power needs ^, as in m/s^2")
+            raise ValueError(f"unit {text!r}: can't read {rest!r}")
         name, exponent, mark = match.groups()
         if name is not None:
             yield _named(name, text), sign * signs[-1], _exponent(exponent or "1", text)

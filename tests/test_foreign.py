@@ -140,3 +140,20 @@ def test_the_top_speed_of_a_triangle_is_measured_where_nothing_states_it(tmp_pat
     workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", CLOCK)
     (plan,) = load_campaign(tmp_path / "out").plans
     assert abs(plan.v_ref_m_s) == pytest.approx(0.045, rel=0.01)
+
+
+def test_a_copied_file_is_no_further_trial(tmp_path):
+    logs = tmp_path / "logs"
+    logs.mkdir()
+    for seed, v in enumerate((0.02, 0.05)):
+        t, x, p_p, p_r, f = stroke(v, 2000.0, seed)
+        rows = zip(1e3 * t, 1e3 * x, p_p / 1e5, p_r / 1e5, (f + 25.0) / 1e3, strict=True)
+        text = "Messung\nZeit;Weg;p_A;p_B;Kraft\nms;mm;bar;bar;kN\n"
+        text += "".join(";".join(german(cell) for cell in row) + "\n" for row in rows)
+        for trial in (1, 2, 3):
+            (logs / f"NBR_{1e3 * v:.0f}mm_s_2000N_{trial}.csv").write_bytes(text.encode())
+    _, results = imported(tmp_path, "import-csv.yaml")
+    assert [run.accepted for run in results.runs] == [True, False, False] * 2
+    assert {run.reason.partition(":")[0] for run in results.runs if not run.accepted} == {"copy"}
+    assert "of run 0001" in results.runs[1].reason and "of run 0004" in results.runs[5].reason
+    assert [point.n for curve in results.curves for point in curve.points] == [1, 1]

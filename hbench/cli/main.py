@@ -1,10 +1,12 @@
 """The application: commands, signals, and the one place that reports errors."""
 
 import atexit
+import errno
 import gc
 import os
 import signal
 import sys
+from typing import NoReturn
 
 import typer
 
@@ -28,12 +30,18 @@ from hbench.cli.commands import (
     watch,
 )
 from hbench.cli.standard_streams import open_standard_streams
-from hbench.errors import HbenchError
+from hbench.errors import DataError, HbenchError
 from hbench.parallel.one_thread import ONE_THREAD
 from hbench.untrusted_text import printable
 
 # Flags of the group that are not given: typer takes 0.05 s to convert their None to a bool.
 _NOT_GIVEN = dict.fromkeys(("help", "install_completion", "show_completion"), False)
+
+# Refusals of a path by the operating system: a user can correct these.
+_REFUSED = frozenset(
+    (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENAMETOOLONG, errno.ELOOP, errno.ENOTDIR)
+)
+_LONGEST_PATH = 100  # characters in a message
 
 _NEW_OBJECTS = 200_000  # between two collections: at most some tens of megabytes
 
@@ -112,9 +120,20 @@ def main() -> None:
     try:
         app()
     except HbenchError as error:
-        from hbench.config.files.key_lines import with_lines
+        _end(error)
+    except OSError as error:
+        if error.errno not in _REFUSED or not isinstance(error.filename, str | bytes):
+            raise
+        path = os.fsdecode(error.filename)
+        path = path if len(path) <= _LONGEST_PATH else f"{path[:_LONGEST_PATH]}..."
+        _end(DataError(f"{path}: {error.strerror}", "Check the path and its permissions."))
 
-        print(f"error: {printable(with_lines(error.message))}", file=sys.stderr)
-        if error.hint:
-            print(f"hint: {printable(error.hint)}", file=sys.stderr)
-        sys.exit(error.exit_code)
+
+def _end(error: HbenchError) -> NoReturn:
+    """Print an error with its hint, and exit with its code."""
+    from hbench.config.files.key_lines import with_lines
+
+    print(f"error: {printable(with_lines(error.message))}", file=sys.stderr)
+    if error.hint:
+        print(f"hint: {printable(error.hint)}", file=sys.stderr)
+    sys.exit(error.exit_code)

@@ -87,7 +87,7 @@ class Pump(ConfigSection):
 class Supply(ConfigSection):
     """Supply and tank pressure; the supply is constant unless ``pump`` is given."""
 
-    pressure: q.Pressure
+    pressure: q.PositivePressure
     tank: q.Pressure
     pump: Pump | None = None
 

@@ -33,7 +33,7 @@ class ExperimentBase(ConfigSection):
 
     kind: str  # its row of KINDS chooses the class
     label: str = ""  # distinguishes series of one campaign
-    trials: int = Field(default=3, ge=1, le=20)
+    trials: q.WholeNumber = Field(default=3, ge=1, le=20)
     # Trials of a reference one after the other, or as passes over all references.
     order: Literal["row", "passes"] = "row"
 
@@ -101,10 +101,10 @@ class Triangle(HeldExperiment):
     """
 
     speed: q.Speed
-    cycles: int = Field(ge=1, le=1000)  # at most
+    cycles: q.WholeNumber = Field(ge=1, le=1000)  # at most
     until: Settling | None = None
     travel: Travel
-    trials: int = Field(default=1, ge=1, le=20)
+    trials: q.WholeNumber = Field(default=1, ge=1, le=20)
 
 
 class Steps(HeldExperiment):
@@ -161,7 +161,7 @@ class Check(ExperimentBase):
     load_cell: Literal["coupled", "free"] = "coupled"  # free: it carries no force
     vent: Annotated[float, q.quantity("s", ge=1, le=600)] = 10.0
     duration: Annotated[float, q.quantity("s", ge=1, le=600)] = 2.0  # closed
-    trials: int = Field(default=1, ge=1, le=20)
+    trials: q.WholeNumber = Field(default=1, ge=1, le=20)
 
 
 def _profile(experiment: Any) -> str | None:

@@ -67,7 +67,7 @@ class Fitting(ConfigSection):
     weights: Literal["trials", "equal"] = "trials"
     loss: Literal["linear", "huber", "soft_l1"] = "linear"
     reference_temperature: q.Temperature = 313.15  # 40 degC, of friction reduced to it
-    bootstrap: int = Field(default=0, ge=0, le=100_000)  # resampled campaigns
+    bootstrap: q.WholeNumber = Field(default=0, ge=0, le=100_000)  # resampled campaigns
 
 
 def parse_fitting(data: dict[str, Any], source: str) -> Fitting:

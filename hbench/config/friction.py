@@ -34,7 +34,7 @@ class _Stribeck(_Seals):
     coulomb: q.Force
     stiction: q.Force
     stribeck_velocity: q.Speed
-    stribeck_exponent: q.Number = 1.0
+    stribeck_exponent: Annotated[q.Number, Field(le=20)] = 1.0
 
 
 class Tustin(_Stribeck):

@@ -19,7 +19,7 @@ ALWAYS = ("t_s", "x_m")  # required, without gaps
 DATE_TIME = "date-time"  # the unit of times such as 2024-05-01T12:00:00.25
 
 
-ColumnName = Annotated[int, Field(ge=1)] | str
+ColumnName = Annotated[q.WholeNumber, Field(ge=1)] | str
 
 
 class Column(ConfigSection):
@@ -34,7 +34,7 @@ class Column(ConfigSection):
     column: ColumnName
     time: ColumnName | None = None
     unit: str | None = None
-    scale: float = Field(default=1.0, allow_inf_nan=False)
+    scale: q.AnyNumber = Field(default=1.0, allow_inf_nan=False)
     offset: QuantityText | None = None  # a quantity: "-1.25 bar"
     # rest: its mean at rest before the motion is subtracted; none: the values are taken as they are
     zero: Literal["rest", "none"] = "none"
@@ -56,9 +56,9 @@ class Format(ConfigSection):
 
     separator: Literal["comma", "semicolon", "tab", "whitespace"] = "comma"
     header: bool = True
-    preamble: int = Field(default=0, ge=0, le=100_000)  # lines before the header
+    preamble: q.WholeNumber = Field(default=0, ge=0, le=100_000)  # lines before the header
     units_row: bool = False  # the row under the header holds units
-    skip_rows: int = Field(default=0, ge=0, le=100_000)  # data rows to drop at the start
+    skip_rows: q.WholeNumber = Field(default=0, ge=0, le=100_000)  # data rows to drop at the start
     decimal: Literal[".", ","] = "."
     thousands: Literal[".", ",", "'", " "] | None = None
     comment: str | None = Field(default=None, min_length=1, max_length=3)

@@ -60,7 +60,9 @@ class Schedule(Identified):
     name: str
     bench: str | None = None  # path of the bench file, from the schedule's own folder
     order: Literal["experiments", "passes", "random"] = "experiments"
-    seed: int = Field(default=1, ge=0)  # of order: random; the same seed gives the same order
+    seed: q.WholeNumber = Field(
+        default=1, ge=0
+    )  # of order: random; the same seed gives the same order
     experiments: tuple[ExperimentSection, ...] = Field(min_length=1, max_length=100)
     screening: Screening = Screening()
 

@@ -15,7 +15,7 @@ class Adc(ConfigSection):
 
     bits: Literal[12]  # a log word holds 1/16 counts
     reference: q.Voltage
-    oversampling: int = Field(ge=1, le=256)  # conversions averaged in one control tick
+    oversampling: q.WholeNumber = Field(ge=1, le=256)  # conversions averaged in one control tick
     noise: q.NoiseVoltage  # standard deviation of one conversion, at the converter's input
     quantised: bool = True
     noisy: bool = True
@@ -39,7 +39,7 @@ class PositionSensor(Transducer):
 class PressureSensor(Transducer):
     """One of the five pressure transducers."""
 
-    span: q.Pressure
+    span: q.PositivePressure
 
 
 class LoadCell(ConfigSection):
@@ -47,7 +47,7 @@ class LoadCell(ConfigSection):
 
     area: Annotated[float, q.quantity("mm^2", gt=0, le=1)]
     youngs_modulus: Annotated[float, q.quantity("GPa", gt=1e8, le=1e12)]
-    poisson: float = Field(ge=0, lt=0.5)
+    poisson: q.AnyNumber = Field(ge=0, lt=0.5)
     gauge_factor: q.Number
     bridge_supply: q.Voltage
     amplifier: q.Number
@@ -114,7 +114,7 @@ class ErrorSource(ConfigSection):
     tolerance: q.Ratio
     of: Literal["reading", "full_scale"] = "full_scale"
     distribution: Distribution = "rectangular"
-    dof: float | None = Field(default=None, ge=1, allow_inf_nan=False)  # None: infinite
+    dof: q.AnyNumber | None = Field(default=None, ge=1, allow_inf_nan=False)  # None: infinite
     common: bool = False  # one error in all transducers, calibrated against one standard
     source: str = "assumed"  # certificate with number and date, or data sheet
 
@@ -143,13 +143,13 @@ class Instrument(ErrorSource):
 class ForceInstrument(Instrument):
     """Tolerance of the load cell."""
 
-    full_scale: q.Force
+    full_scale: q.PositiveForce
 
 
 class PressureInstrument(Instrument):
     """Tolerance of the pressure transducers."""
 
-    full_scale: q.Pressure
+    full_scale: q.PositivePressure
 
 
 class Geometry(ConfigSection):

@@ -17,7 +17,7 @@ class PolynomialSpeeds(ConfigSection):
     strategy: Literal["polynomial"] = "polynomial"
     first: q.Speed
     last: q.Speed
-    count: int = Field(ge=2, le=100)
+    count: q.WholeNumber = Field(ge=2, le=100)
 
     @model_validator(mode="after")
     def _rises(self) -> "PolynomialSpeeds":
@@ -35,7 +35,7 @@ class LinearSpeeds(ConfigSection):
     strategy: Literal["linear"]
     first: q.Speed
     last: q.Speed
-    count: int = Field(ge=2, le=1000)
+    count: q.WholeNumber = Field(ge=2, le=1000)
 
     @model_validator(mode="after")
     def _rises(self) -> "LinearSpeeds":
@@ -55,7 +55,7 @@ class SlopeAdjustedSpeeds(ConfigSection):
     first: q.Speed
     transition: q.Speed
     last: q.Speed
-    count: int = Field(ge=3, le=1000)
+    count: q.WholeNumber = Field(ge=3, le=1000)
 
     @model_validator(mode="after")
     def _rises(self) -> "SlopeAdjustedSpeeds":

@@ -9,6 +9,7 @@ from importlib.metadata import version
 from typing import Any
 
 from hbench.config.bench import Bench
+from hbench.config.files.loading import brief
 from hbench.errors import ConfigError
 from hbench.protocol.dictionary import PROTOCOL, RECORD, RECORD_FLAGS, dictionary_hash
 from hbench.rig.client import Identity
@@ -75,10 +76,42 @@ def refuse_another(campaign: StoredCampaign, header: dict[str, Any]) -> None:
     for key in ("source", "bench", "schedule", "plant", "firmware", "log"):
         before, now = (_content(part.get(key)) for part in (campaign.header, header))
         if before != now:
+            hint = f"Resume with the original {key}, or start a new campaign."
+            if key == "schedule" and _without_serial(before) == _without_serial(now):
+                hint = "Give the same --specimen as at the start, or start a new campaign."
             raise ConfigError(
-                f"{campaign.folder}: can't be resumed: {key} differs from the campaign's",
-                f"Resume with the original {key}, or start a new campaign.",
+                f"{campaign.folder}: can't be resumed: {key} differs from the campaign's: "
+                f"{_first_difference(before, now)}",
+                hint,
             )
+
+
+def _without_serial(schedule: Any) -> Any:
+    """Return a schedule without the serial number, which an option of the command can give."""
+    if not isinstance(schedule, Mapping):
+        return schedule
+    identity = schedule.get("specimen") or {}
+    rest = {key: value for key, value in identity.items() if key != "serial"}
+    return {key: value for key, value in schedule.items() if key != "specimen"} | (
+        {"specimen": rest} if rest else {}
+    )
+
+
+def _first_difference(before: Any, now: Any, key: str = "") -> str:
+    """Return the first key whose values differ, with both values."""
+    pairs: list[tuple[Any, Any, Any]] = []
+    sections = [side for side in (before, now) if isinstance(side, Mapping)]
+    if sections and all(side is None or isinstance(side, Mapping) for side in (before, now)):
+        before, now = before or {}, now or {}
+        keys = dict.fromkeys((*before, *now))
+        pairs = [(name, before.get(name), now.get(name)) for name in keys]
+    elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
+        pairs = [(number, *pair) for number, pair in enumerate(zip(before, now, strict=True))]
+    for name, a, b in pairs:
+        if a != b:
+            return _first_difference(a, b, f"{key}.{name}" if key else str(name))
+    words = ("nothing" if value is None else brief(value) for value in (before, now))
+    return f"{key}: {' in the campaign, '.join(words)} now".removeprefix(": ")
 
 
 def _content(section: Any) -> Any:

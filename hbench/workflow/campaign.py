@@ -11,7 +11,7 @@ from hbench.analysis.screening.screen import screen
 from hbench.config.bench import Bench, parse_bench
 from hbench.config.files.loading import file_sha256, read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
-from hbench.errors import ConfigError
+from hbench.errors import ConfigError, DataError
 from hbench.experiment.campaign_header import (
     campaign_header,
     refuse_another,
@@ -27,7 +27,7 @@ from hbench.records import RunPlan
 from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient, Identity
 from hbench.rig.ports import Port
-from hbench.store.campaign.folder import StoredCampaign, load_campaign
+from hbench.store.campaign.folder import JOURNAL, StoredCampaign, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
 from hbench.store.campaign.writer import CampaignWriter
 from hbench.store.files.bounded_read import LARGEST_LOG
@@ -182,6 +182,11 @@ def measure(
         )
     bench, simulated = experiment.bench, line.port == "sim"
     with campaign_lock(folder):
+        if resume and not (folder / JOURNAL).exists():
+            raise DataError(
+                f"{folder}: no campaign to resume: {JOURNAL} does not exist",
+                "Check the folder. If no run was made yet, give the command without --resume.",
+            )
         campaign = load_campaign(folder) if resume else None
         damaged = campaign.damaged() if campaign else {}
         physics = physics_of(experiment.files["bench"]["content"], line.plant)

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -16,8 +17,9 @@ from hbench.errors import DataError, DeviceError, HbenchError
 from hbench.parallel.process_pool import map_on_cores, retry_alone
 from hbench.records import Fleet, FleetRow
 from hbench.report.fleet.row import fleet_row
+from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
-from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.folder import StoredCampaign, load_campaign
 from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision
 from hbench.store.fleet.rows import FleetRows
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
@@ -138,10 +140,18 @@ def _row(task: FleetTask) -> FleetRow:
 
     The planned speed does not depend on which runs were rejected.
     """
-    results = derive(load_campaign(Path(task.path)))
+    campaign = load_campaign(Path(task.path))
+    results = derive(campaign)
     planned = planned_speed_m_s(run.run.plan for run in results.runs)
     results = at_working_speed(results, task.speed_m_s or planned)
-    return fleet_row(task.path, results, fleet_numbers(results))
+    row = fleet_row(task.path, results, fleet_numbers(results))
+    return replace(row, logs_sha256=_logs_sha256(campaign))
+
+
+def _logs_sha256(campaign: StoredCampaign) -> str:
+    """Return a checksum of all logs, in any order; empty for a campaign without logs."""
+    logs = sorted(filter(None, (entry.measured for entry in campaign.latest)))
+    return sha256("\n".join(logs).encode()) if logs else ""
 
 
 def _without_path(folder: str, message: str) -> str:

@@ -98,6 +98,32 @@ def test_a_bug_is_exit_code_1_with_a_traceback_and_ctrl_c_130():
 
 
 @pytest.mark.parametrize(
+    "arguments", [["analyze", "PATH"], ["init", "PATH"], ["compare", "PATH", "PATH"]]
+)
+def test_a_path_that_the_system_refuses_is_an_error_with_its_name(arguments, monkeypatch, capsys):
+    path = "x" * 5000
+    monkeypatch.setattr("sys.argv", ["hbench", *(path if a == "PATH" else a for a in arguments)])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == ExitCode.DATA
+    out, words = capsys.readouterr()
+    assert not out
+    error, hint = words.splitlines()
+    assert re.fullmatch(r"error: x+\.\.\.: File name too long", error) and len(error) < 200
+    assert hint.startswith("hint: Check the path")
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root reads every folder")
+def test_a_folder_of_another_user_is_an_error_with_its_name(tmp_path, monkeypatch, capsys):
+    (tmp_path / "closed").mkdir(mode=0)
+    monkeypatch.setattr("sys.argv", ["hbench", "analyze", str(tmp_path / "closed" / "demo")])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == ExitCode.DATA
+    assert "closed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
     ("typed", "offered"),
     [("hbench an", {"analyze"}), ("hbench export demo --fo", {"--format"})],
 )

@@ -113,6 +113,20 @@ def test_another_working_speed_makes_other_rows(line, tmp_path, one_process):
     assert rows(out)["good"]["v_m_s"] == pytest.approx(0.09) != first
 
 
+def test_a_copy_and_a_link_of_a_campaign_are_no_further_measurements(tmp_path):
+    folder = tmp_path / "line"
+    shutil.copytree(SAMPLES / "stribeck-small", folder / "a")
+    shutil.copytree(SAMPLES / "stribeck-small", folder / "a copy")
+    (folder / "link").symlink_to("a")
+    done = fleet(folder / "a", folder / "a copy", folder / "link", "-o", tmp_path / "out", "--json")
+    assert done.exit_code == 0, (done.output, done.exception)
+    document = json.loads(done.stdout)
+    assert (document["campaigns"], document["compared"], document["copies"]) == (3, 1, 2)
+    assert len({row["logs_sha256"] for row in rows(tmp_path / "out").values()}) == 1
+    page = (tmp_path / "out" / "fleet.html").read_text()
+    assert "2 of 3 analysed campaigns are copies with the logs of another" in page
+
+
 def test_without_pyarrow_it_says_what_to_install(line, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     done = fleet(line, "-o", tmp_path / "out")

@@ -36,3 +36,13 @@ def test_an_output_folder_wins_and_no_serial_is_no_name(run, tmp_path):
         assert run(*arguments).exit_code == 2
     assert isinstance(run("--specimen", "A\x1b[2J").exception, ConfigError)
     assert not list(tmp_path.glob("_*"))
+
+
+def test_a_refused_resume_names_the_key_that_differs_and_the_option_that_was_left_out(run):
+    assert run("--specimen", "A1", "-o", "mine").exit_code == 0
+    for arguments, now in (([], "nothing"), (["--specimen", "B2"], "'B2'")):
+        error = run(*arguments, "-o", "mine", "--resume").exception
+        assert isinstance(error, ConfigError)
+        assert f"specimen.serial: 'A1' in the campaign, {now} now" in error.message
+        assert "--specimen" in error.hint
+    assert run("--specimen", "A1", "-o", "mine", "--resume").exit_code == 0

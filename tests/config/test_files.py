@@ -60,6 +60,17 @@ def test_the_shipped_import_map_is_good():
         ("oil.density", "870 bar", ["oil.density", "wrong unit"]),
         ("oil.density", "8700 kg/m^3", ["oil.density", "8700 kg/m^3", "2000 kg/m^3"]),
         ("supply.pressure", "-1 bar", ["supply.pressure", "-1 bar", "0 bar"]),
+        ("supply.pressure", "0 bar", ["supply.pressure", "0 bar", "greater than"]),
+        ("instruments.force.full_scale", "0 kN", ["instruments.force.full_scale", "greater than"]),
+        ("sensors.pressure.span", "0 bar", ["sensors.pressure.span", "0 bar", "greater than"]),
+        ("sensors.adc.reference", "1e-300 V", ["sensors.adc.reference", "1e-300 V", "1e-06 V"]),
+        (
+            "friction.test.stribeck_exponent",
+            1000,
+            ["friction.test.stribeck_exponent", "1000", "at most 20"],
+        ),
+        ("sensors.adc.oversampling", True, ["sensors.adc.oversampling", "True", "number"]),
+        ("sensors.load_cell.poisson", False, ["sensors.load_cell.poisson", "False", "number"]),
         ("valve.gian", "1 V", ["'valve.gian'"]),
         (
             "test_cylinder.rod_diameter",
@@ -146,6 +157,7 @@ def test_every_fault_of_a_file_is_told_at_once():
         ("experiments.0.kind", "stedy",
          ["experiments.0.kind = 'stedy'", *KINDS]),
         ("experiments.0.trials", "three", ["experiments.0.trials = 'three'"]),
+        ("experiments.0.trials", True, ["experiments.0.trials = True", "number", "yes"]),
         ("experiments.0.direction", "out",
          ["experiments.0.direction = 'out'", "'extend'", "'retract'"]),
         ("experiments.0.loads", "500 N", ["experiments.0.loads = '500 N'", "[500 N]"]),
@@ -333,3 +345,18 @@ def test_a_map_in_utf_16_has_a_hint(tmp_path):
     with pytest.raises(ConfigError, match="not a text file in UTF-8") as caught:
         read_yaml(tmp_path / "map.yaml")
     assert "Save it as UTF-8" in caught.value.hint
+
+
+@pytest.mark.parametrize("key", ["columns.x_m.scale", "columns.x_m.column", "format.preamble"])
+def test_a_truth_value_is_no_number_of_an_import_map(key):
+    """YAML reads yes as true, which would be 1."""
+    rules = read_yaml(CONFIGS / "import-csv.yaml")
+    with pytest.raises(ConfigError, match=rf"{key} = True: must be a number"):
+        parse_import_map(changed(rules, key, True), "map.yaml")
+
+
+@pytest.mark.parametrize("value", ["900", "0,9 kN", "0.9 kn"])
+def test_a_limit_that_cannot_be_read_is_named_with_its_value(value):
+    limits = {"limits": [{"quantity": "friction", "max": value}]}
+    with pytest.raises(ConfigError, match=rf"limits\.0: max = '{value}': "):
+        parse_limits(limits, "limits.yaml")

@@ -57,6 +57,7 @@ def test_a_quantity_is_stored_in_si(text, unit, si):
         ("150 baar", "bar", "unit 'baar'"),
         ("bar", "bar", "number"),
         ("1 2 bar", "bar", "can't read|unknown"),
+        ("1 m/s2", "m/s^2", r"'m/s2': a power needs \^"),
         ("1 V/(Pa s", "V/(Pa s)", "not closed"),
         ("1 Pa)", "Pa", "without"),
         ("nan bar", "bar", "number"),

@@ -190,12 +190,22 @@ def test_a_campaign_is_not_resumed_with_another_bench_or_plant(measure, short_sc
             bench={"oil": {"density": "860 kg/m^3"}}, velocities=["120 mm/s"], trials=1
         )
         measure(schedule, resume=True)
-    with pytest.raises(ConfigError, match="campaign: .*schedule"):
+    with pytest.raises(ConfigError, match="schedule.*velocities.0: .120.*60"):
         measure(short_schedule(velocities=["60 mm/s"], trials=1), resume=True)
     plant = tmp_path / "plant.yaml"
     plant.write_text("oil: {bulk_modulus: 654 bar}\n")
     with pytest.raises(ConfigError, match="campaign: .*plant"):
         measure(short_schedule(velocities=["120 mm/s"], trials=1), resume=True, plant=plant)
+
+
+def test_a_resume_before_the_first_run_says_to_leave_the_option_out(
+    measure, short_schedule, tmp_path
+):
+    schedule = short_schedule(velocities=["120 mm/s"], trials=1)
+    with pytest.raises(DataError, match="campaign: no campaign to resume") as error:
+        measure(schedule, resume=True)
+    assert "without --resume" in error.value.hint
+    assert measure(schedule).runs == 1
 
 
 def test_a_finished_campaign_resumed_makes_nothing_and_changes_nothing(

@@ -157,3 +157,23 @@ def test_figures_name_the_seals(fleet, undrawn):
 def test_a_large_fleet_has_no_rows_on_its_page(tmp_path):
     rows = [FleetRow(f"/line/{i:03d}", protocol="x", quality="good") for i in range(501)]
     assert fleet_of(tmp_path / "out", rows).rows == ()
+
+
+def test_a_copied_campaign_is_listed_and_counts_once(seals, tmp_path):
+    rows = [
+        replace(row_of(f"/line/{i:02d}", seal), logs_sha256=f"{i:02d}")
+        for i, seal in enumerate(seals)
+    ]
+    copies = [replace(rows[3], path=f"/line/copy-{i}") for i in range(5)]
+    once, found = fleet_of(tmp_path / "a", rows), fleet_of(tmp_path / "b", [*rows, *copies])
+    assert (found.campaigns, found.compared, found.copies, found.other_speeds) == (17, 12, 5, 0)
+    assert (once.copies, once.compared) == (0, 12)
+    assert {row.copy_of for row in found.rows if not row.compared} == {"/line/03"}
+    for one, other in zip(once.spreads, found.spreads, strict=True):
+        assert (one.n, one.between, one.median) == (other.n, other.between, other.median)
+    assert "5 of 17 analysed campaigns are copies with the logs of another" in fleet_text(found)
+
+
+def test_rows_without_logs_are_no_copies(seals, tmp_path):
+    rows = [row_of(f"/line/{i}", seal) for i, seal in enumerate(seals)]
+    assert fleet_of(tmp_path / "out", rows).copies == 0

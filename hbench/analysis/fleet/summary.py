@@ -54,7 +54,7 @@ def summarize(
     selection = _selection(table)
     good, compared = selection.good, selection.compared
     times = times_of(table.moments(), compared)
-    system = measurement_system(table, good, compared, times.days, tolerance)
+    system = measurement_system(table, good & ~selection.copies, compared, times.days, tolerance)
     spreads, deviations, outliers = number_spreads(table, compared, times, system.charts)
     failed = np.flatnonzero(~good)[:LISTED]
     failures = zip(table.values("path", failed), table.values("failed", failed), strict=True)
@@ -74,7 +74,8 @@ def summarize(
         sources=tuple(pair for pair in table.counts("source") if pair[0]),
         protocols=selection.protocols[:_MOST_KINDS],
         compared=int(compared.sum()),
-        other_speeds=int((selection.of_protocol & ~compared).sum()),
+        other_speeds=int((selection.of_protocol & ~compared & ~selection.copies).sum()),
+        copies=int(selection.copies.sum()),
         by_date=times.by_date,
         first=moment_of(times.first) if times.by_date else None,
         last=moment_of(times.last) if times.by_date else None,
@@ -88,7 +89,7 @@ def summarize(
         capabilities=ppk,
         without_capability=without_ppk,
         decisions=tuple(sorted((name, n) for name, n in decisions.items() if name)),
-        rows=tuple(_campaigns(table, analysed, compared, spreads, report_link, decision)),
+        rows=tuple(_campaigns(table, analysed, selection, spreads, report_link, decision)),
     )
 
 
@@ -99,15 +100,33 @@ class _Selection:
     protocols: tuple[tuple[str, int], ...]  # with their numbers of campaigns, most frequent first
     good: np.ndarray  # analysed without a fault
     of_protocol: np.ndarray  # of the most frequent protocol
-    compared: np.ndarray  # of these, at the common working speed
+    compared: np.ndarray  # of these, at the common working speed, each measurement once
+    original: np.ndarray  # int: row of the first campaign with the same logs, itself if unique
+
+    @property
+    def copies(self) -> np.ndarray:
+        """Campaigns whose logs are those of one above: no measurement of their own."""
+        return self.original != np.arange(len(self.original))
 
 
 def _selection(table: FleetTable) -> _Selection:
     good = table.equals("failed", "")
     protocols = tuple(pair for pair in table.counts("protocol") if pair[0])
     of_protocol = good & table.equals("protocol", protocols[0][0] if protocols else "")
-    compared = of_protocol & _at_common_speed(table.numbers("v_m_s"), of_protocol)
-    return _Selection(protocols, good, of_protocol, compared)
+    original = _first_with_the_same_logs(table, good)
+    measured_once = of_protocol & (original == np.arange(len(original)))
+    compared = measured_once & _at_common_speed(table.numbers("v_m_s"), measured_once)
+    return _Selection(protocols, good, of_protocol, compared, original)
+
+
+def _first_with_the_same_logs(table: FleetTable, good: np.ndarray) -> np.ndarray:
+    """Return the first analysed row with the logs of each row (rows,)."""
+    original = np.arange(len(good))
+    first: dict[str, int] = {}
+    for row, logs in enumerate(table.column("logs_sha256").to_pylist()):
+        if logs and good[row]:
+            original[row] = first.setdefault(logs, row)
+    return original
 
 
 def _at_common_speed(v_m_s: np.ndarray, chosen: np.ndarray) -> np.ndarray:
@@ -181,7 +200,7 @@ def _capability(
 def _campaigns(
     table: FleetTable,
     rows: np.ndarray,
-    compared: np.ndarray,
+    selection: _Selection,
     spreads: Sequence[Spread],
     report_link: Callable[[str], str],
     decision: Callable[[str], str],
@@ -191,6 +210,7 @@ def _campaigns(
         return
     names = "path name label quality missing v_m_s specimen started protocol".split()
     texts = [table.values(name, rows) for name in names]
+    originals = table.values("path", selection.original[rows])
     columns = {
         name: [table.values(f"{name}{ending}", rows) for ending in ("", *_ENDINGS)]
         for name in (spread.quantity.column(spread.direction) for spread in spreads)
@@ -201,7 +221,7 @@ def _campaigns(
         numbers = {column: FleetNumber(*c) for column, c in cells.items() if c[0] is not None}
         yield FleetCampaign(
             path=path,
-            compared=bool(compared[rows[i]]),
+            compared=bool(selection.compared[rows[i]]),
             name=name,
             label=label,
             quality=quality,
@@ -213,4 +233,5 @@ def _campaigns(
             specimen=specimen or "",
             started=started,
             protocol=protocol or "",
+            copy_of=originals[i] if selection.copies[rows[i]] else "",
         )

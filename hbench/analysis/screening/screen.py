@@ -48,6 +48,7 @@ CODES = (
     "unreadable",
     "truncated",
     "changed",
+    "copy",
     "missing_channel",
     "gapped",
     "sensor_saturated",
@@ -63,7 +64,7 @@ CODES = (
 SCREENING_RULES = ("steady_window", *RULES)  # of the column ``screening`` of KINDS
 
 _BY_ABORT = ("truncated", "too_short")  # faults of a log that an abort causes
-_OF_LOG = ("missing", "unreadable", "truncated", "changed")
+_OF_LOG = ("missing", "unreadable", "truncated", "changed", "copy")
 _STANDSTILL_S = 0.2
 _DRIFT_ERRORS = 3.0  # standard errors by which a drift must exceed its limit
 

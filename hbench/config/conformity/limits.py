@@ -74,8 +74,7 @@ class Limit(ConfigSection):
     def requirement(self) -> Requirement:
         """The same as a record, in SI. Raises ``ValueError`` for a limit of another dimension."""
         unit = self._unit
-        low = None if self.min is None else to_si(self.min, unit)
-        high = None if self.max is None else to_si(self.max, unit)
+        low, high = self._si("min", self.min), self._si("max", self.max)
         if self.quantity == "drift" and low is None and high is not None:
             low = -high  # a change in either direction
         leak = self.leak or "across_piston"
@@ -94,6 +93,12 @@ class Limit(ConfigSection):
             leak=leak if self.quantity == "leakage" else None,
             pressure_pa=self.pressure,
         )
+
+    def _si(self, key: str, limit: str | None) -> float | None:
+        try:
+            return None if limit is None else to_si(limit, self._unit)
+        except ValueError as error:
+            raise ValueError(f"{key} = {limit!r}: {error}") from None
 
     @property
     def _unit(self) -> str:

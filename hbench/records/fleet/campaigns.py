@@ -88,6 +88,7 @@ class FleetRow:
     drift_possible: float | None = None  # share of friction that runs mixed with speed may hide
     weak: str = ""  # checks of the data with that grade, with commas between; empty: all are good
     missing: str = ""  # runs and trials of the plan that the campaign does not have
+    logs_sha256: str = ""  # of all logs together: a copied campaign has that of the original
     runs: int = 0
     accepted: int = 0
     v_m_s: float | None = None  # working speed
@@ -113,3 +114,4 @@ class FleetCampaign:
     specimen: str = ""  # serial number
     started: datetime | None = None
     protocol: str = ""  # kind of campaign
+    copy_of: str = ""  # path of the campaign with the same logs

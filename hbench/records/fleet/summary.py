@@ -23,6 +23,7 @@ class Fleet:
     protocols: tuple[tuple[str, int], ...]  # the most frequent is evaluated
     compared: int  # campaigns of that protocol, at its speed
     other_speeds: int  # campaigns of that protocol whose speed, not set, differs by more than 20 %
+    copies: int  # analyzed campaigns with the logs of another, which are not compared
     by_date: bool  # blocks and trends are over days since ``first``; else over the order of paths
     first: datetime | None
     last: datetime | None

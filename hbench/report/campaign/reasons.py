@@ -11,6 +11,7 @@ CAUSES = {
     "unreadable": "a damaged log or an incomplete copy, to be restored",
     "truncated": "an incomplete copy of the log, or a lost connection to the board",
     "changed": "a log edited or damaged after its run, to be restored",
+    "copy": "a file copied under another name: give the file of each trial",
     "missing_channel": "a sensor that is not logged, or not named in the map",
     "gapped": "a connection too slow for the log (--baud), or a logger that loses samples",
     "sensor_saturated": "a sensor whose range is too small, a broken wire, or a wrong zero",

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
+from pathlib import Path
 
 from hbench.records import (
     FEWEST_CAMPAIGNS,
@@ -130,7 +131,9 @@ def _shared(cells: list[str]) -> str:
 
 
 def _remarks(campaign: FleetCampaign, fleet: Fleet) -> Iterator[str]:
-    if not campaign.compared:
+    if campaign.copy_of:
+        yield f"not compared: a copy, its logs are those of {Path(campaign.copy_of).name}"
+    elif not campaign.compared:
         evaluated = fleet.protocols[0][0] if fleet.protocols else ""
         other = campaign.protocol and campaign.protocol != evaluated
         why = kind_difference(campaign.protocol, evaluated) if other else "other speed"

@@ -51,6 +51,12 @@ def fleet_verdict(fleet: Fleet) -> str:
     if fleet.incomplete:
         verb = "is" if fleet.incomplete == 1 else "are"
         sentences.append(f"{fleet.incomplete} of {analyzed} analysed campaigns {verb} incomplete.")
+    if fleet.copies:
+        which = "is a copy" if fleet.copies == 1 else "are copies"
+        sentences.append(
+            f"{fleet.copies} of {analyzed} analysed campaigns {which} with the logs of another, "
+            "not compared."
+        )
     if poor:
         verb = "has" if poor == 1 else "have"
         sentences.append(f"{poor} of {analyzed} analysed campaigns {verb} poor data.")

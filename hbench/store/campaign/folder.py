@@ -185,10 +185,13 @@ class StoredCampaign:
         """Read the runs of an imported campaign.
 
         A missing or unreadable run has no samples; ``truncated`` states the reason. A log that was
-        incomplete when it was exported is one here too.
+        incomplete when it was exported is one here too. So is a copy of the log of another trial.
         """
+        same = journal.copied_logs(self.latest)
         for entry in self.latest:
             data, warnings = self._log(entry, ".csv")
+            if (run_id := entry.plan.run) in same:
+                warnings += (f"copy: its log is that of run {same[run_id]}, no further trial",)
             empty = Run(entry.plan, t_s=np.zeros(0), x_m=np.zeros(0))
             try:
                 run = parse_run(data, entry.plan, f"runs/{entry.plan.run}.csv") if data else empty

@@ -15,8 +15,8 @@ was repeated directly after its rejection has the reasons in its ``start`` as ``
 """
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from typing import Any, get_args
 
@@ -71,6 +71,11 @@ class Entry:
     origin: Mapping[str, Any] | None = None  # of an imported run: file, lines, sha256; start
     after_rejection: str = ""  # of a run repeated directly: why the attempt before was rejected
 
+    @property
+    def measured(self) -> str:
+        """Identity of the measurement, the checksum of its log; empty without a log."""
+        return self.stop.sha256 if self.stop and self.stop.records else ""
+
 
 @dataclass(frozen=True)
 class JournalContent:
@@ -79,6 +84,18 @@ class JournalContent:
     header: dict[str, Any]
     entries: tuple[Entry, ...]
     warnings: tuple[str, ...]
+
+
+def copied_logs(entries: Iterable[Entry]) -> dict[str, str]:
+    """Return the runs with the log of another trial of the same plan, each with that run."""
+    first: dict[tuple[str, RunPlan], str] = {}
+    copies = {}
+    for entry in entries:
+        run = entry.plan.run
+        same = first.setdefault((entry.measured, replace(entry.plan, run="", trial=0)), run)
+        if entry.measured and same != run:
+            copies[run] = same
+    return copies
 
 
 def check_run_id(run: str, source: str) -> str:

@@ -16,7 +16,7 @@ from typing import Any
 from hbench.errors import ConfigError, DataError
 
 ROWS = "fleet.sqlite"
-_LAYOUT = 5  # of the file and of its cells
+_LAYOUT = 6  # of the file and of its cells
 _BATCH = 1000
 _MAKE = """
     CREATE TABLE rows (

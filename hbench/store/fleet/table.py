@@ -48,6 +48,7 @@ _PLAIN = {
     "drift_possible": "double",
     "weak": "string",
     "missing": "string",
+    "logs_sha256": "string",
     "runs": "int64",
     "accepted": "int64",
     "v_m_s": "double",
