@@ -97,7 +97,7 @@ def run_search(
     search = CampaignSearch(measured, train, tuple(names), task.stage)
     result = without_unconfirmed(search, search.run(), held_out)
     if measured.delayed and _position_is_late(
-        fit_coefficients(measured, result.final, result.confirmed, train)
+        fit_coefficients(task.plant, result.final, result.confirmed, train)
     ):
         task.stage("all sensors are early, so the position is late")
         search = replace(search, measured=replace(measured, late_position=True))
@@ -167,7 +167,7 @@ def assembled(
     final = result.final
     held_out_points = frozenset(final.gap_map.points[i] for i in held_out)
     train = np.setdiff1d(np.arange(len(final.gap_map.points)), held_out)
-    estimates = fit_coefficients(measured, final, result.confirmed, train)
+    estimates = fit_coefficients(task.plant, final, result.confirmed, train)
     runs = tuple(run for log in measured.logs for run in log.runs)
     simulated, overlaid, notes = _verification(task, result, held_out_points)
     where, unexplained = ranked_by(rank, measured, result)
@@ -175,7 +175,7 @@ def assembled(
     rivals = _rivals(result)
     tried = tuple(name for name in EFFECTS if name not in not_tried)
     proposal, separability = _advice(task, result, rivals, verdict, tried, train)
-    fits = _fits(measured, result, estimates, rivals, train)
+    fits = _fits(task.plant, result, estimates, rivals, train)
     point, practice = in_practice(measured, final.gap_map, fits)
     factors, sections = revision(task.plant_data, result, estimates)
     first, last = result.steps[0], result.steps[-1]
@@ -254,7 +254,7 @@ def _advice(
 
 
 def _fits(
-    measured: MeasuredCampaign,
+    plant: Plant,
     result: SearchResult,
     estimates: ParameterEstimates,
     rivals: Mapping[str, LinearisedModel],
@@ -262,11 +262,11 @@ def _fits(
 ) -> dict[str, ParameterEstimates]:
     """Return the fit with each effect that is named, not confirmed, or in the ambiguous set."""
     unconfirmed = {
-        name: fit_coefficients(measured, each.model, each.effects, train)
+        name: fit_coefficients(plant, each.model, each.effects, train)
         for name, each in result.unconfirmed.items()
     }
     ambiguous = {
-        name: fit_coefficients(measured, model, (*result.names, name), train)
+        name: fit_coefficients(plant, model, (*result.names, name), train)
         for name, model in rivals.items()
     }
     return unconfirmed | dict.fromkeys(result.confirmed, estimates) | ambiguous

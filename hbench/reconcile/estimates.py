@@ -18,14 +18,8 @@ from hbench.reconcile.hypothesis import (
     effect_coefficients,
     typical_size,
 )
-from hbench.reconcile.likelihood import cost, maximum_likelihood, spread
-from hbench.reconcile.linearised import (
-    SHARES,
-    LinearisedModel,
-    Measured,
-    hypothesis_at,
-    model_at,
-)
+from hbench.reconcile.likelihood import maximum_likelihood, spread
+from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
 from hbench.reconcile.measured.disturbances import DELAY_S, delayed_channel
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
@@ -182,25 +176,14 @@ def whole_dof(dof: float) -> int:
 
 
 def fit_coefficients(
-    measured: Measured, model: LinearisedModel, names: Sequence[str], train: np.ndarray
+    plant: Any, model: LinearisedModel, names: Sequence[str], train: np.ndarray
 ) -> ParameterEstimates:
-    """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``.
-
-    The balances are not linear. Of the most likely step about the model and its shares the first is
-    taken with which the balances themselves agree better; where none is better, the model's values.
-    """
+    """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``."""
     chosen, priors = tuple(model.index(names)), model.priors(names)
-    step = maximum_likelihood(model.data, priors, chosen, train)[0]
-    before = cost(model.data, priors, chosen, train)
-    beta = np.zeros_like(step)
-    for share in SHARES:
-        at = model_at(measured, model, hypothesis_at(model, measured.plant, chosen, share * step))
-        if cost(at.data, at.priors(names), chosen, train) < before:
-            beta = share * step
-            break
+    beta = maximum_likelihood(model.data, priors, chosen, train)[0]
     of_fit = spread(model.data, priors, chosen, beta, train, _like_speeds(model.gap_map))
     bounds = priors.select(chosen)
-    return ParameterEstimates(measured.plant, model, chosen, beta, *of_fit, bounds.low, bounds.high)
+    return ParameterEstimates(plant, model, chosen, beta, *of_fit, bounds.low, bounds.high)
 
 
 def _like_speeds(gap_map: GapMap) -> np.ndarray:

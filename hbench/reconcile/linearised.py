@@ -26,7 +26,6 @@ _SHAPE_PRIOR = 3.0  # quarters of the default
 _FIXED = 0.01  # standard deviation of a factor that is not refitted, in those of its prior
 _NO_EFFECT = "/~#"  # first letters of the names of factors, disturbances and modes
 _LARGEST_MODE = 30.0  # of a learned law, in standard deviations of its prior
-SHARES = (1.0, 0.5, 0.25)  # of a step that are tried, as the balances are not linear
 Columns = Mapping[str, np.ndarray]  # by name: change of the residuals (w, c) by one unit
 
 
@@ -178,12 +177,6 @@ def linearise_residuals(
 
 
 _OFF = (0.0, np.nan, 0.0, 0.0)  # prior of a column that no fit has unless its effect is tried
-
-
-def model_at(measured: Measured, model: LinearisedModel, hypothesis: Hypothesis) -> LinearisedModel:
-    """Return the model at another hypothesis, with the columns of ``model``."""
-    residuals = measured.gap_map(hypothesis, model.gap_map)
-    return linearise_residuals(measured, hypothesis, residuals, model.columns, model.data)
 
 
 def hypothesis_at(

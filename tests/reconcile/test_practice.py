@@ -50,7 +50,7 @@ def fitted(campaign, name, keys):
     at = Hypothesis()
     for _ in range(2):
         model = linearise(campaign, at, campaign.columns(at, columns))
-        estimates = fit_coefficients(campaign, model, [name], np.arange(4))
+        estimates = fit_coefficients(campaign.plant, model, [name], np.arange(4))
         at = estimates.hypothesis(estimates.beta)
     return estimates
 

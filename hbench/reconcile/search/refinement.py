@@ -67,10 +67,10 @@ class EffectRefinement(CandidateEvaluator):
     def _why_not_needed(self, model: LinearisedModel, names: tuple[str, ...], name: str) -> str:
         """Return why a refined model does not need one of its effects; empty where it does.
 
-        Its size is that of the model or of the fit about it, which the diagnosis states: the
+        Its size is that of the model or of the linear fit about it, which the diagnosis states: the
         smaller.
         """
-        estimates = fit_coefficients(self.measured, model, names, self.train)
+        estimates = fit_coefficients(self.measured.plant, model, names, self.train)
         fitted = self._values(model, name, estimates.chosen, estimates.beta)
         both = (self._own_values(model, name), fitted)
         sizes = [self._candidate(name, 0.0, 0.0, each, "full").size for each in both]

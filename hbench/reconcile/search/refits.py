@@ -9,18 +9,16 @@ from hbench.reconcile.evidence import CrossValidation, cross_validate
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.likelihood import cost, maximum_likelihood
 from hbench.reconcile.linearised import (
-    SHARES,
     LinearisedModel,
     Measured,
     hypothesis_at,
     linearise_residuals,
-    model_at,
 )
 
 _REFIT_ROUNDS = 16  # steps, or new columns
 _NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluation below
 # Radius of a step's damping, in priors of nuisances and typical sizes, and shares of the step.
-SHORTER = ((np.inf, SHARES),)
+SHORTER = ((np.inf, (1.0, 0.5, 0.25)),)
 _DAMPED = tuple((radius, (1.0,)) for radius in (1.0, 0.3, 0.1))
 _NEGLIGIBLE_GAIN = 0.5  # nats of a step, a tenth of what an effect must gain; it is the last one
 
@@ -34,7 +32,8 @@ class Refits:
 
     def linearise_at(self, start: LinearisedModel, hypothesis: Hypothesis) -> LinearisedModel:
         """Return the model at a hypothesis, with the columns of ``start``."""
-        return model_at(self.measured, start, hypothesis)
+        residuals = self.measured.gap_map(hypothesis, start.gap_map)
+        return linearise_residuals(self.measured, hypothesis, residuals, start.columns, start.data)
 
     def with_columns(self, model: LinearisedModel, names: Iterable[str]) -> LinearisedModel:
         """Return a model with the columns ``names`` computed at its hypothesis."""

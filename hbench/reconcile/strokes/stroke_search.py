@@ -73,7 +73,7 @@ class SeriesSearch(CandidateEvaluator):
 
     def estimates(self, model: LinearisedModel, names: Sequence[str]) -> ParameterEstimates:
         """Return the parameters about a model with the effects ``names``."""
-        return fit_coefficients(self.measured, model, names, self.train)
+        return fit_coefficients(self.measured.plant, model, names, self.train)
 
     def factors(self, estimates: ParameterEstimates) -> dict[str, FitParameter]:
         """Return the factors on the given model's values, by dotted path."""

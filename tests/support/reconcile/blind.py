@@ -84,7 +84,7 @@ def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
     best = found.steps[0].evaluated[0].candidate
     touched = EFFECTS[best.name].balances
     train = np.setdiff1d(np.arange(len(found.final.gap_map.points)), out)
-    fit = fit_coefficients(measured, found.final, found.names, train)
+    fit = fit_coefficients(task.plant, found.final, found.names, train)
     return Outcome(
         name=folder.name,
         verdict=verdict,

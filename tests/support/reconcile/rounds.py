@@ -68,7 +68,7 @@ def reconciled(measured, bench):
     own = campaign_of(measured, bench)
     points = np.arange(len({point_of(run.plan) for run in measured}))
     result = CampaignSearch(own, points, ()).run()
-    factors = fit_coefficients(own, result.refitted, (), points).factors()
+    factors = fit_coefficients(own.plant, result.refitted, (), points).factors()
     allowed = np.zeros(len(BALANCES))
     given = result.given.gap_map.in_units_of(result.refitted.gap_map)
     before, after = (ranked_gaps(each, allowed) for each in (given, result.refitted.gap_map))
