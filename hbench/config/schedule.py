@@ -60,9 +60,8 @@ class Schedule(Identified):
     name: str
     bench: str | None = None  # path of the bench file, from the schedule's own folder
     order: Literal["experiments", "passes", "random"] = "experiments"
-    seed: q.WholeNumber = Field(
-        default=1, ge=0
-    )  # of order: random; the same seed gives the same order
+    # Of order: random; the same seed gives the same order.
+    seed: q.WholeNumber = Field(default=1, ge=0)
     experiments: tuple[ExperimentSection, ...] = Field(min_length=1, max_length=100)
     screening: Screening = Screening()
 

@@ -41,7 +41,6 @@ def test_a_leak_and_the_supplys_droop_are_named(tmp_path):
         (Effects(), None),
         (Effects(leak=1e-5), "internal_leakage"),
         (Effects(rod_leak=6e-6), "external_leakage"),
-        (Effects(seal_n=120.0), "seal_pressure_friction"),
         (Effects(overlap_v=0.25), "valve_deadband"),
         (Effects(uneven=0.12), "valve_asymmetry"),
         (Effects(lag_s=0.006), "valve_lag"),
@@ -55,6 +54,16 @@ def test_the_hidden_effect_is_named_and_no_other(tmp_path, effects, name, seed):
     found = diagnosed(tmp_path, effects, seed)
     print(found.verdict, *((e.name, e.parameters) for e in found.effects))
     assert {effect.name for effect in found.effects} == {DROOP, *([name] if name else [])}
+
+
+@pytest.mark.slow
+def test_a_seal_with_another_law_is_named_or_its_force_remains(tmp_path):
+    """200 N with the drop across the piston: the catalogue's grows with the pressures."""
+    found = diagnosed(tmp_path, Effects(seal_n=200.0), seed=2)
+    names = {effect.name for effect in found.effects}
+    assert DROOP in names and names <= {DROOP, "seal_pressure_friction"}
+    named = "seal_pressure_friction" in names
+    assert named or "force_test" in {gap.name for gap in found.rest}
 
 
 @pytest.mark.slow

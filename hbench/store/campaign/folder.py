@@ -190,8 +190,8 @@ class StoredCampaign:
         same = journal.copied_logs(self.latest)
         for entry in self.latest:
             data, warnings = self._log(entry, ".csv")
-            if (run_id := entry.plan.run) in same:
-                warnings += (f"copy: its log is that of run {same[run_id]}, no further trial",)
+            if entry.plan.run in same:
+                warnings += (f"copy: its log is that of run {same[entry.plan.run]}",)
             empty = Run(entry.plan, t_s=np.zeros(0), x_m=np.zeros(0))
             try:
                 run = parse_run(data, entry.plan, f"runs/{entry.plan.run}.csv") if data else empty
