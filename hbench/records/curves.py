@@ -75,6 +75,11 @@ class FitSpread:
     level: np.ndarray  # (p,) standard uncertainties by the trials' levels, one error with signs
     level_dof: float  # degrees of freedom of the squares of ``level``
 
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance (p, p) of the parameters."""
+        return self.residual + np.outer(self.level, self.level)
+
 
 @dataclass(frozen=True)
 class Fit:

@@ -15,6 +15,7 @@ from hbench.report.comparison.figures import draw_differences
 from hbench.report.comparison.text import differences_json, differences_page
 from hbench.report.render.figures import figure_files
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.journal import measurements
 from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
@@ -70,7 +71,7 @@ def compare(
             "Measure both at the same kind, direction, load and rod-side pressure; imported series "
             "need the same label or factors.",
         )
-    logs = [{e.stop.sha256 for e in each.latest if e.stop} for each in (campaign_a, campaign_b)]
+    logs = [measurements(each.latest) for each in (campaign_a, campaign_b)]
     if same := len(logs[0] & logs[1]):
         notes = (_SAME_LOGS.format(count=same, of=len(logs[0])), *notes)
     return CampaignDifferences(

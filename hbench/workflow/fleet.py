@@ -20,6 +20,7 @@ from hbench.report.fleet.row import fleet_row
 from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
 from hbench.store.campaign.folder import StoredCampaign, load_campaign
+from hbench.store.campaign.journal import measurements
 from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision
 from hbench.store.fleet.rows import FleetRows
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
@@ -150,7 +151,7 @@ def _row(task: FleetTask) -> FleetRow:
 
 def _logs_sha256(campaign: StoredCampaign) -> str:
     """Return a checksum of all logs, in any order; empty for a campaign without logs."""
-    logs = sorted(filter(None, (entry.measured for entry in campaign.latest)))
+    logs = sorted(measurements(campaign.latest))
     return sha256("\n".join(logs).encode()) if logs else ""
 
 

@@ -10,16 +10,16 @@ from hbench.report.render.figures import figure_files
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
 from hbench.report.simulation.replay_text import replay_json
-from hbench.store.campaign.folder import (
-    ADD_A_BENCH,
-    NOT_INTO_A_CAMPAIGN,
-    load_campaign,
-    refuse_existing,
-)
+from hbench.store.campaign.folder import NOT_INTO_A_CAMPAIGN, load_campaign, refuse_existing
 from hbench.store.exporting.runs import csv_files
 from hbench.store.files.atomic import write_files
 from hbench.workflow.board import physics_of
 from hbench.workflow.results import calibrated_runs
+
+_ADD_A_BENCH = (
+    "Export the campaign with `hbench export`, add a bench file 'bench.yaml' to the exported "
+    "folder, and import that folder."
+)
 
 
 def phenomena() -> tuple[str, ...]:
@@ -62,7 +62,7 @@ def replay(folder: Path, model_file: Path) -> Replay:
     campaign = load_campaign(folder)
     bench = campaign.bench()
     if bench is None:
-        raise DataError(f"{folder}: contains no bench, which the model needs", ADD_A_BENCH)
+        raise DataError(f"{folder}: contains no bench, which the model needs", _ADD_A_BENCH)
     content = campaign.bench_content
     plant = physics_of(content, model_file) or bench
     measured = tuple(r for r in calibrated_runs(campaign) if KINDS[r.plan.kind].is_reconciled)

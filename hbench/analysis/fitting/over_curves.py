@@ -18,7 +18,6 @@ from hbench.analysis.fitting.tustin import (
 )
 from hbench.analysis.statistics.intervals import (
     OverRuns,
-    covariance,
     covariance_over_runs,
     has_effect,
 )
@@ -35,23 +34,18 @@ def tustin_covariance(curves: Sequence[Curve], fit: Fit) -> OverRuns:
     curve that of the fit (``parameter_spread.py``). Rows of parameters at a bound are zero,
     their degrees nan.
     """
-    if len(curves) == 1 and fit.spread is not None and fit.dof is not None:
-        own = fit.spread.residual + np.outer(fit.spread.level, fit.spread.level)
-        _, dof = standard_uncertainty(fit.spread, fit.dof, np.eye(len(own)))
-        fixed = np.array([fit.parameters[name].at_bound is not None for name in PARAMETER_NAMES])
-        return OverRuns(np.where(fixed[:, None] | fixed, 0.0, own), np.where(fixed, np.nan, dof))
-    data = fit_points(curves, Fitting().weights)
     p = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
     free = np.array([fit.parameters[name].at_bound is None for name in PARAMETER_NAMES])
+    spread, dof = np.zeros((len(p), len(p))), np.full(len(p), np.nan)
+    if len(curves) == 1 and fit.spread is not None:
+        if fit.dof is not None:
+            dof = np.where(free, standard_uncertainty(fit.spread, fit.dof, np.eye(len(p)))[1], dof)
+        return OverRuns(np.where(np.outer(free, free), fit.spread.covariance, spread), dof)
+    data = fit_points(curves, Fitting().weights)
     jacobian = tustin_jacobian(data.inputs[0], p) / data.sigma[:, None]
     size = TUSTIN_LAW.scale(data.inputs, float(np.abs(data.friction_n).max()))
     jacobian, effect = jacobian[:, free], has_effect(jacobian, size)[free]
     residual = (tustin_friction(data.inputs[0], p) - data.friction_n) / data.sigma
-    spread, dof = np.zeros((len(p), len(p))), np.full(len(p), np.nan)
-    if len(curves) == 1:
-        spread[np.ix_(free, free)] = covariance(jacobian, residual, effect)
-        dof[free] = len(residual) - int(free.sum())
-        return OverRuns(spread, dof)
     curve = np.repeat(np.arange(len(curves)), [len(c.points) for c in curves])
     over_curves = covariance_over_runs(jacobian, residual, curve, effect)
     spread[np.ix_(free, free)], dof[free] = over_curves

@@ -70,7 +70,7 @@ class SolutionIntervals:
             self.jacobian[:, free], own, self.variance, data.sigma, data.slope_errors, levels
         )
         self.parts = placed(parts, free)
-        self.spread = self.parts.residual + np.outer(self.parts.level, self.parts.level)
+        self.spread = self.parts.covariance
         self.se = np.sqrt(np.diag(self.spread))
         self.factors = np.full(len(free), self.factor)
         if freedom > 0:

@@ -32,10 +32,6 @@ from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_
 from hbench.untrusted_text import printable
 
 JOURNAL = "campaign.yaml"
-ADD_A_BENCH = (
-    "Export the campaign with `hbench export`, add a bench file 'bench.yaml' to the exported "
-    "folder, and import that folder."
-)
 NOT_INTO_A_CAMPAIGN = "Choose another folder with -o: the files could replace raw logs."
 _CAMPAIGN = "Give a folder written by `hbench run` or `hbench import`; it contains campaign.yaml."
 _KNOWN = (  # sections of the header that are no details

@@ -86,6 +86,11 @@ class JournalContent:
     warnings: tuple[str, ...]
 
 
+def measurements(entries: Iterable[Entry]) -> frozenset[str]:
+    """Return the identities of all measurements: a copied campaign has those of the original."""
+    return frozenset(entry.measured for entry in entries if entry.measured)
+
+
 def copied_logs(entries: Iterable[Entry]) -> dict[str, str]:
     """Return the runs with the log of another trial of the same plan, each with that run."""
     first: dict[tuple[str, RunPlan], str] = {}

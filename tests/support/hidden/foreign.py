@@ -3,8 +3,8 @@
 ``index`` is the default layout: SI, with ``runs.csv`` and ``settings.yaml``. It contains all that a
 campaign does except the motions and the bench file: the board that made the logs is unknown.
 ``map`` is what a data logger writes: other names and units, a decimal comma, numbers in the files'
-names. A map has one kind, so that each kind is a folder with
-its own ``map.yaml``, to be imported as a campaign of its own.
+names. A map has one kind, so that each kind is a folder with its own ``map.yaml``, to be imported
+as a campaign of its own.
 """
 
 import re
