@@ -4,7 +4,7 @@ All quantities are SI, as in ``runs.py``.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from itertools import combinations_with_replacement
 from typing import Literal
 
@@ -74,6 +74,13 @@ class FitSpread:
     weights: np.ndarray  # (p, p) its change by the standard error of the weights' law
     level: np.ndarray  # (p,) standard uncertainties by the trials' levels, one error with signs
     level_dof: float  # degrees of freedom of the squares of ``level``
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether all entries are equal; nan is equal to nan."""
+        return isinstance(other, FitSpread) and all(
+            np.array_equal(getattr(self, part.name), getattr(other, part.name), equal_nan=True)
+            for part in fields(self)
+        )
 
     @property
     def covariance(self) -> np.ndarray:
