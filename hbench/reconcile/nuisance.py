@@ -63,7 +63,7 @@ _LAP_V = 0.03  # over- or underlap of spools that are called zero-lapped: 0.3 % 
 _TRANSDUCERS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 ASSUMED_TOLERANCE = 0.01  # of sensors whose tolerance is not stated: a usual industrial class
 # Effects that every bench has: refitted, never named.
-BACKGROUND = frozenset({"valve_trim", "pressure_gain"})
+BACKGROUND = frozenset({"valve_trim"})
 
 
 def nuisances(plant: Any) -> dict[str, float]:

@@ -6,7 +6,7 @@ from hbench.analysis.rounding import distinct_texts
 from hbench.reconcile.acceptance import ALIKE, CRITERIA, ambiguity_margin
 from hbench.reconcile.search_result import SearchResult
 from hbench.records import Candidate, Gap, Verdict
-from hbench.records.diagnosis import UNEXPLAINED_GAP
+from hbench.records.diagnosis import TOLERATED, UNEXPLAINED_GAP
 from hbench.sentences import listed, plural
 
 NO_RESIDUALS = (
@@ -48,7 +48,9 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
                 f"cross-validation ({100 * CRITERIA.explained:.0f} % needed; score "
                 f"{best.score:.1f} nats, {best.threshold:.1f} needed)."
             )
-            if best.score > best.threshold and best.size < CRITERIA.size:
+            if best.score > best.threshold and best.size == 0.0:
+                reason += f" It is not named: {TOLERATED}."
+            elif best.score > best.threshold and best.size < CRITERIA.size:
                 size, needed = distinct_texts(best.size, CRITERIA.size)
                 reason += (
                     f" It is too small to be named: {size} of a typical size, {needed} needed."

@@ -52,6 +52,8 @@ _LEAST_SHARE = 0.1  # of a coefficient's larger change; a smaller change is set 
 _LOAD_IN_BAND = 0.1  # share of the friction band that a difference of the load may have
 _MAGNITUDES = {"coulomb", "stiction", "stribeck_force", "viscous"}  # of friction
 _LAWS = {"friction", "sensors"}  # of effects that can act on a stroke's forces
+# Forces alone do not show it: one pressure's gain is a gain of the load cell but for the other one.
+_NEEDS_FLOWS = frozenset({"pressure_gain"})
 
 
 @dataclass(frozen=True)
@@ -271,7 +273,9 @@ class MeasuredStrokes:
         acting = [
             name
             for name, row in EFFECTS.items()
-            if row.balances and name not in BACKGROUND and not _LAWS.isdisjoint(row.laws)
+            if row.balances
+            and name not in BACKGROUND | _NEEDS_FLOWS
+            and not _LAWS.isdisjoint(row.laws)
         ]
         wanted = dict.fromkeys(which for name in acting for which in effect_coefficients(name))
         if not self._rod_side_measured:

@@ -86,7 +86,7 @@ def drawn(effects: Mapping[str, float], seed: int) -> Drawn:
 
 def _coefficients(size: Size, severity: float, rng: np.random.Generator) -> dict[str, float]:
     names = list(size.amounts)
-    chosen = rng.permutation(len(names))[: rng.integers(1, len(names) + 1)]
+    chosen = rng.permutation(len(names))[: 1 if size.one else rng.integers(1, len(names) + 1)]
     found = dict.fromkeys(names, 0.0)
     for i in sorted(chosen):
         sign = rng.choice([-1, 1]) if size.signed else 1

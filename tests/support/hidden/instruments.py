@@ -15,14 +15,17 @@ def astray(
 ) -> SensorParameters:
     """Return the pressure transducers' errors, and zeros that are off by ``zero_counts`` (7,).
 
-    A transducer whose offset is an effect has a little of a gain error too. ``session`` goes from
-    0 to 1.
+    A transducer whose offset is an effect has a little of a gain error too, and the other way
+    round. ``session`` goes from 0 to 1.
     """
     errors, effects = hidden.background, hidden.effects
     offsets, gains = dict(errors.pressure_offset_pa), dict(errors.pressure_gain)
     for name, pa in effects.get("pressure_offset", {}).items():
         offsets[name] += pa
         gains[name] += 0.1 * pa / 50e5
+    for name, share in effects.get("pressure_gain", {}).items():
+        gains[name] += share
+        offsets[name] += 0.1 * share * 50e5
     for drift in (errors.pressure_drift_pa, effects.get("pressure_drift", {})):
         for name, pa in drift.items():
             offsets[name] += pa * session

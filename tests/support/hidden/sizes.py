@@ -1,12 +1,14 @@
 """How large each hidden effect is at severity 1, in SI, and what else is drawn with it.
 
 A law's coefficients are ``amounts``, times severity and a draw of +-20 %, and ``shape``, drawn
-between two limits. Where there are several amounts one or more of them are chosen.
+between two limits. Where there are several amounts one or more of them are chosen, or always
+one: of the transducers' gains, since pressures that are all wrong by a share are a wrong load cell.
 
 A sensor's error is an effect only beyond its class, which is 1 % of the reading for forces and
 0.8 % for pressures in ``configs/bench-aau.yaml``. The smallest error hidden, 0.4 times the amount
 at severity 0.5, is therefore larger than the class at the largest reading: 50 N at 5 kN and
-1.2 bar at the supply's 150 bar. The amounts of 4 bar, 150 N and 4 % give 1.6 bar, 60 N and 1.6 %.
+1.2 bar at the supply's 150 bar. The amounts of 4 bar, 150 N and 4 % give 1.6 bar, 60 N and 1.6 %;
+3 % of a pressure give 1.2 %.
 Errors outside the catalogue have severities of 1 and 2 and are 0.8 times the amount at least:
 3.2 bar of drift, and 64 N of crosstalk at 50 bar.
 """
@@ -24,6 +26,7 @@ class Size:
     amounts: Mapping[str, float]
     signed: bool = False  # either sign is physical
     shape: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    one: bool = False  # one of the amounts is chosen
 
 
 _LEAK = 0.1 * LITRE_MIN  # at 30 bar
@@ -74,6 +77,9 @@ KNOWN: dict[str, Size] = {
     ),
     "velocity_filter_lag": Size({"time": 2e-3}),
     "valve_hysteresis": Size({"test": 0.05, "load": 0.05}),
+    "pressure_gain": Size(
+        {f"p_{name}": 0.03 for name in ("tp", "tr", "lp", "lr", "s")}, signed=True, one=True
+    ),
 }  # fmt: skip
 
 # Effects that it does not have.

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from hbench.records import Candidate, Diagnosis
-from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
-from hbench.report.diagnosis.names import PRESSURE_SYMBOLS, in_words, share
+from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, TOLERATED
+from hbench.report.diagnosis.names import in_words, share
 from hbench.report.render.numbers import number, significant
 from hbench.sentences import capital, listed
 
@@ -77,8 +77,8 @@ def absorbed_words(diagnosis: Diagnosis) -> str:
 
 def _coefficients(candidate: Candidate) -> str:
     """Write which offsets of the pressures a candidate consists of; empty for other candidates."""
-    sizes = [abs(value) for name, value in candidate.parameters.items() if name in PRESSURE_SYMBOLS]
-    if not sizes or len(sizes) < len(candidate.parameters):
+    sizes = [abs(value) for value in candidate.parameters.values()]
+    if candidate.name != "pressure_offset" or not sizes:
         return ""
     low, high = (significant(size / 1e5, 2) for size in (min(sizes), max(sizes)))
     return (
@@ -92,10 +92,19 @@ def _too_small_ones(diagnosis: Diagnosis) -> str:
     failing = [each for each in diagnosis.ranking[1:] if too_small(each) == ["size"]]
     return "".join(
         f" {capital(in_words(each.name))} exceeds its score ({number(each.score, 1)} nats, "
-        f"{number(each.threshold, 1)} needed) and its share ({share(each.explained)}), but at "
-        f"{number(each.size, 2)} times a typical size ({number(LEAST_SIZE, 2)} needed) it is too "
-        "small to be named."
+        f"{number(each.threshold, 1)} needed) and its share ({share(each.explained)}), but "
+        f"{_size_words(each)}."
         for each in failing
+    )
+
+
+def _size_words(candidate: Candidate) -> str:
+    """Return why the size of a candidate is too small."""
+    if candidate.size == 0.0:
+        return TOLERATED
+    return (
+        f"its size of {number(candidate.size, 2)} times a typical one is too small "
+        f"({number(LEAST_SIZE, 2)} needed)"
     )
 
 
@@ -110,8 +119,7 @@ def _not_named(best: Candidate) -> list[str]:
     if best.explained < LEAST_EXPLAINED:
         reasons.append(f"it explains too little ({share(LEAST_EXPLAINED)} needed)")
     if best.size < LEAST_SIZE:
-        size = f"its size of {number(best.size, 2)} times a typical one"
-        reasons.append(f"{size} is too small ({number(LEAST_SIZE, 2)} needed)")
+        reasons.append(_size_words(best))
     return reasons
 
 
@@ -120,7 +128,7 @@ def hint(diagnosis: Diagnosis) -> str:
     if not diagnosis.ranking:
         return ""
     best = diagnosis.ranking[0]
-    if best.score <= best.threshold or best.explained < LEAST_EXPLAINED:
+    if best.score <= best.threshold or best.explained < LEAST_EXPLAINED or best.size == 0.0:
         return ""
     small = ", too small to be named," if best.size < LEAST_SIZE else ""
     return (
