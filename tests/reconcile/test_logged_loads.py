@@ -7,7 +7,7 @@ import pytest
 
 from hbench.reconcile.practice.working_point import _nearest_point
 from hbench.reconcile.separation.logged_loads import has_second_load, has_second_pressure
-from hbench.reconcile.separation.missing_data import data_shortfalls
+from hbench.reconcile.separation.missing_data import missing_experiments
 from hbench.records import Run, RunPlan, Specimen
 
 BORE, ANNULUS = 20e-4, 12e-4  # m^2
@@ -58,8 +58,8 @@ def test_strokes_of_unequal_length_are_no_second_load():
 def test_the_load_cylinders_pressures_decide_before_those_of_the_test_cylinder():
     runs = [with_load_cylinder(cycles(3000.0, f"{n:g}"), n) for n in (3000.0, 5000.0)]
     assert has_second_load(runs, LOAD_AREAS) and not has_second_load(runs)
-    assert "loads" in data_shortfalls(runs)
-    assert "loads" not in data_shortfalls(runs, LOAD_AREAS)
+    assert "loads" in missing_experiments(runs)
+    assert "loads" not in missing_experiments(runs, LOAD_AREAS)
 
 
 def test_a_load_cell_decides_before_any_pressure():

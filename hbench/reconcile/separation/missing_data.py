@@ -36,8 +36,8 @@ def missing_data(
     bench has no balances ``absent``.
     """
     complete = [run for run in measured if not (run.aborted or run.truncated)]
-    short = data_shortfalls(usable, load_areas)
-    missing = data_shortfalls(complete, load_areas) if short else {}
+    short = data_shortfalls(usable)
+    missing = data_shortfalls(complete) if short else {}
     if short.keys() - missing.keys():
         others = " (the others do not suffice)" if usable else ""
         missing = {"logs": f"the runs that are left out, with complete logs{others}"} | missing
@@ -46,11 +46,11 @@ def missing_data(
     return not short, tuple(missing.values())
 
 
-def data_shortfalls(runs: Sequence[Run], load_areas: Areas | None = None) -> dict[str, str]:
+def data_shortfalls(runs: Sequence[Run]) -> dict[str, str]:
     """Return by code why complete runs do not suffice to name an effect; empty if they do.
 
-    With a single speed or a single load too many effects have the same signature. ``load_areas``
-    are those of the load cylinder.
+    At a single speed too many effects have the same signature. A single load, as of one mass,
+    suffices: what it can't tell apart is found to be ambiguous.
     """
     plans = [run.plan for run in runs]
     points = len(set(map(point_of, plans)))
@@ -64,8 +64,6 @@ def data_shortfalls(runs: Sequence[Run], load_areas: Areas | None = None) -> dic
     codes = []
     if len(speeds) < 2 and not any(KINDS[plan.kind].covers_speeds for plan in plans):
         codes.append("speeds")
-    if not has_second_load(runs, load_areas):
-        codes.append("loads")
     if runs and not set(_compared(runs)) - {"kinematics", "supply"}:
         codes.append("chambers")
     return shortfalls | {code: MISSING[code] for code in codes}
