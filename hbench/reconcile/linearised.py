@@ -161,11 +161,12 @@ def linearise_residuals(
         at, neutral = hypothesis.coefficient(which) / size, row.to_si(row.default)
         sigma = _COEFFICIENT_PRIOR if row.typical else _SHAPE_PRIOR
         low, high = min(row.to_si(row.low), neutral) / size - at, row.to_si(row.high) / size - at
-        wide.append((neutral / size - at, sigma, low, high))
         limit = measured.tolerances.get(which, 0.0) / size
         off = measured.start.coefficient(which) / size - at if limit else 0.0
         within = (off, standard_deviation(limit), off - limit, off + limit)
         tight.append(within if limit else _OFF)
+        beside = EFFECTS[effect].alone and _beyond(measured, hypothesis, effect) - {which}
+        wide.append(within if beside else (neutral / size - at, sigma, low, high))
     return LinearisedModel(
         hypothesis,
         residuals,
@@ -176,6 +177,16 @@ def linearise_residuals(
     )
 
 
+def _beyond(measured: Measured, hypothesis: Hypothesis, effect: str) -> set[CoefficientKey]:
+    """Return the coefficients of an effect that are beyond their tolerances."""
+    limits = {which: limit for which, limit in measured.tolerances.items() if which[0] == effect}
+    return {
+        which
+        for which, limit in limits.items()
+        if abs(hypothesis.coefficient(which) - measured.start.coefficient(which)) > limit
+    }
+
+
 _OFF = (0.0, np.nan, 0.0, 0.0)  # prior of a column that no fit has unless its effect is tried
 
 
@@ -184,6 +195,7 @@ def hypothesis_at(
 ) -> Hypothesis:
     """Return the hypothesis at steps ``beta`` (q,) of the ``chosen`` columns."""
     before, widths = model.hypothesis, nuisances(plant)
+    beta = _one_alone(model, chosen, beta)
     factors, values, tables = dict(before.factors), {}, list(before.tables)
     disturbances = dict(before.disturbances)
     for i, step in zip(chosen, beta.tolist(), strict=True):
@@ -202,6 +214,24 @@ def hypothesis_at(
             values[which] = _allowed(which, before.coefficient(which) + step * typical_size(which))
     changed = replace(before, factors=factors, tables=tuple(tables), disturbances=disturbances)
     return changed.with_coefficients(values)
+
+
+def _one_alone(model: LinearisedModel, chosen: Sequence[int], beta: np.ndarray) -> np.ndarray:
+    """Return steps (q,) that leave one coefficient beyond its tolerance where an effect has one.
+
+    It is the one that is farthest beyond. Transducers that are all wrong by a share are another
+    effect: a wrong load cell.
+    """
+    names = [model.data.names[i].partition(".")[0] for i in chosen]
+    for effect in {name for name in names if name[0] not in _NO_EFFECT and EFFECTS[name].alone}:
+        own = np.array([name == effect for name in names])
+        within = model.tight.select([i for i, wanted in zip(chosen, own, strict=True) if wanted])
+        inside = np.clip(beta[own], within.low, within.high)
+        farthest = np.argmax(np.abs(beta[own] - inside) / (within.high - within.low))
+        inside[farthest] = beta[own][farthest]
+        beta = beta.copy()
+        beta[own] = inside
+    return beta
 
 
 def _allowed(which: CoefficientKey, value: float) -> float:

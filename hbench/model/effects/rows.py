@@ -63,7 +63,7 @@ class Effect(NamedTuple):
     laws: dict[str, Callable]  # by place
     states: int = 0
     builds_up: bool = False  # over many runs, so that trials differ
-    alone: bool = False  # one coefficient is beyond its tolerance; more at once are no such effect
+    alone: bool = False  # one coefficient is beyond its tolerance, the others are within theirs
     deflects: bool = False  # states: deflections of the test cylinder's seals, -1 to 1 in sliding
     law: str = ""  # formula, in the names of the coefficients
     signals: str = ""  # which move, and how: a sentence
