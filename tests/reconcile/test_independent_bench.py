@@ -46,6 +46,7 @@ def test_a_leak_and_the_supplys_droop_are_named(tmp_path):
         (Effects(lag_s=0.006), "valve_lag"),
         (Effects(tank=4e10), "tank_back_pressure"),
         (Effects(cell_gain=0.03), "load_cell_gain"),
+        (Effects(pressure_gain=0.03), "pressure_gain"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

@@ -528,6 +528,26 @@ def test_steps_are_taken_in_priors_and_typical_sizes(measured):
     assert some.coefficient(LEAK) == pytest.approx(1e-12 + 2 * typical_size(LEAK))
 
 
+@pytest.mark.parametrize("step", [[2.0, 2.5, -0.3], [-4.0, 0.5, 1.5]])
+def test_one_transducers_gain_alone_leaves_its_tolerance(measured, step):
+    """1 % is the class, and the typical size: the largest error stays, the others are limited."""
+    keys = [("pressure_gain", name) for name in ("p_tp", "p_tr", "p_s")]
+    measured = replace(measured, tolerances=dict.fromkeys(keys, 0.01))
+    names = list(map(".".join, keys))
+    model = model_of(measured, names)
+    for priors in (model.tight, model.wide):
+        free = model.wide is priors
+        assert priors.high == pytest.approx([20.0 if free else 1.0] * 3)
+    found = hypothesis_at(model, measured.plant, range(3), np.array(step))
+    largest = np.argmax(np.abs(step))
+    expected = np.where(np.arange(3) == largest, step, np.clip(step, -1, 1))
+    assert [found.coefficient(key) for key in keys] == pytest.approx(0.01 * expected)
+    beyond = model_of(measured, names, found).priors(["pressure_gain"])
+    others = np.arange(3) != largest
+    assert beyond.high[others] == pytest.approx(1.0 - expected[others])
+    assert beyond.high[largest] == pytest.approx(20.0 - expected[largest])
+
+
 @pytest.mark.parametrize(
     ("values", "correlation", "may_be_zero"),
     [

@@ -58,6 +58,7 @@ class Effects(NamedTuple):
     tank: float = 0.0  # Pa / (m^3/s)^1.6 in the return line
     cell_gain: float = 0.0
     offset_pa: float = 0.0  # of the transducer of the test piston chamber
+    pressure_gain: float = 0.0  # of the same transducer
     stick_v: float = 0.0  # that dry friction of all spools takes from their drive
 
 

@@ -137,7 +137,7 @@ def write_campaign(
             log = stroke(bench, effects, start, end, v, p_lp * BAR, p_lr * BAR, levels, duration_s)
             errors = offset_pa + drift_pa * i / len(plan)
             name = f"v{sign * speed}_lp{p_lp}_lr{p_lr}_{trial}.csv"
-            _write(out / "logs" / name, _logged(log, errors, effects.cell_gain, rng))
+            _write(out / "logs" / name, _logged(log, errors, effects, rng))
     (out / "map.yaml").write_text(yaml.safe_dump(MAP))
     (out / "model.yaml").write_text(yaml.safe_dump(MODEL))
 
@@ -148,13 +148,15 @@ def _about(rng: np.random.Generator, value: float, count: int) -> tuple[float, .
 
 
 def _logged(
-    log: np.ndarray, errors_pa: np.ndarray, cell_gain: float, rng: np.random.Generator
+    log: np.ndarray, errors_pa: np.ndarray, effects: Effects, rng: np.random.Generator
 ) -> np.ndarray:
     """Add the sensors' noise, errors and resolution."""
+    log = log.copy()
+    log[:, 3] *= 1 + effects.pressure_gain
     scatter = [0.0, 2e-6, 2e-4, *[0.012 * BAR] * 5, 2.0, 0.0, 0.0, 0.0]
     shown = log + scatter * rng.standard_normal(log.shape)
     shown[:, 3:8] = np.round((shown[:, 3:8] + errors_pa) / _PRESSURE_STEP_PA) * _PRESSURE_STEP_PA
-    shown[:, 8] = np.round(shown[:, 8] * (1 + cell_gain) / _FORCE_STEP_N) * _FORCE_STEP_N
+    shown[:, 8] = np.round(shown[:, 8] * (1 + effects.cell_gain) / _FORCE_STEP_N) * _FORCE_STEP_N
     return shown
 
 
