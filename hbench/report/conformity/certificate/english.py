@@ -217,6 +217,7 @@ ENGLISH = {
     "check_trials_per_point": "trials per point",
     "check_repeatability": "repeatability",
     "check_load_spread": "one load per point",
+    "check_unlike_trials": "trials that contradict the others of their point",
     "check_nominal_load": "nominal load",
     "check_drift": "drift during the test",
     "check_zeros": "zeros of the sensors",

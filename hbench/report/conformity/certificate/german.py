@@ -223,6 +223,7 @@ GERMAN = {
     "check_trials_per_point": "Wiederholungen je Punkt",
     "check_repeatability": "Wiederholbarkeit",
     "check_load_spread": "eine Last je Messpunkt",
+    "check_unlike_trials": "Versuche im Widerspruch zu den anderen ihres Punkts",
     "check_nominal_load": "Nennlast",
     "check_drift": "Drift während der Prüfung",
     "check_zeros": "Nullpunkte der Sensoren",
