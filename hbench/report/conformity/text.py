@@ -137,8 +137,8 @@ def legend(checks: Sequence[ConformityCheck]) -> Iterator[str]:
         yield "breakaway: the largest friction of the force ramp"
     if any(_measured(check, "speed_ripple") for check in checks):
         yield (
-            "speed ripple: of speeds between the mean positions of successive intervals of 0.1 s, "
-            "which contain 97 % of a ripple of 1 Hz, 41 % at 5 Hz and none at 10 Hz"
+            "speed ripple: standard deviation of the speeds between mean positions over 0.1 s; it "
+            "contains 97 % of a ripple of 1 Hz, 41 % at 5 Hz and none at 10 Hz"
         )
     alone = [q for q in _TRIALS_ALONE if any(_measured(check, q) for check in checks)]
     if alone:
