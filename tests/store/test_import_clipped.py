@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from hbench import workflow
 from hbench.store.importing.clipping import clipped_samples, frozen_samples, suspected_samples
@@ -169,3 +170,35 @@ def test_a_log_that_stops_has_no_frozen_channel():
     stopped = channels(p, f_applied_n=np.concatenate([of_a_stroke(seed=6)[:2000], np.ones(1000)]))
     stopped["x_m"] = np.minimum(stopped["x_m"], stopped["x_m"][2000])
     assert "p_tp_pa" not in frozen_samples(stopped, {})
+
+
+def test_a_frozen_pressure_rejects_its_stroke_by_name_and_not_the_weight_of_the_map(
+    tmp_path, clock
+):
+    (tmp_path / "logs").mkdir()
+    rng = np.random.default_rng(11)
+    t = np.arange(900) / 200
+    x = 20 + 60 * np.clip(t - 1, 0, 3)
+    for trial in (1, 2):
+        p = np.round(31 + 2 * np.sin(9 * t) + 0.08 * rng.standard_normal(len(t)), 2)
+        if trial == 2:
+            p[520:640] = p[520]
+        rows = np.column_stack([t, x, p])
+        np.savetxt(tmp_path / f"logs/{trial}.csv", rows, "%.4f", ",", header="t,x,p", comments="")
+    columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+    rules = {
+        "name": "weight",
+        "columns": {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()},
+        "constants": {"p_tr_pa": "0 bar", "f_applied_n": "785 N"},
+        "screening": {"friction_drift": "5 kN"},
+        "series": [
+            {"label": "A", "files": "{trial}.csv", "cylinder": {"piston_diameter": "50 mm"}}
+        ],
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", clock)
+    whole, frozen = workflow.analyze(tmp_path / "out").runs
+    assert whole.accepted
+    (reason,) = frozen.reasons
+    assert reason.startswith("sensor_saturated: P_Tp is frozen at ")
+    assert "F_applied" not in reason and " in 120 of the " in reason

@@ -78,6 +78,8 @@ def _at_limits(run: Run, flags: np.ndarray | None, window: slice, names: Sequenc
             shares[f"{symbol} is at its {side}, {_value(name, limit)}"] = share
     nearly_all = [text for text, share in shares.items() if share > _NEARLY_ALL]
     most = [text for text, share in shares.items() if share > _MOST]
+    if held and len(unmarked):  # a constant of a map is constant in unmarked records as well
+        throughout = []
     return ", ".join(nearly_all or throughout or most or held)
 
 
