@@ -15,7 +15,7 @@ _NOISE_SIGMAS = 10.0  # of the position's noise: a smaller return is no reversal
 _REST_S = 0.2  # shorter ones at the ends of a log are no rest
 LONGEST_STEP_S = BLOCK_S  # between the samples of a rest
 _ROUNDING_S = 1e-6  # of times that are written in decimals
-_SAME_LENGTH, _SAME_DURATION = 0.10, 0.25  # relative differences of settled strokes
+SAME_LENGTH, _SAME_DURATION = 0.10, 0.25  # relative differences of settled strokes
 # Relative difference of the speeds of strokes that count as the same speed: often it is not
 # controlled.
 SAME_STROKE_SPEED = 0.20
@@ -75,7 +75,7 @@ def settled_strokes(t_s: np.ndarray, x_m: np.ndarray, pieces: Sequence[slice]) -
     times = np.array([t_s[p.stop] - t_s[p.start] for p in pieces])
     same = np.ones(len(pieces), dtype=bool)
     for direction in (travels > 0, travels < 0):
-        for values, tolerance in ((np.abs(travels), _SAME_LENGTH), (times, _SAME_DURATION)):
+        for values, tolerance in ((np.abs(travels), SAME_LENGTH), (times, _SAME_DURATION)):
             if direction.any():
                 median = np.median(values[direction])
                 same &= ~direction | (np.abs(values - median) <= tolerance * median)

@@ -238,7 +238,7 @@ class SteadyMeans:
     temp_tank_k: float | None = None  # of the oil, as those of ``Run``
     temp_port_k: float | None = None
     temp_seal_k: float | None = None
-    # Standard deviation of the mean speeds over 0.1 s, noise included; None: window too short.
+    # Standard deviation of the speeds between means over 0.1 s, with noise; None: short window.
     v_ripple_m_s: float | None = None
     # Standard uncertainty of the means by the steps of the log, in SI by channel, where it matters;
     # NaN: the channel has one value in the whole run, which shows no steps.

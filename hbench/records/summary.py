@@ -181,6 +181,7 @@ class QualityCheck:
         "runs_accepted",
         "trials_per_point",
         "repeatability",
+        "unlike_trials",
         "load_spread",
         "nominal_load",
         "drift",

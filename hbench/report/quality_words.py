@@ -9,6 +9,7 @@ NAMES = {
     "runs_accepted": "Runs accepted",
     "trials_per_point": "Trials per point",
     "repeatability": "Repeatability",
+    "unlike_trials": "Unlike trials",
     "load_spread": "One load per point",
     "nominal_load": "Nominal load",
     "drift": "Drift",
@@ -24,6 +25,7 @@ NAMES = {
 FINDINGS = {  # of the checks whose words depend on their numbers alone
     "runs_accepted": "{count} of {of}, {value} %",
     "repeatability": "95 % interval of the trials is ±{value} % of friction (median)",
+    "unlike_trials": "{count} of {of} trials contradict the others of their point",
     "load_spread": "at {count} of {of} points runs of different loads are averaged: no nominal "
     "load separates them, and those measured differ by up to {value} %",
     "nominal_load": "in {count} of {of} runs the load cell differs from the nominal load by more "
@@ -46,6 +48,8 @@ LIMITS = {
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
     "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
+    "unlike_trials": "good if no trial differs from the others of its point by more than 15 % of "
+    "friction and more than the trials scatter (95 %, for all trials at once)",
     "load_spread": "good to {good:g} % of the load or of friction, poor above {poor:g} %",
     "nominal_load": "good to {good:g} % of the nominal load",
     "drift": "good to {good:g} % or not significant; if not separated from speed, with care where "
@@ -69,6 +73,8 @@ STEPS = {
     "for), then measure again",
     "trials_per_point": "make at least three trials of each point",
     "repeatability": "make more trials of each point, or find what changes between them",
+    "unlike_trials": "look at the files of the trials that the notes list: a wrong sign, scale or "
+    "channel",
     "load_spread": "separate the loads: in the map, write {{load}} in 'files' where the names of "
     "the files have it, or make a series of each load with a label of its own; in runs.csv, fill "
     "in f_load_n. Then import again",

@@ -30,6 +30,7 @@ from hbench.analysis.summary.force_checks import direction_notes
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.summary.run_clock import RunClock
+from hbench.analysis.summary.unlike_trials import unlike_notes
 from hbench.analysis.temperature.hersey import with_hersey
 from hbench.analysis.temperature.oil_temperature import oil_temperature
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
@@ -235,6 +236,7 @@ def derive(
         *checks,
         *not_computed(screened, efficiencies, instruments),
         *direction_notes(steady),
+        *unlike_notes(steady),
     )
     bands = friction_bands(steady)
     planned, unknown = planned_runs(campaign, screened)

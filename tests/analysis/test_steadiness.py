@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from hbench.analysis.screening.steadiness import drift, speed_ripple
+from hbench.report.conformity.certificate.english import ENGLISH
+from hbench.report.conformity.certificate.german import GERMAN
 
 T = np.arange(150) / 100
 
@@ -23,6 +25,19 @@ def test_ripple_of_a_slow_oscillation_is_its_standard_deviation():
     # Speeds between neighbouring block means are 0.1 s means twice: sinc(0.1)^2 at 1 Hz.
     expected = 0.004 / np.sqrt(2) * np.sinc(0.1) ** 2
     assert speed_ripple(t, x).total_m_s == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.parametrize(("hz", "share"), [(1.0, 0.97), (5.0, 0.41), (10.0, 0.0)])
+def test_documents_state_the_share_of_a_ripple_that_is_contained(hz, share):
+    """In logs of any rate, and whatever the phase of the ripple."""
+    for texts in (ENGLISH, GERMAN):
+        assert share == 0.0 or f"{100 * share:.0f} %" in texts["method_speed_ripple"]
+    for rate, phase in ((200, 0.3), (1000, 1.7), (500, 4.0)):
+        t = np.arange(12 * rate) / rate
+        x = 0.02 * t + 0.001 / (2 * np.pi * hz) * np.sin(2 * np.pi * hz * t + phase)
+        found = [speed_ripple(t[i:], x[i:]).total_m_s for i in range(0, rate // 5, 7)]
+        measured = np.sqrt(np.mean(np.square(found))) / (0.001 / np.sqrt(2))
+        assert measured == pytest.approx(share, abs=0.03)
 
 
 def test_drift_of_a_straight_line_is_its_rise():

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from hbench import workflow
-from hbench.store.importing.clipping import clipped_samples, suspected_samples
+from hbench.store.importing.clipping import clipped_samples, frozen_samples, suspected_samples
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 N = 3000
@@ -126,3 +127,78 @@ def test_a_channel_that_settles_at_its_maximum_is_not_suspected():
         settled = 80e5 + counts * (np.arange(90) / 10 + 0.9 * rng.standard_normal(90))
         p = counts * np.rint(np.concatenate([start, settled]) / counts)
         assert suspected_samples(channels(p), {}) == {}
+
+
+def of_a_stroke(rate_hz=500, seed=5):
+    """A pressure that pulses, with pump ripple and the noise of a sensor; counts of 0.01 bar."""
+    t = np.arange(6 * rate_hz) / rate_hz
+    p = 40e5 + 3e5 * np.sign(np.sin(2 * t)) + 4e4 * np.sin(2 * np.pi * 31 * t)
+    p += 8e3 * np.random.default_rng(seed).standard_t(6, len(t))
+    return 1e3 * np.rint(p / 1e3)
+
+
+@pytest.mark.parametrize("of", [(900, 1500), (1700, 3000), (0, 400)])
+def test_a_channel_that_repeats_its_value_amid_noise_is_frozen(of):
+    p = of_a_stroke()
+    p[slice(*of)] = p[of[0]]
+    expected = np.zeros(len(p), dtype=bool)
+    expected[slice(*of)] = True
+    found = frozen_samples(channels(p), {})
+    np.testing.assert_array_equal(found["p_tp_pa"], expected)
+
+
+@pytest.mark.parametrize(
+    "p",
+    [
+        of_a_stroke(),
+        np.repeat(of_a_stroke()[::40], 40),  # a slow bus repeats each value
+        np.where(np.arange(N) < 900, of_a_stroke(), 4e4 * np.rint(of_a_stroke() / 4e4)),  # settles
+        np.where(np.arange(N) < 900, 30e5 + 500.0 * np.arange(N), 34.8e5),  # a ramp without noise
+        np.where(np.arange(N) % 700 < 350, of_a_stroke(), 0.0),  # a valve vents the chamber
+        np.full(N, 80e5),
+    ],
+    ids="lively repeated coarse ideal vented constant".split(),
+)
+def test_a_channel_that_is_quiet_for_another_reason_is_not_frozen(p):
+    clipped = clipped_samples(channels(p))
+    assert frozen_samples(channels(p), clipped) == {}
+
+
+def test_a_log_that_stops_has_no_frozen_channel():
+    p = of_a_stroke()
+    p[2000:] = p[2000]
+    stopped = channels(p, f_applied_n=np.concatenate([of_a_stroke(seed=6)[:2000], np.ones(1000)]))
+    stopped["x_m"] = np.minimum(stopped["x_m"], stopped["x_m"][2000])
+    assert "p_tp_pa" not in frozen_samples(stopped, {})
+
+
+def test_a_frozen_pressure_rejects_its_stroke_by_name_and_not_the_weight_of_the_map(
+    tmp_path, clock
+):
+    (tmp_path / "logs").mkdir()
+    rng = np.random.default_rng(11)
+    t = np.arange(900) / 200
+    x = 20 + 60 * np.clip(t - 1, 0, 3)
+    for trial in (1, 2):
+        p = np.round(31 + 2 * np.sin(9 * t) + 0.08 * rng.standard_normal(len(t)), 2)
+        if trial == 2:
+            p[520:640] = p[520]
+        rows = np.column_stack([t, x, p])
+        np.savetxt(tmp_path / f"logs/{trial}.csv", rows, "%.4f", ",", header="t,x,p", comments="")
+    columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+    rules = {
+        "name": "weight",
+        "columns": {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()},
+        "constants": {"p_tr_pa": "0 bar", "f_applied_n": "785 N"},
+        "screening": {"friction_drift": "5 kN"},
+        "series": [
+            {"label": "A", "files": "{trial}.csv", "cylinder": {"piston_diameter": "50 mm"}}
+        ],
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", clock)
+    whole, frozen = workflow.analyze(tmp_path / "out").runs
+    assert whole.accepted
+    (reason,) = frozen.reasons
+    assert reason.startswith("sensor_saturated: P_Tp is frozen at ")
+    assert "F_applied" not in reason and " in 120 of the " in reason

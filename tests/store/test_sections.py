@@ -121,3 +121,63 @@ def test_a_log_too_slow_to_show_a_rest_is_refused_with_its_rate(tmp_path, clock)
         slow_log(tmp_path, 5.0, clock, cycles=1)
     assert "no stroke" in caught.value.message
     assert "The log has 5 Hz, and a rest is found from 10 Hz on" in caught.value.hint
+
+
+def test_strokes_of_a_session_with_a_length_for_each_speed_are_all_runs(rules, import_by, tmp_path):
+    """A slow stroke is short on most benches: it takes as long as a fast one over the travel."""
+    lengths_mm = {20.0: 70.0, 60.0: 180.0, 150.0: 340.0}
+    t_s, x_mm = [0.0, 1.0], [80.0, 80.0]
+    for speed, length in lengths_mm.items():
+        for end in (80.0 + length, 80.0):
+            t_s += [t_s[-1] + length / speed, t_s[-1] + length / speed + 0.7]
+            x_mm += [end, end]
+    times = np.arange(0.0, t_s[-1], 0.004)
+    x = np.interp(times, t_s, x_mm)
+    p = 40.0 + 6.0 * np.sign(np.gradient(x)) + np.random.default_rng(8).normal(0, 0.05, len(x))
+    (tmp_path / "logs").mkdir()
+    for trial in (1, 2):
+        np.savetxt(
+            tmp_path / "logs" / f"session {trial}.csv",
+            np.column_stack([times, x, p]),
+            "%.4f",
+            ",",
+            header="t,x,p",
+            comments="",
+        )
+    columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+    rules["columns"] = {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()}
+    rules["constants"] = {"p_tr_pa": "0 bar", "f_applied_n": "0 N"}
+    rules["cut"] = "reversals"
+    rules["series"][0]["files"] = "session {trial}.csv"
+    runs, notes = import_by(rules, tmp_path / "logs")
+    found = [round(1e3 * run.plan.v_ref_m_s) for run in runs]
+    assert found == 2 * [20, -20, 60, -60, 150, -150]
+    assert not any("left out" in str(note) for note in notes)
+    for run in runs:
+        covered_mm = 1e3 * (run.plan.x_high_m - run.plan.x_low_m)
+        assert covered_mm < lengths_mm[abs(round(1e3 * run.plan.v_ref_m_s))]
+
+
+def test_fast_strokes_that_settle_late_are_runs_without_common_positions(
+    rules, import_by, tmp_path
+):
+    """After 0.3 s at 400 mm/s, 120 mm of a stroke of 250 mm are gone, and 20 mm of a slow one."""
+    t_s, x_mm = [0.0, 1.0], [30.0, 30.0]
+    for speed in (25.0, 60.0, 90.0, 120.0, 400.0):
+        for end in (280.0, 30.0):
+            t_s += [t_s[-1] + 250.0 / speed, t_s[-1] + 250.0 / speed + 0.7]
+            x_mm += [end, end]
+    times = np.arange(0.0, t_s[-1], 0.002)
+    x = np.interp(times, t_s, x_mm)
+    (tmp_path / "logs").mkdir()
+    table = np.column_stack([times, x, 30.0 + 4.0 * np.sign(np.gradient(x))])
+    np.savetxt(tmp_path / "logs/1.csv", table, "%.4f", ",", header="t,x,p", comments="")
+    columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+    rules["columns"] = {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()}
+    rules["constants"] = {"p_tr_pa": "0 bar", "f_applied_n": "0 N"}
+    rules["cut"] = "reversals"
+    rules["series"][0]["files"] = "{trial}.csv"
+    runs, _ = import_by(rules, tmp_path / "logs")
+    speeds = [1e3 * run.plan.v_ref_m_s for run in runs]
+    assert speeds == pytest.approx([25, -25, 60, -60, 90, -90, 120, -120, 400, -400], rel=0.01)
+    assert [run.plan.x_low_m is None for run in runs] == 8 * [False] + 2 * [True]

@@ -21,7 +21,7 @@ def saturated_sensors(run: Run, window: slice) -> str:
     channels whose highest or lowest value occurs in nearly all marked records of the window, and
     not in unmarked ones. If there are none, they are the channels that are constant in the whole
     run, or else those at their highest or lowest value in most marked records, since a record can
-    average saturated and unsaturated samples.
+    average saturated and unsaturated samples. A frozen channel is constant in the marked records.
     """
     return _at_limits(run, run.sensor_saturated, window, _SENSORS)
 
@@ -60,7 +60,7 @@ def _at_limits(run: Run, flags: np.ndarray | None, window: slice, names: Sequenc
     if not len(marked):
         return ""
     unmarked = np.flatnonzero(~flags)
-    shares, throughout = {}, []
+    shares, throughout, held = {}, [], []
     for name in names:
         symbol, values = CHANNELS[name].symbol, getattr(run, name)
         if values is None:
@@ -68,6 +68,8 @@ def _at_limits(run: Run, flags: np.ndarray | None, window: slice, names: Sequenc
         if is_constant(values):
             throughout.append(f"{symbol} is constant at {_value(name, values[0])}")
             continue
+        if len(marked) > 1 and is_constant(values[marked]):
+            held.append(f"{symbol} is frozen at {_value(name, values[marked[0]])}")
         for limit, side in ((values.max(), "maximum"), (values.min(), "minimum")):
             at_limit = np.abs(values - limit) <= _SAME * np.ptp(values)
             share = at_limit[marked].mean()
@@ -76,7 +78,9 @@ def _at_limits(run: Run, flags: np.ndarray | None, window: slice, names: Sequenc
             shares[f"{symbol} is at its {side}, {_value(name, limit)}"] = share
     nearly_all = [text for text, share in shares.items() if share > _NEARLY_ALL]
     most = [text for text, share in shares.items() if share > _MOST]
-    return ", ".join(nearly_all or throughout or most)
+    if held and len(unmarked):  # a constant of a map is constant in unmarked records as well
+        throughout = []
+    return ", ".join(nearly_all or throughout or most or held)
 
 
 def _value(name: str, value: float) -> str:

@@ -17,6 +17,7 @@ from hbench.analysis.summary.force_checks import (
     load_direction,
 )
 from hbench.analysis.summary.plausibility import implausible_points
+from hbench.analysis.summary.unlike_trials import unlike_check
 from hbench.analysis.uncertainty.budget import of_instruments
 from hbench.records import (
     KINDS,
@@ -93,6 +94,7 @@ def _checks(
         value = median(scatter)
         grade = _grade(value, _SCATTER_GOOD, _SCATTER_POOR)
         yield QualityCheck("repeatability", grade, value, "%", _SCATTER_GOOD, _SCATTER_POOR)
+    yield from unlike_check(curves)
     yield from _load_spread(runs, points)
     yield from _nominal_load(runs)
     yield _plausible_signs(implausible, len(points))

@@ -15,7 +15,7 @@ from hbench.store.campaign.run_csv import check_limits
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable
 from hbench.store.importing.alignment import aligned
-from hbench.store.importing.clipping import clipped_samples, suspected_samples
+from hbench.store.importing.clipping import clipped_samples, frozen_samples, suspected_samples
 from hbench.store.importing.file_notes import FileNote
 from hbench.store.importing.plausibility import below_vacuum, beyond_full_scale, forgotten_rod
 from hbench.store.importing.resampling import interval_means, whole_intervals
@@ -102,7 +102,7 @@ def _sheets(table: Table, name: str) -> Iterator[FileNote]:
 
 
 def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], list[FileNote]]:
-    """Mark the clipped samples of each time base, with notes."""
+    """Mark the clipped and frozen samples of each time base, with notes."""
     t_s, x_m = bases[0].t_s, bases[0].channels["x_m"]
     marked, notes = [], []
     for base in bases:
@@ -110,10 +110,15 @@ def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], li
         others = {"x_m": np.interp(base.t_s, t_s, x_m), **base.channels}
         clipped = clipped_samples(others)
         notes += [_clipping(name, key, others[key], at) for key, at in clipped.items()]
-        suspected = suspected_samples(others, clipped)
+        frozen = frozen_samples(others, clipped)
+        notes += [_freezing(name, key, others[key], at) for key, at in frozen.items()]
+        suspected = suspected_samples(others, {**clipped, **frozen})
         notes += [_suspicion(name, key, others[key], at) for key, at in suspected.items()]
         marked.append(
-            replace(base, clipped=np.logical_or.reduce([base.clipped, *clipped.values()]))
+            replace(
+                base,
+                clipped=np.logical_or.reduce([base.clipped, *clipped.values(), *frozen.values()]),
+            )
         )
     return marked, notes
 
@@ -140,6 +145,18 @@ def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> F
     )
     limit = from_si(float(values[samples][0]), unit)
     return FileNote(name, text, {"limit": limit, "count": samples.sum(), "samples": len(samples)})
+
+
+def _freezing(name: str, key: str, values: np.ndarray, frozen: np.ndarray) -> FileNote:
+    unit = "bar" if CHANNELS[key].unit == "Pa" else CHANNELS[key].unit
+    text = (
+        f"{key}: repeats {{value}} {unit} exactly in {{count}} of {{samples}} samples, next to "
+        "noise: the sensor or the logger's channel is frozen, and runs at constant speed that "
+        "contain these samples are rejected"
+    )
+    value = from_si(float(values[frozen][0]), unit)
+    numbers = {"value": value, "count": frozen.sum(), "samples": len(frozen)}
+    return FileNote(name, text, numbers)
 
 
 def _resampled(

@@ -5,6 +5,9 @@ other channels change, and longer than at any value between. An unclipped channe
 and coarse resolution does the same, at a peak or when settled. Clipping is therefore reported only
 where the noise from sample to sample, just before and after, is above the resolution: a run is
 noisier while it moves or oscillates than when it has settled.
+
+A frozen channel repeats its last value, whatever that is: a sensor that hangs, or a bus that fails.
+Noise does not end from one sample to the next, as it does there.
 """
 
 from collections.abc import Mapping
@@ -18,6 +21,7 @@ _LEAST_NOISE = 1.5  # in units of the resolution
 _NEAR = 30  # samples before and after, which the noise is of
 _COUNTS = 2  # of the resolution: a limit with a noise of one count up and down
 _LEAST_NOISY_SAMPLES = 10  # consecutive within these counts
+_FROZEN = 3  # times: a frozen stretch over the longest other one
 _LESS_NOISE = 2.0  # times: the noise next to such a stretch, over its own and the resolution
 
 
@@ -99,6 +103,44 @@ def suspected_samples(
     """Return the samples (n,) near a limit of each channel that has some and is not clipped."""
     near = {name: near_limit(sensed[name]) for name in _tested(sensed) if name not in clipped}
     return {name: samples for name, samples in near.items() if samples.any()}
+
+
+def frozen_at(values: np.ndarray, others_change: np.ndarray) -> np.ndarray:
+    """Return the samples (n,) of stretches in which a noisy channel repeats one value exactly.
+
+    They are longer than the samples that their noise is of, and three times as long as all other
+    stretches of equal samples. The noise next to them is above the resolution.
+    """
+    frozen = np.zeros(len(values), dtype=bool)
+    resolution = _resolution(values[np.isfinite(values)])
+    if not resolution:
+        return frozen
+    equal = np.diff(values) == 0
+    stretches = _stretches(equal)
+    lengths = np.diff(stretches).ravel()
+    long = lengths >= _NEAR
+    least = _FROZEN * lengths[~long].max(initial=1)
+    inside = np.isfinite(values)
+    for start, stop in stretches[long & (lengths >= least)]:
+        alone = not others_change[start + 1 : stop + 1].any()
+        if alone or _noise_near(values, inside, start, stop + 1) <= _LEAST_NOISE * resolution:
+            continue
+        frozen[start : stop + 1] = True
+    return frozen
+
+
+def frozen_samples(
+    sensed: Mapping[str, np.ndarray], clipped: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Return the frozen samples (n,) of each channel that has some and is not clipped."""
+    found = {}
+    for name in _tested(sensed):
+        others = [
+            np.diff(v, prepend=v[0]) != 0 for k, v in sensed.items() if k not in (name, "t_s")
+        ]
+        if name not in clipped and others:
+            found[name] = frozen_at(sensed[name], np.logical_or.reduce(others))
+    return {name: samples for name, samples in found.items() if samples.any()}
 
 
 def _tested(sensed: Mapping[str, np.ndarray]) -> list[str]:

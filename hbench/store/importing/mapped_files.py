@@ -11,6 +11,7 @@ import numpy as np
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.reversals import SAME_STROKE_SPEED
+from hbench.motion.similar_values import SAME_SPEED, similar_values
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
@@ -31,8 +32,6 @@ from hbench.store.importing.stuck_sensors import (
     stuck_note,
     stuck_sensors,
 )
-
-_SAME_SPEED = 0.05  # relative gap between measured speeds of one nominal speed
 
 
 @dataclass(frozen=True)
@@ -233,32 +232,13 @@ def _nominal_speeds(pieces: Sequence[Piece], rules: ImportMap) -> list[float]:
             nominal[i] = float(np.copysign(speed, piece.section.v_m_s))
     for numbers in groups.values():
         cut_at = rules.of(pieces[numbers[0]].match.series).cut
-        tolerance = SAME_STROKE_SPEED if cut_at == "reversals" else _SAME_SPEED
-        numbers.sort(key=lambda i: abs(pieces[i].section.v_m_s))
+        tolerance = SAME_STROKE_SPEED if cut_at == "reversals" else SAME_SPEED
         speeds = np.abs([pieces[i].section.v_m_s for i in numbers])
-        for cluster in np.split(np.array(numbers), _gaps(speeds, tolerance)):
+        for cluster in (np.array(numbers)[group] for group in similar_values(speeds, tolerance)):
             median = np.median([pieces[i].section.v_m_s for i in cluster])
             for i in cluster:
                 nominal[i] = float(f"{median:.3g}")
     return nominal
-
-
-def _gaps(speeds: np.ndarray, tolerance: float) -> list[int]:
-    """Return the indices at which a new speed begins among rising ``speeds`` (n,).
-
-    Within ``tolerance`` two speeds are distinct if both were repeated, and differ by more than
-    their repetitions.
-    """
-    larger = np.flatnonzero(np.diff(speeds) > _SAME_SPEED * speeds[1:]) + 1
-    ends = [0, *larger.tolist(), len(speeds)]
-    found = []
-    for start, at, stop in zip(ends, ends[1:], ends[2:], strict=False):
-        gap = speeds[at] - speeds[at - 1]
-        slower, faster = speeds[start:at], speeds[at:stop]
-        distinct = min(len(slower), len(faster)) > 1 and gap > max(np.ptp(slower), np.ptp(faster))
-        if distinct or gap > tolerance * speeds[at]:
-            found.append(at)
-    return found
 
 
 def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap) -> Iterator[str]:

@@ -11,10 +11,12 @@ from hbench.motion.covered_positions import Positions, covered_positions, shared
 from hbench.motion.plateaus import plateaus
 from hbench.motion.reversals import (
     LONGEST_STEP_S,
+    SAME_LENGTH,
     cut_at_reversals,
     settled_strokes,
     stroke_speed,
 )
+from hbench.motion.similar_values import similar_values
 from hbench.motion.speeds import block_speeds
 from hbench.records import KINDS
 from hbench.store.importing.file_notes import FileNote
@@ -183,8 +185,9 @@ def _with_shared_positions(
 ) -> tuple[tuple[Section, ...], tuple[FileNote, ...]]:
     """Return the strokes as sections, with the positions to average over, and notes.
 
-    Strokes that do not cover these positions are left out. Without positions that both directions
-    cover, all strokes are sections.
+    Strokes of one length share positions. Those that do not cover these, such as fast strokes
+    that settle late, share others among each other. Without positions that both directions cover
+    they are sections as they are; but where one direction is missing they are left out.
     """
     settle = rules.screening.settle_time, rules.screening.settle_travel
     speeds = [stroke_speed(t_s[stroke], x_m[stroke]) for stroke in strokes]
@@ -192,20 +195,35 @@ def _with_shared_positions(
         covered_positions(t_s[stroke], x_m[stroke], v, *settle)
         for stroke, v in zip(strokes, speeds, strict=True)
     ]
-    travel_m = float(np.median([np.ptp(x_m[stroke]) for stroke in strokes]))
-    shared = shared_positions(covered, speeds, travel_m)
-    if shared is None:
-        text = "extending and retracting share too few positions after settling: not compared"
-        both = min(speeds) < 0 < max(speeds)
-        return tuple(map(Section, strokes, speeds)), (FileNote(name, text),) if both else ()
-    sections = tuple(
-        Section(stroke, v, shared)
-        for stroke, v, (low, high) in zip(strokes, speeds, covered, strict=True)
-        if low <= shared[0] and high >= shared[1]
-    )
+    lengths = np.array([np.ptp(x_m[stroke]) for stroke in strokes])
+    sections: dict[int, Section] = {}
+    apart = False
+    for group in similar_values(lengths, SAME_LENGTH):
+        rest = group.tolist()
+        while rest:
+            signs = {speeds[i] > 0 for i in rest}
+            if len(rest) < len(group) and len(signs) == 1:
+                break
+            travel_m = float(np.median(lengths[rest]))
+            shared = shared_positions(
+                [covered[i] for i in rest], [speeds[i] for i in rest], travel_m
+            )
+            chosen = [i for i in rest if shared is None or _covers(covered[i], shared)]
+            apart |= shared is None and len(signs) == 2
+            sections |= {i: Section(strokes[i], speeds[i], shared) for i in chosen}
+            rest = [i for i in rest if i not in sections]
     few = len(strokes) - len(sections)
-    text = "{count} strokes cover too few of the positions of the others and are left out"
-    return sections, (FileNote(name, text, {"count": few}),) if few else ()
+    texts = {
+        "extending and retracting share too few positions after settling: not compared": apart,
+        "{count} strokes cover too few of the positions of the others and are left out": few > 0,
+    }
+    count = {"count": few}
+    notes = (FileNote(name, t, count if "{" in t else {}) for t, said in texts.items() if said)
+    return tuple(sections[i] for i in sorted(sections)), tuple(notes)
+
+
+def _covers(covered: Positions, shared: Positions) -> bool:
+    return covered[0] <= shared[0] and covered[1] >= shared[1]
 
 
 def _no_stroke_hint(t_s: np.ndarray, *, cut_off: bool) -> str:

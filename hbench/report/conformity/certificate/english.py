@@ -113,8 +113,9 @@ ENGLISH = {
     "leak_holds": "; across the piston, the holds had {pressures} bar",
     "leak_power": "It was found to be proportional to the pressure to the power {exponent}; the "
     "values stated are those at {pressure} bar.",
-    "method_speed_ripple": "The speed ripple is the standard deviation of the mean speeds over "
-    "0.1 s, divided by the mean speed.",
+    "method_speed_ripple": "The speed ripple is the standard deviation of the speeds between the "
+    "mean positions of successive intervals of 0.1 s, divided by the mean speed. It contains "
+    "97 % of a ripple of 1 Hz, 41 % of one of 5 Hz and none of one of 10 Hz.",
     "method_drift": "The drift is the relative change of friction from the first run to the "
     "last, by least squares over the start times of the runs.",
     "software": "Evaluated with hbench {version}; firmware of the bench: {firmware}.",
@@ -216,6 +217,7 @@ ENGLISH = {
     "check_trials_per_point": "trials per point",
     "check_repeatability": "repeatability",
     "check_load_spread": "one load per point",
+    "check_unlike_trials": "trials that contradict the others of their point",
     "check_nominal_load": "nominal load",
     "check_drift": "drift during the test",
     "check_zeros": "zeros of the sensors",

@@ -110,8 +110,10 @@ GERMAN = {
     "leak_holds": "; am Kolben lagen während des Haltens {pressures} bar an",
     "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
     "die Werte bei {pressure} bar.",
-    "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der mittleren "
-    "Geschwindigkeiten über 0,1 s, geteilt durch die mittlere Geschwindigkeit.",
+    "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der "
+    "Geschwindigkeiten zwischen den mittleren Positionen aufeinanderfolgender Abschnitte von "
+    "0,1 s, geteilt durch die mittlere Geschwindigkeit. Sie enthält 97 % einer Schwingung von "
+    "1 Hz, 41 % einer von 5 Hz und nichts von einer von 10 Hz.",
     "method_drift": "Die Drift ist die relative Änderung der Reibung vom ersten bis zum "
     "letzten Lauf, nach kleinsten Quadraten über den Anfangszeiten der Läufe.",
     "software": "Ausgewertet mit hbench {version}; Firmware des Prüfstands: {firmware}.",
@@ -221,6 +223,7 @@ GERMAN = {
     "check_trials_per_point": "Wiederholungen je Punkt",
     "check_repeatability": "Wiederholbarkeit",
     "check_load_spread": "eine Last je Messpunkt",
+    "check_unlike_trials": "Versuche im Widerspruch zu den anderen ihres Punkts",
     "check_nominal_load": "Nennlast",
     "check_drift": "Drift während der Prüfung",
     "check_zeros": "Nullpunkte der Sensoren",
