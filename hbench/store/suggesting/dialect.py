@@ -135,9 +135,8 @@ def _rows(lines: Sequence[tuple[int, str]], separator: str) -> list[Row]:
 
 def _marks(separator: str) -> Iterator[tuple[str, str | None]]:
     """Yield decimal and thousands marks, the simpler ones first."""
-    decimals = "." if separator == "comma" else ".,"
-    yield from ((decimal, None) for decimal in decimals)
-    for decimal in decimals:
+    yield from ((decimal, None) for decimal in _THOUSANDS)
+    for decimal in _THOUSANDS:
         for mark in _THOUSANDS[decimal]:
             if not (mark == " " and separator == "whitespace"):
                 yield decimal, mark
