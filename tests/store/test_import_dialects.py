@@ -407,6 +407,15 @@ def test_quoted_decimal_commas_are_suggested():
     assert dialect.layout.thousands is None
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_the_numbers_of_the_columns_are_a_header(first):
+    header = ",".join(str(first + k) for k in range(4))
+    dialect = text_dialect(f"{header}\n0,12.5,3,4\n0.01,12.6,3,4\n")
+    assert dialect.layout.header and dialect.names == tuple(header.split(","))
+    dialect = text_dialect("0,12.5,3,4\n0.01,12.6,3,4\n0.02,12.7,3,4\n")
+    assert not dialect.layout.header
+
+
 @pytest.mark.parametrize(
     ("cell", "hint"),
     [

@@ -73,6 +73,8 @@ def rows_dialect(
     first = next(lasting, next((i for i in below if full[i]), None))
     if first is None:
         return None
+    if _count_columns(rows[first][1]) and any(full[first + 1 :]):
+        first = full.index(True, first + 1)  # below a header of numbers
     above = list(rows[:first])
     sign = _comment_sign([line for number, line in lines if number < rows[first][0]])
     last_above = above[-1] if above else None
@@ -164,6 +166,12 @@ def _is_data(cells: list[str], decimal: str, thousands: str | None) -> bool:
     good = sum(is_number(cell, decimal, thousands) or is_date_time(cell) for cell in cells)
     filled = sum(bool(cell.strip()) for cell in cells)
     return len(cells) >= 2 and filled > 0 and good >= _NUMERIC * len(cells)
+
+
+def _count_columns(cells: list[str]) -> bool:
+    """Return whether cells are the numbers of their columns, as programs write without names."""
+    counts = [[str(n + k) for n in range(len(cells))] for k in (0, 1)]
+    return len(cells) > 2 and [cell.strip() for cell in cells] in counts
 
 
 def _without_end(cells: list[str]) -> list[str]:
