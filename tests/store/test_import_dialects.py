@@ -407,6 +407,11 @@ def test_quoted_decimal_commas_are_suggested():
     assert dialect.layout.thousands is None
 
 
+def test_blank_cells_below_the_header_are_no_header():
+    dialect = text_dialect("t,x,F\n,,\n0,1,2\n1,2,3\n")
+    assert dialect.names == ("t", "x", "F") and dialect.layout == Format()
+
+
 @pytest.mark.parametrize("first", [0, 1])
 def test_the_numbers_of_the_columns_are_a_header(first):
     header = ",".join(str(first + k) for k in range(4))

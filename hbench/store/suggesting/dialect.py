@@ -73,7 +73,8 @@ def rows_dialect(
     first = next(lasting, next((i for i in below if full[i]), None))
     if first is None:
         return None
-    if _count_columns(rows[first][1]) and any(full[first + 1 :]):
+    has_names = any(_width(cells) == width for _, cells in rows[:first])
+    if not has_names and _count_columns(rows[first][1]) and any(full[first + 1 :]):
         first = full.index(True, first + 1)  # below a header of numbers
     above = list(rows[:first])
     sign = _comment_sign([line for number, line in lines if number < rows[first][0]])
@@ -222,6 +223,7 @@ def _head(above: Sequence[Row], widths: Container[int]) -> tuple[Row | None, boo
 
     ``widths`` are those of the data, with and without an empty last column.
     """
+    above = [row for row in above if any(map(str.strip, row[1]))] or above
     last = [row for row in above[-_MOST_HEAD:] if _width(row[1]) in widths or len(row[1]) in widths]
     if not last or last[-1] is not above[-1]:
         return None, False, 0
