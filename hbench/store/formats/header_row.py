@@ -41,7 +41,7 @@ def cell_hint(cell: str) -> str:
     if "," in cell:
         return "Specify a decimal comma in the map: format.decimal."
     if cell.strip().lower() in _MISSING:
-        return "Leave the cell empty if there is no value."
+        return "Leave the cell empty, or write nan, if there is no value."
     with suppress(ValueError, OverflowError):
         parse_date_time(cell.strip())
         return "Write 'unit: date-time' at this column of the map if it has dates or times."
