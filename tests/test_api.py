@@ -116,6 +116,9 @@ def test_a_fit_to_points_finds_the_law_that_they_come_from(way):
         ([0.1, np.nan], [1, 1], "tustin", "finite"),
         ([0.1, 0.2], [1, 2], "newton", "newton"),
         ([5, 50, 200], [3, 1, 2], "tustin", "200 m/s"),
+        ([0, 0, 0], [3, 1, 2], "tustin", "3 of 3 velocities are 0"),
+        ([0, 0.1, 0.2], [3, 1, 2], "tustin", "1 of 3 velocities are 0"),
+        ([], [], "tustin", "no points"),
     ],
 )
 def test_points_that_can_not_be_fitted_are_refused(v, friction, law, words):

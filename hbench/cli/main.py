@@ -43,6 +43,7 @@ _REFUSED = frozenset(
 )
 _LONGEST_PATH = 100  # characters in a message
 
+_INTERRUPTED = 130  # exit code, as by a shell
 _NEW_OBJECTS = 200_000  # between two collections: at most some tens of megabytes
 
 app = typer.Typer(
@@ -127,6 +128,8 @@ def main() -> None:
         path = os.fsdecode(error.filename)
         path = path if len(path) <= _LONGEST_PATH else f"{path[:_LONGEST_PATH]}..."
         _end(DataError(f"{path}: {error.strerror}", "Check the path and its permissions."))
+    except KeyboardInterrupt:  # typer catches those of a command only
+        sys.exit(_INTERRUPTED)
 
 
 def _end(error: HbenchError) -> NoReturn:

@@ -59,15 +59,13 @@ class Format(ConfigSection):
     preamble: q.WholeNumber = Field(default=0, ge=0, le=100_000)  # lines before the header
     units_row: bool = False  # the row under the header holds units
     skip_rows: q.WholeNumber = Field(default=0, ge=0, le=100_000)  # data rows to drop at the start
-    decimal: Literal[".", ","] = "."
+    decimal: Literal[".", ","] = "."  # a decimal comma beside separator comma needs quotes
     thousands: Literal[".", ",", "'", " "] | None = None
     comment: str | None = Field(default=None, min_length=1, max_length=3)
     sheet: str | None = None  # of an Excel workbook; otherwise its first one
 
     @model_validator(mode="after")
     def _unambiguous(self) -> "Format":
-        if self.decimal == "," and self.separator == "comma":
-            raise ValueError("decimal ',' and separator comma are ambiguous")
         if self.thousands == self.decimal:
             raise ValueError(f"thousands and decimal are both {self.decimal!r}")
         if self.thousands == " " and self.separator == "whitespace":

@@ -8,6 +8,7 @@ from scipy.signal import lti
 from hbench.control.transfer import TransferFunction
 
 DB_3 = 1 / np.sqrt(2)
+DIVERGED = 1e60  # of a unit step's response: far below the largest float
 
 
 class Margins(NamedTuple):
@@ -76,12 +77,14 @@ def bandwidth(omega: np.ndarray, closed: np.ndarray) -> float:
 class StepMerits(NamedTuple):
     """Overshoot of a unit step response, and the time until it stays within 2 %."""
 
-    overshoot: float
+    overshoot: float  # inf: the response diverges
     settling_s: float  # inf: not within the time given
 
 
 def step_merits(t_s: np.ndarray, y: np.ndarray) -> StepMerits:
-    """Return the merits of a step response towards 1."""
+    """Return the merits of a step response towards 1, NaN once it has diverged."""
+    if not np.isfinite(y).all():
+        return StepMerits(np.inf, np.inf)
     outside = np.flatnonzero(np.abs(y - 1.0) > 0.02)
     last = int(outside[-1]) + 1 if len(outside) else 0
     settling = float(t_s[last]) if last < len(t_s) else np.inf
@@ -89,8 +92,14 @@ def step_merits(t_s: np.ndarray, y: np.ndarray) -> StepMerits:
 
 
 def step_response(closed: TransferFunction, t_s: np.ndarray) -> np.ndarray:
-    """Return the unit step response of a closed loop at the even times ``t_s``."""
-    _, y = lti(closed.numerator, closed.denominator).step(T=t_s)
+    """Return the unit step response of a closed loop at the even times ``t_s``.
+
+    It is NaN where an unstable pole has grown beyond ``DIVERGED``.
+    """
+    y = np.full(len(t_s), np.nan)
+    kept = t_s * closed.poles.real.max() < np.log(DIVERGED)
+    if kept.sum() > 1:
+        _, y[kept] = lti(closed.numerator, closed.denominator).step(T=t_s[kept])
     return y
 
 

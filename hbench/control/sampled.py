@@ -12,6 +12,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from hbench.control.linearisation import N_STATES, P_LP, P_LR, V
+from hbench.control.merits import DIVERGED
 from hbench.model.plant import TICK_S
 
 T, L1, L2 = range(3)  # loops, by their valve: velocity, rod and piston pressure
@@ -117,12 +118,14 @@ def sampled_step(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return times [s] and the response of ``loop`` to a unit step of its reference, all closed.
 
-    The output is the measurement before its filter.
+    The output is the measurement before its filter; it is NaN once a state exceeds ``DIVERGED``.
     """
     m, n = closed_loop_matrices(plant, loops)
     count = round(seconds / TICK_S)
-    state, y = np.zeros(len(m)), np.empty(count)
+    state, y = np.zeros(len(m)), np.full(count, np.nan)
     for i in range(count):
+        if not state @ state < DIVERGED**2:
+            break
         y[i] = plant.h[loop] @ state[: len(plant.f)]
         state = m @ state + n[:, loop]
     return TICK_S * np.arange(count), y

@@ -19,7 +19,7 @@ from hbench.records import Fleet, FleetRow
 from hbench.report.fleet.row import fleet_row
 from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
-from hbench.store.campaign.folder import StoredCampaign, load_campaign
+from hbench.store.campaign.folder import StoredCampaign, load_campaign, refuse_existing
 from hbench.store.campaign.journal import measurements
 from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision
 from hbench.store.fleet.rows import FleetRows
@@ -74,6 +74,7 @@ def analyze_fleet(
     from hbench.analysis.fleet.summary import summarize  # needed at the end only
 
     require_pyarrow()
+    refuse_existing(folder, "Choose another folder with -o for the table and the page.")
     product = None if limits is None else parse_limits(read_yaml(limits), str(limits))
     with FleetRows(folder) as rows:
         rows.register(_campaigns(rows, patterns, speed_m_s, note))

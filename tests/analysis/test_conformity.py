@@ -285,6 +285,13 @@ def test_the_ripple_is_that_of_screening(small):
         {"quantity": "wear", "max": "5 N"},
         {"quantity": "speed_ripple", "max": 5},
         {"quantity": "efficiency", "min": "0.8"},
+        {"quantity": "friction", "max": "-900 N"},
+        {"quantity": "friction", "max": "0 N"},
+        {"quantity": "breakaway", "min": "-1 bar", "max": "3 bar"},
+        {"quantity": "efficiency", "min": "950 %"},
+        {"quantity": "efficiency", "min": "75 %", "max": "101 %"},
+        {"quantity": "leakage", "pressure": "100 bar", "max": "-1 ml/min"},
+        {"quantity": "drift", "max": "-5 %"},
     ],
 )
 def test_a_limit_that_says_nothing_is_refused_with_its_place(limits):
@@ -292,6 +299,33 @@ def test_a_limit_that_says_nothing_is_refused_with_its_place(limits):
         parse_limits({"limits": [limits]}, "limits.yaml")
     assert "limits.yaml" in refused.value.message
     assert "limits.0" in refused.value.message
+
+
+@pytest.mark.parametrize(
+    ("limit", "words"),
+    [
+        ({"quantity": "friction", "max": "-900 N"}, "max = -900 N: can never be met"),
+        ({"quantity": "efficiency", "min": "950 %"}, "min = 950 %: can never be met"),
+        ({"quantity": "efficiency", "max": "120 %"}, "max = 120 %: is always met"),
+        ({"quantity": "friction", "min": "-9 N"}, "min = -9 N: is always met"),
+        ({"quantity": "drift", "max": "-5 %"}, "max = -5 %: must be positive"),
+    ],
+)
+def test_a_limit_that_no_or_every_value_meets_is_refused_with_the_reason(limit, words):
+    with pytest.raises(ConfigError, match=words):
+        parse_limits({"limits": [limit]}, "limits.yaml")
+
+
+@pytest.mark.parametrize(
+    "limit",
+    [
+        {"quantity": "efficiency", "min": "0 %", "max": "100 %"},
+        {"quantity": "leakage", "pressure": "100 bar", "max": "0 ml/min"},
+        {"quantity": "drift", "min": "-5 %", "max": "0 %"},
+    ],
+)
+def test_limits_at_the_ends_of_what_is_possible_are_kept(limit):
+    assert parse_limits({"limits": [limit]}, "limits.yaml").limits
 
 
 @pytest.mark.parametrize("rule", ["simple", "guard_band", "shared_risk"])

@@ -189,6 +189,35 @@ def test_dropouts_of_a_pressure_that_change_mean_friction_are_not_steady(
         )
 
 
+@pytest.mark.parametrize("bar", [0, 400])
+@pytest.mark.parametrize(("spacing", "length"), [(12, 1), (12, 4), (4, 1)])
+def test_a_pressure_that_drops_out_in_many_samples_is_not_steady(
+    make_run, rules, bar, spacing, length
+):
+    run = make_run(v_m_s=0.1, noise=1.0)
+    p_tp = run.p_tp_pa.copy()
+    p_tp[np.arange(len(p_tp)) % spacing < length] = bar * 1e5
+    (reason,) = screen(replace(run, p_tp_pa=p_tp), rules).reasons
+    assert "samples are far from all others and change mean friction" in reason
+
+
+def test_steps_of_a_coarse_pressure_are_no_dropouts(make_run, rules):
+    """A quarter of the samples differ by one count of 1.5 bar, or 190 N; they are averaged."""
+    run = make_run(v_m_s=0.1, noise=0.1)
+    count = np.arange(len(run.p_tp_pa)) % 4 == 0
+    p_tp = np.where(count, run.p_tp_pa.mean() + 1.5e5, run.p_tp_pa.mean())
+    assert codes(screen(replace(run, p_tp_pa=p_tp), rules)) == []
+
+
+def test_slips_after_which_friction_rises_gradually_are_no_dropouts(make_run, rules):
+    """Each tenth of a second friction falls by 600 N, and rises again in 30 ms."""
+    run = make_run(v_m_s=0.1, noise=1.0)
+    after_s = np.mod(run.t_s, 0.1)
+    fall_n = 600 * np.clip(1 - after_s / 0.03, 0, 1)
+    falling = replace(run, p_tp_pa=run.p_tp_pa - fall_n / run.plan.specimen.area_piston_m2)
+    assert codes(screen(falling, rules)) == []
+
+
 # ---- the log -------------------------------------------------------------------------------------
 
 

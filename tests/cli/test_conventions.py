@@ -151,3 +151,13 @@ def test_python_m_hbench_is_hbench():
     command = [sys.executable, "-m", "hbench", "--version"]
     done = subprocess.run(command, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, f"{__version__}\n")
+
+
+def test_ctrl_c_before_the_command_begins_ends_without_a_traceback(monkeypatch):
+    def interrupted():
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(main.__globals__, "app", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 130

@@ -99,6 +99,10 @@ def test_nothing_to_analyze_and_nowhere_to_write_are_errors(line, tmp_path):
         )
     done = fleet(line / "good")
     assert done.exit_code == 2 and "--output" in done.output
+    done = fleet(line / "good", "-o", line / "good")
+    assert isinstance(done.exception, ConfigError)
+    assert "contains a campaign already" in done.exception.message
+    assert not (line / "good" / "fleet.sqlite").exists()
     for speed in ("0 mm/s", "fast"):
         done = fleet(line / "good", "-o", tmp_path / "o", "--speed", speed)
         assert isinstance(done.exception, ConfigError) and "--speed" in done.exception.message

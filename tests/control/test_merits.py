@@ -56,3 +56,12 @@ def test_overshoot_and_settling_of_a_second_order_loop(zeta):
 def test_a_loop_that_does_not_settle_says_so():
     t = np.arange(0, 1, 1e-3)
     assert step_merits(t, 1 + np.sin(50 * t)).settling_s == np.inf
+
+
+@pytest.mark.parametrize("pole", [40.0, 1e4, 1e9])
+def test_a_response_that_diverges_has_no_finite_merits(pole):
+    """1 / (s - pole - 1) closed is 1 / (s - pole): e^(pole t) would exceed the largest float."""
+    t = np.linspace(0, 20, 2001)
+    y = step_response(TransferFunction([1.0], [1.0, -pole - 1]).closed, t)
+    assert np.isnan(y[-1]) and not np.isinf(y).any()
+    assert step_merits(t, y) == (np.inf, np.inf)

@@ -82,3 +82,13 @@ def test_a_small_step_of_the_nonlinear_bench_is_the_linear_one(par):
     found = (outputs[:, 0] - v) / size
     assert y.max() > 1.1  # there is something to compare
     assert np.abs(found - y).max() < 0.03
+
+
+def test_the_step_response_of_an_unstable_loop_ends_where_it_has_diverged(plant):
+    gain, tau = SOURCE_LOOPS[L1]
+    loops = [*SOURCE_LOOPS]
+    loops[L1] = (1000 * gain, tau)
+    assert sampled.modulus(plant, loops) > 1
+    _, y = sampled.sampled_step(plant, loops, L1, 1.0)
+    grown = np.flatnonzero(np.isfinite(y))[-1]
+    assert np.abs(y[:grown]).max() > 1e6 and np.isnan(y[grown + 1 :]).all()

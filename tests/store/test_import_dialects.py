@@ -26,7 +26,9 @@ def column(data, name="x", **layout):
     return parse_table(data, "a.csv", Format(**layout)).numbers(name).tolist()
 
 
-@pytest.mark.parametrize("charset", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
+@pytest.mark.parametrize(
+    "charset", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "latin-1"]
+)
 def test_character_sets_are_told_from_the_bytes(charset):
     text = "Zeit;Öldruck µ\r\n0;1,5\r\n1;-2,25\r\n"
     assert column(text.encode(charset), "Öldruck µ", **GERMAN) == [1.5, -2.25]
@@ -66,6 +68,9 @@ def test_asian_and_western_names_are_read_as_they_were_written(charset, name):
         ("Logger 5\n3.5.24, 12:00\n\nt,x\n0,1234.5\n1,2\n", {"preamble": 2}),
         ("t,x\ns,mm\n0,1234.5\n1,2\n", {"units_row": True}),
         ("t;x\n0;1234.5;\n1;2;\n", SEMICOLON),
+        ('t,x\n"0,0","1234,5"\n1,"2,0"\n', {"decimal": ","}),
+        ("t,x\n,\n0,1234.5\n , \n1,2\n,\n,\n,\n,\n,\n,\n", {}),
+        ('t,x\n0,1234.5\n"",""\n1,2\n', {}),
     ],
 )
 def test_dialects_give_the_same_numbers(text, layout):
@@ -385,3 +390,92 @@ def test_a_compressed_text_is_refused_with_what_to_do(tmp_path, pack, name):
         with open_foreign(tmp_path / "a.csv.gz"):
             pass
     assert "Unpack it" in caught.value.hint
+
+
+def test_a_decimal_comma_between_commas_needs_quotes():
+    with pytest.raises(DataError, match=r"a\.csv: decimal ',' and separator comma are ambiguous"):
+        column("t,x\n0,5,1,5\n", 1, decimal=",", header=False)
+
+
+def test_a_header_of_blank_names_is_no_blank_row():
+    assert column(",\n0,1\n1,2\n", 2) == [1.0, 2.0]
+
+
+def test_quoted_decimal_commas_are_suggested():
+    dialect = text_dialect('"t","x"\n"0,000","1,250"\n"0,125","2,500"\n')
+    assert (dialect.layout.separator, dialect.layout.decimal) == ("comma", ",")
+    assert dialect.layout.thousands is None
+
+
+def test_blank_cells_below_the_header_are_no_header():
+    dialect = text_dialect("t,x,F\n,,\n0,1,2\n1,2,3\n")
+    assert dialect.names == ("t", "x", "F") and dialect.layout == Format()
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_the_numbers_of_the_columns_are_a_header(first):
+    header = ",".join(str(first + k) for k in range(4))
+    dialect = text_dialect(f"{header}\n0,12.5,3,4\n0.01,12.6,3,4\n")
+    assert dialect.layout.header and dialect.names == tuple(header.split(","))
+    dialect = text_dialect("0,12.5,3,4\n0.01,12.6,3,4\n0.02,12.7,3,4\n")
+    assert not dialect.layout.header
+
+
+@pytest.mark.parametrize(
+    ("cell", "hint"),
+    [
+        ("#N/A", "Leave the cell empty"),
+        ("-", "Leave the cell empty"),
+        ("2024-05-01T12:00:00", "unit: date-time"),
+        ("twelve", None),
+    ],
+)
+def test_the_hint_fits_the_cell_that_is_no_number(cell, hint):
+    with pytest.raises(DataError, match=r"a.csv: line 3: column x: ") as error:
+        column(f"t,x\n0,1\n1,{cell}\n")
+    assert hint in error.value.hint if hint else not error.value.hint
+
+
+def test_a_quote_that_is_not_closed_is_refused_with_its_line():
+    """The rows after it would be one cell, and left out as a short row at the end."""
+    text = "t,x\n0,1\n1,2\n" + '2,"3\n' + "3,4\n" * 9
+    with pytest.raises(DataError, match=r"a\.csv: line 4: a quote in '2,\"3' is not closed"):
+        column(text)
+    assert column('t,x,note\n0,1,"two\nlines"\n1,2,"5"" pipe"\n') == [1.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("rows", "left"),
+    [
+        (["0,1.25", "1,1.75", "2,1.50", "3,1."], 3),  # of 1.xx
+        (["0,1.25", "1,1.75", "2,1.50", "3,1.25"], 4),
+        (["0,1.25", "1,2", "2,1.50", "3,3"], 4),  # others are as short
+    ],
+)
+def test_a_last_cell_without_newline_that_is_shorter_than_all_is_left_out(rows, left):
+    text = "t,x\n" + "\n".join(rows)
+    assert len(column(text)) == left
+    assert len(column(text + "\n")) == 4
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"TDSm\x0e\0\0\0" + bytes(range(24)) * 9,
+        b"MATLAB 5.0 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\1IM" + b"\x0e\0\0\0\x38" * 40,
+        b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\2\0\0\0\1\0\x08\2" + bytes(range(40)),
+    ],
+)
+def test_a_binary_file_is_named_as_one(data):
+    with pytest.raises(DataError, match=r"a\.csv: is not a text file"):
+        column(data)
+    assert column(b"t,x\n" + b"0,1\n" * 60 + bytes(4096)) == [1.0] * 60  # a lost cluster
+
+
+def test_a_workbook_named_as_a_text_is_named_as_one(tmp_path):
+    import openpyxl
+
+    openpyxl.Workbook().save(tmp_path / "a.xlsx")
+    (tmp_path / "a.xlsx").rename(tmp_path / "a.csv")
+    with pytest.raises(DataError, match="Office document"), open_foreign(tmp_path / "a.csv"):
+        pass

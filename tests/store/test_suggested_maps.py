@@ -362,10 +362,13 @@ def test_a_force_beside_columns_without_names_is_not_that_of_a_drive(logs):
         names = ("t_s", "x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")
         rows = np.stack([run[name] for name in names], axis=1) * [1, 1e3, 1e-5, 1e-5, 1]
         np.savetxt(logs / f"{load:.0f}N_1.csv", rows, "%.5f", ",")
-    suggested = suggest_map(logs).text
+    suggestion = suggest_map(logs)
+    suggested = suggestion.text
     columns = parse_yaml(suggested)["columns"]
     assert columns["f_applied_n"] == {"column": 5, "unit": "N"} and "f_drive_n" not in columns
     assert "??? mm" in suggested and '# p_tp_pa: {column: "???", unit: bar}' in suggested
+    (missing,) = [note for note in suggestion.notes if note.startswith("no column found for ")]
+    assert missing.startswith("no column found for p_tp_pa, p_tr_pa: ")
 
 
 def test_names_of_signals_before_conversion_ask_for_their_scale(logs):

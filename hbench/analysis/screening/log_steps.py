@@ -31,16 +31,26 @@ def rounding_errors(run: Run, window: slice, friction_n: float) -> dict[str, flo
     whole run, since a settled pressure may have one value in the window. It is NaN for a channel
     with one value in the whole run: other runs show its steps (``with_common_steps``).
     """
-    specimen = run.plan.specimen
-    slopes = {"p_tp_pa": specimen.area_piston_m2, "p_tr_pa": specimen.area_rod_m2}
     found = {}
-    for name in friction_channels(run):
+    for name, slope in _slopes(run).items():
         values = getattr(run, name)
         if values is not None:
             u = rounding_error(values[window], resolution(values)) if np.ptp(values) else np.nan
-            if np.isnan(u) or u * slopes.get(name, 1.0) > _LEAST * abs(friction_n):
+            if np.isnan(u) or u * slope > _LEAST * abs(friction_n):
                 found[name] = u
     return found
+
+
+def friction_step(run: Run) -> float:
+    """Return the largest change [N] of a sample's friction by one step of a channel's log."""
+    return max(slope * resolution(run.channel(name)) for name, slope in _slopes(run).items())
+
+
+def _slopes(run: Run) -> dict[str, float]:
+    """Return the change of friction [N] with each channel of it, in SI."""
+    specimen = run.plan.specimen
+    areas = {"p_tp_pa": specimen.area_piston_m2, "p_tr_pa": specimen.area_rod_m2}
+    return {name: areas.get(name, 1.0) for name in friction_channels(run)}
 
 
 def with_common_steps(screened: Iterable[ScreenedRun]) -> tuple[ScreenedRun, ...]:

@@ -14,7 +14,7 @@ from hbench.analysis.screening.friction_channels import (
     missing_friction_channels,
     test_force,
 )
-from hbench.analysis.screening.log_steps import rounding_errors
+from hbench.analysis.screening.log_steps import friction_step, rounding_errors
 from hbench.analysis.screening.saturation import (
     saturated_sensors,
     saturated_valves,
@@ -235,7 +235,7 @@ def _steadiness(
         yield f"not_steady: the load changes by {step:+.0f} N in the window; limit {limit:.0f} N"
     friction = test_force(run, window) - f_applied
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
-    far = outliers(friction)
+    far = outliers(friction, friction_step(run))
     if exceeds(abs(far.shift), limit):
         yield (
             f"not_steady: {far.samples} of {len(friction)} samples are far from all others and "

@@ -31,6 +31,13 @@ _KEYS: dict[str, tuple[str, ...]] = {  # that choose the runs of a quantity
     "speed_ripple": (*_SERIES, "speed"),
     "drift": (),
 }
+_POSITIVE = {  # quantities that are never negative, and why
+    "friction": "friction opposes the motion and is positive in both directions",
+    "breakaway": "a breakaway force is positive in both directions",
+    "efficiency": "an efficiency is between 0 and 100 %",
+    "leakage": "a leakage is not negative",
+    "speed_ripple": "a standard deviation is positive",
+}
 assert set(_UNITS) == set(_KEYS) == set(get_args(LimitQuantity))
 _CHOOSING = sorted({key for keys in _KEYS.values() for key in keys})
 
@@ -66,9 +73,24 @@ class Limit(ConfigSection):
                 to_si(limit, "%")  # of the right dimension
                 raise ValueError(f"{key} = {limit}: has no unit; write for example '75 %'")
         low, high = self.requirement.low, self.requirement.high  # of the right dimension
+        for key, text, si in (("min", self.min, low), ("max", self.max, high)):
+            if text is not None and si is not None and (fault := self._fault(key, si)):
+                raise ValueError(f"{key} = {text}: {fault}")
         if low is not None and high is not None and low > high:
             raise ValueError(f"min ({self.min}) is above max ({self.max})")
         return self
+
+    def _fault(self, key: str, si: float) -> str:
+        """Return why a limit [SI] is met by no value or by every one; empty for others."""
+        if self.quantity == "drift":
+            one_sided = self.min is None and si < 0
+            return "must be positive; it limits changes in either direction" if one_sided else ""
+        is_zero = si == 0 and key == "max" and self.quantity != "leakage"
+        is_low, is_high = si < 0 or is_zero, self.quantity == "efficiency" and si > 1
+        if not (is_low or is_high):
+            return ""
+        never = is_low if key == "max" else is_high
+        return f"{'can never be' if never else 'is always'} met: {_POSITIVE[self.quantity]}"
 
     @property
     def requirement(self) -> Requirement:

@@ -4,8 +4,10 @@ import codecs
 import re
 from contextlib import suppress
 
-_BOMS = {
+_BOMS = {  # those of UTF-32 first: the one of UTF-16 is a part of it
     codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF32_LE: "utf-32",
+    codecs.BOM_UTF32_BE: "utf-32",
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
@@ -13,6 +15,8 @@ _NARROW_SPACE = re.compile(r"(?<=[0-9])[\u00a0\u2009\u202f](?=[0-9]{3})")
 _APOSTROPHE = re.compile(r"(?<=[0-9])\u2019(?=[0-9]{3})")
 _MINUS = re.compile(r"\u2212(?=[0-9.,])")
 _KANA = re.compile("[ぁ-ヶ]{2}")  # two in a row
+_NO_TEXT = re.compile("[\0-\b\x0e-\x1f\ufffd\uffff]")
+_HEAD, _MOST_CONTROLS = 2000, 0.05  # characters, and the largest share of controls in a text
 _ABOVE_ASCII = re.compile(rb"[\x80-\xff]+")
 
 
@@ -29,6 +33,12 @@ def decoded(data: bytes) -> str:
     return _APOSTROPHE.sub("'", _MINUS.sub("-", text))
 
 
+def is_text(text: str) -> bool:
+    """Return whether decoded bytes were a text: few of its first characters are controls."""
+    head = text[:_HEAD].rstrip("\0")  # which a logger without power leaves at the end
+    return len(_NO_TEXT.findall(head)) <= _MOST_CONTROLS * len(head)
+
+
 def _decoded(data: bytes) -> str:
     """Return the text; byte-order mark, zero bytes or UTF-8 faults determine its encoding.
 
@@ -41,6 +51,8 @@ def _decoded(data: bytes) -> str:
             return data.decode(name, errors="replace")
     if data[1:200:2].count(0) > 50 or (len(data) > 3 and data[1] == data[3] == 0):
         return data.decode("utf-16-le", errors="replace")
+    if data[0:200:2].count(0) > 50 or (len(data) > 3 and data[0] == data[2] == 0):
+        return data.decode("utf-16-be", errors="replace")
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:

@@ -1,12 +1,15 @@
-"""The row of a table that looks like its header, for hints about a layout that does not fit."""
+"""Hints about a layout that does not fit a table: its header row, cells that are no numbers."""
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from itertools import islice
 
 import numpy as np
 
 from hbench.config.import_layout import Format
+from hbench.store.formats.date_times import parse_date_time
 
+_MISSING = ("#n/a", "#div/0!", "#value!", "inf", "-inf", "-", "--", "---")
 _MOST_ROWS = 60
 _MOST_BETWEEN = 3  # rows between header and data, such as units
 _NUMERIC = 0.5  # of the cells of a row of data
@@ -31,6 +34,18 @@ def layout_hint(
     if line is None or line == layout.preamble + 1:
         return _FORMAT
     return f"Line {line} looks like the header: write 'preamble: {line - 1}' in the map's 'format'."
+
+
+def cell_hint(cell: str) -> str:
+    """Return the hint for a cell that is no number."""
+    if "," in cell:
+        return "Specify a decimal comma in the map: format.decimal."
+    if cell.strip().lower() in _MISSING:
+        return "Leave the cell empty, or write nan, if there is no value."
+    with suppress(ValueError, OverflowError):
+        parse_date_time(cell.strip())
+        return "Write 'unit: date-time' at this column of the map if it has dates or times."
+    return ""
 
 
 def header_line(

@@ -100,8 +100,13 @@ def open_foreign(path: Path) -> Iterator[tuple[BufferedReader, FileFormat]]:
 
 
 def _refuse_packed(file: BinaryIO, path: Path) -> None:
-    head = file.read(8)
+    head = file.read(_HEAD)
     file.seek(0)
+    if head.startswith(b"PK") and (b"[Content_Types].xml" in head or b"docProps/" in head):
+        raise DataError(
+            f"{path}: is an Office document, such as an Excel workbook",
+            "Give a workbook the ending .xlsx.",
+        )
     for mark, name in _PACKED.items():
         if head.startswith(mark):
             raise DataError(

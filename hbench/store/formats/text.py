@@ -5,7 +5,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from itertools import chain, islice
+from itertools import chain, islice, repeat
+from string import whitespace
 from typing import BinaryIO, ClassVar
 
 import numpy as np
@@ -14,12 +15,13 @@ from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
 from hbench.store.formats.date_times import parse_date_time
-from hbench.store.formats.encoding import decoded
-from hbench.store.formats.header_row import ends_with_comment, layout_hint
+from hbench.store.formats.encoding import decoded, is_text
+from hbench.store.formats.header_row import cell_hint, ends_with_comment, layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
 _GAPS = ("", "nan", "na", "n/a", "null")
+_COMPARED = 100  # rows with the last one, which a file without a final newline may contain in part
 _MOST_SHORT = 5  # rows at the end with too few cells, which are left out
 
 
@@ -102,7 +104,7 @@ class TextTable:
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: found {cell[:60]!r}; "
                     "expected a number",
-                    "Specify a decimal comma in the map: format.decimal." if "," in cell else "",
+                    cell_hint(cell),
                 )
         return values
 
@@ -164,6 +166,11 @@ def open_text(file: BinaryIO, source: str, layout: Format) -> TextTable:
 def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
     """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
     text = decoded(data)
+    if not is_text(text):
+        raise DataError(
+            f"{source}: is not a text file",
+            "Give the file the ending of its format, such as .mat, .tdms or .xlsx.",
+        )
     numbers, texts = _lines_of_data(text, layout)
     top, above, below = _cells(texts, numbers, layout, source, _rows_above(layout))
     texts, numbers = texts[below:], numbers[below:]
@@ -173,11 +180,17 @@ def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
             top[0].pop()
     rows: list[list[str]] | PlainRows
     if texts and (separator is None or '"' not in text or not any('"' in t for t in texts)):
+        if separator == layout.decimal:
+            raise DataError(
+                f"{source}: decimal ',' and separator comma are ambiguous: numbers have no quotes",
+                "Write each number in quotes, or separate the columns with semicolons.",
+            )
         first_row = top[0] if layout.header else texts[0].split(separator)
         rows = PlainRows(texts, separator, len(first_row))
     else:
         rows, numbers, _ = _cells(texts, numbers, layout, source)
-    return _table(top, rows, [*above, *numbers], layout, source)
+    ended = text.endswith(("\n", "\r"))
+    return _table(top, rows, [*above, *numbers], layout, source, ended=ended)
 
 
 def table_of_rows(
@@ -198,8 +211,13 @@ def _table(
     lines: list[int],
     layout: Format,
     source: str,
+    *,
+    ended: bool = True,
 ) -> TextTable:
-    """Return the table of ``rows`` of data below the ``top`` rows; ``lines`` has all numbers."""
+    """Return the table of ``rows`` of data below the ``top`` rows; ``lines`` has all numbers.
+
+    ``ended`` is whether the last row is known to be complete.
+    """
     names = tuple(name.strip() for name in top[0]) if layout.header and top else ()
     units = tuple(top[layout.header]) if layout.units_row and len(top) > layout.header else ()
     if not len(rows):
@@ -210,8 +228,10 @@ def _table(
     whole = rows.whole() if isinstance(rows, PlainRows) else rows
     unequal = list(_unequal(rows, width))
     count = len(rows) - _short_at_end(unequal, len(rows), width)
+    if count == len(rows) and not ended and _is_cut(rows):
+        count -= 1
     short = lines[count:]
-    for row, cells in unequal[: len(unequal) - len(short)]:
+    for row, cells in (pair for pair in unequal if pair[0] < count):
         text = _DELIMITERS.get(layout.separator, " ").join(cells)
         raise DataError(
             f"{source}: line {lines[row]}: found {len(cells)} columns in "
@@ -240,6 +260,12 @@ def _short_at_end(unequal: list[tuple[int, list[str]]], count: int, width: int) 
     return end if end <= min(_MOST_SHORT, count - 1) else 0
 
 
+def _is_cut(rows: list[list[str]] | PlainRows) -> bool:
+    """Return whether the last cell of all is shorter than those of the rows before."""
+    last = [len(cells[-1]) for cells in rows[-_COMPARED:]]
+    return len(last) > 2 and last[-1] < min(last[:-1])
+
+
 def _unequal(rows: list[list[str]] | PlainRows, width: int) -> Iterator[tuple[int, list[str]]]:
     """Yield the numbers and cells of rows without ``width`` cells; a blank last one is left out."""
     if isinstance(rows, PlainRows):
@@ -253,13 +279,25 @@ def _unequal(rows: list[list[str]] | PlainRows, width: int) -> Iterator[tuple[in
 
 
 def _lines_of_data(text: str, layout: Format) -> tuple[list[int], list[str]]:
-    """Return the numbers, from 1, and the texts of the lines that are not left out."""
+    """Return the numbers, from 1, and the texts of the lines that are not left out.
+
+    Lines of blank cells below the header are left out too, as spreadsheets write them.
+    """
     lines = text.splitlines()
-    lengths = np.fromiter(map(len, map(str.strip, lines)), int, len(lines))
-    numbers = [n for n in (np.flatnonzero(lengths) + 1).tolist() if n > layout.preamble]
+    numbers = [n for n in _filled(lines, None) if n > layout.preamble]
     if (mark := layout.comment) is not None:
         numbers = [n for n in numbers if not lines[n - 1].lstrip().startswith(mark)]
+    if separator := _DELIMITERS.get(layout.separator):
+        with_cells = set(_filled(lines, f'{whitespace}"{separator}'))
+        above = _rows_above(layout)  # a header may have no names
+        numbers = [n for i, n in enumerate(numbers) if i < above or n in with_cells]
     return numbers, [lines[n - 1] for n in numbers]
+
+
+def _filled(lines: list[str], blanks: str | None) -> list[int]:
+    """Return the numbers, from 1, of the lines with other characters than ``blanks``."""
+    lengths = map(len, map(str.strip, lines, repeat(blanks)))
+    return (np.flatnonzero(np.fromiter(lengths, int, len(lines))) + 1).tolist()
 
 
 def _cells(
@@ -273,16 +311,22 @@ def _cells(
         rows = [line.split() for line in texts[:most]]
         return rows, numbers[:most], len(rows)
     reader = csv.reader(texts, delimiter=_DELIMITERS[layout.separator])
-    rows, ends = [], []
+    rows, ends, first, end = [], [], 0, 0
     try:
         for cells in islice(reader, most):
             rows.append(cells)
-            ends.append(numbers[reader.line_num - 1])
+            first, end = end, reader.line_num
+            ends.append(numbers[end - 1])
     except csv.Error as error:  # such as a cell of 100 kB after an unclosed quote
         after = f"after line {ends[-1]}" if ends else "in the first row"
         raise DataError(
             f"{source}: {after}: {error}", "Check that all quotes are closed."
         ) from None
+    if end - first > 1 and end == len(texts) and "".join(texts[first:end]).count('"') % 2:
+        raise DataError(
+            f"{source}: line {numbers[first]}: a quote in {texts[first][:60]!r} is not closed",
+            "Close the quote, or remove it.",
+        )
     return rows, ends, reader.line_num
 
 

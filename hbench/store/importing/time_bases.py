@@ -129,7 +129,8 @@ def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: b
     numbers = table.numbers(column.column, gaps=gaps)
     factor, zero = parse_unit(unit).factor * column.scale, parse_unit(unit).zero
     as_it_is = factor == 1 and zero == 0
-    values = numbers if as_it_is else rounded_to_decimals(numbers * factor + zero)
+    with np.errstate(over="ignore"):  # check_limits refuses infinity
+        values = numbers if as_it_is else rounded_to_decimals(numbers * factor + zero)
     if name == "f_applied_n" and rules.load_cell is not None:  # C.6
         values = (values - rules.load_cell.level) / rules.load_cell.volts_per_newton
     return values if column.offset is None else values + to_si(column.offset, rules.unit(name))

@@ -73,6 +73,9 @@ def rows_dialect(
     first = next(lasting, next((i for i in below if full[i]), None))
     if first is None:
         return None
+    has_names = any(_width(cells) == width for _, cells in rows[:first])
+    if not has_names and _count_columns(rows[first][1]) and any(full[first + 1 :]):
+        first = full.index(True, first + 1)  # below a header of numbers
     above = list(rows[:first])
     sign = _comment_sign([line for number, line in lines if number < rows[first][0]])
     last_above = above[-1] if above else None
@@ -135,9 +138,8 @@ def _rows(lines: Sequence[tuple[int, str]], separator: str) -> list[Row]:
 
 def _marks(separator: str) -> Iterator[tuple[str, str | None]]:
     """Yield decimal and thousands marks, the simpler ones first."""
-    decimals = "." if separator == "comma" else ".,"
-    yield from ((decimal, None) for decimal in decimals)
-    for decimal in decimals:
+    yield from ((decimal, None) for decimal in _THOUSANDS)
+    for decimal in _THOUSANDS:
         for mark in _THOUSANDS[decimal]:
             if not (mark == " " and separator == "whitespace"):
                 yield decimal, mark
@@ -165,6 +167,12 @@ def _is_data(cells: list[str], decimal: str, thousands: str | None) -> bool:
     good = sum(is_number(cell, decimal, thousands) or is_date_time(cell) for cell in cells)
     filled = sum(bool(cell.strip()) for cell in cells)
     return len(cells) >= 2 and filled > 0 and good >= _NUMERIC * len(cells)
+
+
+def _count_columns(cells: list[str]) -> bool:
+    """Return whether cells are the numbers of their columns, as programs write without names."""
+    counts = [[str(n + k) for n in range(len(cells))] for k in (0, 1)]
+    return len(cells) > 2 and [cell.strip() for cell in cells] in counts
 
 
 def _without_end(cells: list[str]) -> list[str]:
@@ -215,6 +223,7 @@ def _head(above: Sequence[Row], widths: Container[int]) -> tuple[Row | None, boo
 
     ``widths`` are those of the data, with and without an empty last column.
     """
+    above = [row for row in above if any(map(str.strip, row[1]))] or above
     last = [row for row in above[-_MOST_HEAD:] if _width(row[1]) in widths or len(row[1]) in widths]
     if not last or last[-1] is not above[-1]:
         return None, False, 0

@@ -339,5 +339,12 @@ def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
     guesses += suggested.assumed_constants
     if guesses:
         yield f"guesses to check: {', '.join(guesses)}"
+    needed = ("p_tp_pa", "p_tr_pa", "f_applied_n")
+    missing = [c for c in needed if c not in (*suggested.choices, *suggested.assumed_constants)]
+    if missing and not suggested.is_driven:
+        yield (
+            f"no column found for {', '.join(missing)}: name them under 'columns' or 'constants'; "
+            "friction can't be computed without"
+        )
     if not suggested.is_driven:
         yield f"fill in what is marked {UNFILLED}: the size of the cylinder is not in the files"
