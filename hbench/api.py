@@ -204,10 +204,8 @@ def fit(
     if v.ndim != 1 or v.shape != friction.shape or not np.isfinite([v, friction]).all():
         raise ConfigError("fit: v_m_s and friction_n must be finite numbers of equal length")
     if not len(v) or (v == 0).any():
-        zeros = (
-            f"{np.count_nonzero(v == 0)} of {len(v)} velocities are 0" if len(v) else "no points"
-        )
-        fault = f"{zeros} of {len(v)} velocities are 0" if zeros else "no points"
+        zeros = f"{np.count_nonzero(v == 0)} of {len(v)} velocities are 0"
+        fault = zeros if len(v) else "no points"
         raise ConfigError(f"fit: {fault}", "Give points at speeds above 0, of one direction.")
     if not (v > 0).all() and not (v < 0).all():
         raise ConfigError("fit: velocities have both signs", "Fit each direction separately.")

@@ -110,7 +110,7 @@ SIGNIFICANT_P = 0.1  # p-value after Holm below which a gap is significant
 UNEXPLAINED_GAP = 2.0  # trial scatters; a smaller one is no reason to look for a missing effect
 LEAST_EXPLAINED = 0.25  # share of the excess gap that an effect must explain to be named
 LEAST_SIZE = 0.25  # of its typical size that it must have
-TOLERATED = "it is within its tolerance"  # of a size of 0
+TOLERATED = "none of its coefficients alone is beyond its tolerance"  # of a size of 0
 
 
 @dataclass(frozen=True)

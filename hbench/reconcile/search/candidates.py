@@ -209,13 +209,17 @@ class CandidateEvaluator(Refits):
         values: Mapping[CoefficientKey, float],
         tried: Literal["full", "linear"],
     ) -> Candidate:
-        """Return a candidate; one within its tolerance has the size 0."""
+        """Return a candidate.
+
+        One within its tolerance has the size 0. So has one that needs several sensors beyond their
+        tolerances where the effect is that of one: linear fits have such values.
+        """
         limits = self.measured.tolerances
         sizes = {w: abs(value) for w, value in values.items() if w in effect_coefficients(name)}
-        beyond = any(value > limits.get(which, 0.0) for which, value in sizes.items())
+        beyond = sum(value > limits.get(which, 0.0) for which, value in sizes.items())
         largest = max((value / typical_size(which) for which, value in sizes.items()), default=0.0)
         parameters = {key: value for (_, key), value in values.items()}
-        size = largest if beyond else 0.0
+        size = largest if beyond and (beyond == 1 or not EFFECTS[name].alone) else 0.0
         return Candidate(name, gain, share, size, parameters, tried, CRITERIA.score)
 
 
