@@ -505,6 +505,27 @@ def test_an_asymmetry_must_show_in_steady_motion_beyond_the_offsets(beyond, show
     assert search._shows_in_steady_motion(model, (), "direction_asymmetry") == shows
 
 
+@pytest.mark.parametrize(
+    ("name", "errors", "size"),
+    [
+        ("pressure_gain", {"p_tp": 0.03, "p_tr": 0.009}, 3.0),
+        ("pressure_gain", {"p_tp": -0.03, "p_tr": -0.03}, 0.0),
+        ("pressure_gain", {"p_tp": 0.009, "p_tr": -0.009}, 0.0),
+        ("pressure_offset", {"p_tp": 2e5, "p_tr": 2e5}, 4.0),
+    ],
+)
+def test_a_wrong_gain_is_that_of_one_transducer_and_offsets_may_be_several(name, errors, size):
+    """Classes of 1 % and 1 bar; typical sizes of 1 % and 0.5 bar."""
+    limits = {
+        (effect, key): limit
+        for effect, limit in (("pressure_gain", 0.01), ("pressure_offset", 1e5))
+        for key in EFFECTS[effect].coefficients
+    }
+    search = CampaignSearch(SimpleNamespace(tolerances=limits), np.arange(3), (name,))
+    values = {(name, key): value for key, value in errors.items()}
+    assert search._candidate(name, 9.0, 0.9, values, "linear").size == pytest.approx(size)
+
+
 # ---- refinement
 
 
