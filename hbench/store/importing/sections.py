@@ -187,7 +187,8 @@ def _with_shared_positions(
 
     Strokes of one length share positions. Those that do not cover these, such as fast strokes
     that settle late, share others among each other. Without positions that both directions cover
-    they are sections as they are; but where one direction is missing they are left out.
+    they are sections as they are; but where one direction is missing they are left out, and so is a
+    length of which there are others, such as that of a sensor's noise.
     """
     settle = rules.screening.settle_time, rules.screening.settle_travel
     speeds = [stroke_speed(t_s[stroke], x_m[stroke]) for stroke in strokes]
@@ -208,6 +209,8 @@ def _with_shared_positions(
             shared = shared_positions(
                 [covered[i] for i in rest], [speeds[i] for i in rest], travel_m
             )
+            if shared is None and len(rest) == len(group) < len(strokes):
+                break
             chosen = [i for i in rest if shared is None or _covers(covered[i], shared)]
             apart |= shared is None and len(signs) == 2
             sections |= {i: Section(strokes[i], speeds[i], shared) for i in chosen}
