@@ -228,7 +228,8 @@ def _table(
     whole = rows.whole() if isinstance(rows, PlainRows) else rows
     unequal = list(_unequal(rows, width))
     count = len(rows) - _short_at_end(unequal, len(rows), width)
-    if count == len(rows) and not ended and _is_cut(rows):
+    last_is_unequal = bool(unequal) and unequal[-1][0] == len(rows) - 1
+    if not (ended or last_is_unequal) and _is_cut(rows, width):
         count -= 1
     short = lines[count:]
     for row, cells in (pair for pair in unequal if pair[0] < count):
@@ -260,9 +261,9 @@ def _short_at_end(unequal: list[tuple[int, list[str]]], count: int, width: int) 
     return end if end <= min(_MOST_SHORT, count - 1) else 0
 
 
-def _is_cut(rows: list[list[str]] | PlainRows) -> bool:
+def _is_cut(rows: list[list[str]] | PlainRows, width: int) -> bool:
     """Return whether the last cell of all is shorter than those of the rows before."""
-    last = [len(cells[-1]) for cells in rows[-_COMPARED:]]
+    last = [len(cells[:width][-1]) for cells in rows[-_COMPARED:]]
     return len(last) > 2 and last[-1] < min(last[:-1])
 
 

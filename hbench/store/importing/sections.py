@@ -215,6 +215,9 @@ def _with_shared_positions(
             apart |= shared is None and len(signs) == 2
             sections |= {i: Section(strokes[i], speeds[i], shared) for i in chosen}
             rest = [i for i in rest if i not in sections]
+    if not sections:  # no length has common positions
+        sections = {i: Section(strokes[i], speeds[i]) for i in range(len(strokes))}
+        apart = min(speeds) < 0 < max(speeds)
     few = len(strokes) - len(sections)
     texts = {
         "extending and retracting share too few positions after settling: not compared": apart,
