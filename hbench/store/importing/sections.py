@@ -186,9 +186,9 @@ def _with_shared_positions(
     """Return the strokes as sections, with the positions to average over, and notes.
 
     Strokes of one length share positions. Those that do not cover these, such as fast strokes
-    that settle late, share others among each other. Without positions that both directions cover
-    they are sections as they are; but where one direction is missing they are left out, and so is a
-    length of which there are others, such as that of a sensor's noise.
+    that settle late, share others among each other, or are sections as they are where both
+    directions are left. Other strokes are left out, such as those of a sensor's noise. Where no
+    strokes at all share positions, all are sections.
     """
     settle = rules.screening.settle_time, rules.screening.settle_travel
     speeds = [stroke_speed(t_s[stroke], x_m[stroke]) for stroke in strokes]
@@ -200,22 +200,17 @@ def _with_shared_positions(
     sections: dict[int, Section] = {}
     apart = False
     for group in similar_values(lengths, SAME_LENGTH):
-        rest = group.tolist()
-        while rest:
-            signs = {speeds[i] > 0 for i in rest}
-            if len(rest) < len(group) and len(signs) == 1:
-                break
-            travel_m = float(np.median(lengths[rest]))
-            shared = shared_positions(
-                [covered[i] for i in rest], [speeds[i] for i in rest], travel_m
-            )
-            if shared is None and len(rest) == len(group) < len(strokes):
-                break
-            chosen = [i for i in rest if shared is None or _covers(covered[i], shared)]
-            apart |= shared is None and len(signs) == 2
+        rest, travel_m = group.tolist(), float(np.median(lengths[group]))
+        while shared := shared_positions(
+            [covered[i] for i in rest], [speeds[i] for i in rest], travel_m
+        ):
+            chosen = [i for i in rest if _covers(covered[i], shared)]
             sections |= {i: Section(strokes[i], speeds[i], shared) for i in chosen}
-            rest = [i for i in rest if i not in sections]
-    if not sections:  # no length has common positions
+            rest = [i for i in rest if i not in chosen]
+        if len(rest) < len(group) and len({speeds[i] > 0 for i in rest}) == 2:
+            sections |= {i: Section(strokes[i], speeds[i]) for i in rest}
+            apart = True
+    if not sections:
         sections = {i: Section(strokes[i], speeds[i]) for i in range(len(strokes))}
         apart = min(speeds) < 0 < max(speeds)
     few = len(strokes) - len(sections)
