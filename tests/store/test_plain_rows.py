@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from hbench.config.import_layout import Format
@@ -20,6 +20,7 @@ NO_NUMBERS = [
     *("x", "1_0", "0x1f", "inf", "-infinity", "1d5", "1e", "--1", "1 mm", "١", "1\x00", "1\ufeff"),
     *("#1", "nan(1)", "True", "1j", "12:00", "?", "1;2", "²"),
 ]
+LONG_LAST, QUOTED = "0,0\n" * 5 + "0,,5", '"0"'  # a cell too many in a row without an end
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": " "}
 
 
@@ -103,6 +104,7 @@ def told(text, layout, width):
 
 @settings(max_examples=150)
 @given(tables())
+@example((f"a,b\n{LONG_LAST}", f"a,b\n{LONG_LAST.replace('0', QUOTED, 1)}", Format(), 2))
 def test_whole_columns_and_single_cells_give_the_same(made):
     plain, quoted, layout, width = made
     expected = told(plain, layout, width)

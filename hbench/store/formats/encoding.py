@@ -34,8 +34,11 @@ def decoded(data: bytes) -> str:
 
 
 def is_text(text: str) -> bool:
-    """Return whether decoded bytes were a text: few of its first characters are controls."""
-    head = text[:_HEAD].rstrip("\0")  # which a logger without power leaves at the end
+    """Return whether decoded bytes were a text: few of its first characters are controls.
+
+    Quotes do not count, so that a table with them is judged as one without.
+    """
+    head = text[:_HEAD].replace('"', "").rstrip("\0")  # zeros: of a logger without power
     return len(_NO_TEXT.findall(head)) <= _MOST_CONTROLS * len(head)
 
 
