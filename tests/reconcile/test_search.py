@@ -201,6 +201,30 @@ def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(wor
         assert tried[:3] == pytest.approx([tried[0], tried[0] / 2, tried[0] / 4])
 
 
+def test_a_step_is_at_most_one_kind_longer_than_the_one_before():
+    """Where only short steps are better, the whole one is not tried again before each of them."""
+    scatter = np.random.default_rng(4).standard_normal(40)
+    before, _ = lacking(scatter + 8 * lacking(scatter)[1])
+    worse = lacking(scatter + 12 * lacking(scatter)[1])[0]
+    better = [lacking(scatter + lack * lacking(scatter)[1])[0] for lack in (7, 6, 5)]
+    tried = []
+
+    class Stepped(CampaignSearch):
+        def linearise_at(self, start, hypothesis):
+            tried.append(hypothesis.coefficient(("end_cushion", "damping")))
+            return better.pop(0) if len(tried) in (6, 8, 10) else worse
+
+        def with_columns(self, model, names):
+            return model
+
+    search = Stepped(SimpleNamespace(plant=None, tolerances={}), np.arange(40), ("end_cushion",))
+    last = better[-1]
+    assert search.refit(before, ("end_cushion",)) is last
+    quarter, shortest = tried[2], tried[5]
+    assert max(tried[6:10]) < quarter
+    assert tried[7] == pytest.approx(shortest, rel=0.3) == tried[9]
+
+
 # ---- rivals
 
 

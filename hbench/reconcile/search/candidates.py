@@ -143,7 +143,7 @@ class CandidateEvaluator(Refits):
         joined = (*added, name)
         before, with_effect = self._cross_validate(model, added), start
         for _ in range(_FULL_ROUNDS):
-            better = self._better(with_effect, joined, SHORTER)
+            better, _ = self._better(with_effect, joined, SHORTER)
             if better is with_effect:
                 break
             with_effect = better

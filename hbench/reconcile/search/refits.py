@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -17,9 +18,9 @@ from hbench.reconcile.linearised import (
 
 _REFIT_ROUNDS = 16  # steps, or new columns
 _NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluation below
-# Radius of a step's damping, in priors of nuisances and typical sizes, and shares of the step.
-SHORTER = ((np.inf, (1.0, 0.5, 0.25)),)
-_DAMPED = tuple((radius, (1.0,)) for radius in (1.0, 0.3, 0.1))
+# Radius of a step's damping, in priors of nuisances and typical sizes, and the share of the step.
+SHORTER = ((np.inf, 1.0), (np.inf, 0.5), (np.inf, 0.25))
+_DAMPED = ((1.0, 1.0), (0.3, 1.0), (0.1, 1.0))
 _NEGLIGIBLE_GAIN = 0.5  # nats of a step, a tenth of what an effect must gain; it is the last one
 
 
@@ -49,45 +50,48 @@ class Refits:
         """Refit the nuisances and the coefficients of ``effects``; never return a worse model.
 
         The columns ``renewed``, by default all that take part, are computed again once they gain
-        no more: a step costs far less than its columns.
+        no more: a step costs far less than its columns. With the same columns a step is at most one
+        kind longer than the one before.
         """
         chosen = start.index(effects)
         names = [start.data.names[i] for i in chosen] if renewed is None else renewed
-        current, stale = start, False
+        current, stale, longest = start, False, 0
         for _ in range(_REFIT_ROUNDS):
-            better = self._better(current, effects, SHORTER + _DAMPED)
+            better, kind = self._better(current, effects, (SHORTER + _DAMPED)[longest:])
             gain = self._cost(current, effects) - self._cost(better, effects)
             current = better
             if gain >= _NEGLIGIBLE_GAIN:
-                stale = True
+                stale, longest = True, max(longest + kind - 1, 0)
             elif not stale:
                 break
             else:
-                current, stale = self.with_columns(current, names), False
+                current, stale, longest = self.with_columns(current, names), False, 0
         return self.with_columns(current, names) if stale else current
 
     def _better(
         self,
         current: LinearisedModel,
         effects: Sequence[str],
-        steps: Sequence[tuple[float, Sequence[float]]],
-    ) -> LinearisedModel:
-        """Return the model at a better step from ``current``; the same model where none is.
+        kinds: Sequence[tuple[float, float]],
+    ) -> tuple[LinearisedModel, int]:
+        """Return the model at a better step from ``current``, and the index of this kind of step.
 
-        The balances are not linear: where the whole step is not better, shorter ones are tried, and
-        then damped ones, which leave alone what the data hardly determine.
+        It is the same model where no step is better. The balances are not linear: where the whole
+        step is not better, shorter ones are tried, and then damped ones, which leave alone what the
+        data hardly determine.
         """
         chosen, before = current.index(effects), self._cost(current, effects)
-        for radius, shares in steps:
-            beta = self._fit(current, effects, radius)
-            for share in shares:
-                if np.abs(share * beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
-                    return current
-                hypothesis = hypothesis_at(current, self.measured.plant, chosen, share * beta)
-                model = self.linearise_at(current, hypothesis)
-                if self._cost(model, effects) < before:
-                    return model
-        return current
+        whole = cache(lambda radius: self._fit(current, effects, radius))
+        for kind, (radius, share) in enumerate(kinds):
+            beta = share * whole(radius)
+            if np.abs(beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
+                break
+            model = self.linearise_at(
+                current, hypothesis_at(current, self.measured.plant, chosen, beta)
+            )
+            if self._cost(model, effects) < before:
+                return model, kind
+        return current, 0
 
     def _fit(
         self, model: LinearisedModel, effects: Sequence[str], radius: float = np.inf
