@@ -98,6 +98,30 @@ def test_a_bug_is_exit_code_1_with_a_traceback_and_ctrl_c_130():
 
 
 @pytest.mark.parametrize(
+    ("command", "given", "named"),
+    [
+        ("import", "logs --map a.yaml -o out --map b.yaml", "--map"),
+        ("export", "demo -o a --output b", "-o / --output"),
+        ("report", "demo --speed=1 --speed=1", "--speed"),
+        ("compare", "a b --same-instruments --other-instruments", "--other-instruments"),
+    ],
+)
+def test_a_repeated_option_is_refused(command, given, named, monkeypatch, capsys):
+    """Its last value would replace the others, although the user may expect all to count."""
+    monkeypatch.setattr("sys.argv", ["hbench", command, *given.split()])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == ExitCode.USAGE
+    assert f"{named}' is given more than once" in capsys.readouterr().err
+
+
+def test_a_repeated_flag_and_several_arguments_are_no_repeated_option():
+    context = typer.main.get_command(app).commands["fleet"].make_context
+    given = context("fleet", ["a", "b", "-o", "c", "--json", "--json"]).params
+    assert given["patterns"] == ["a", "b"] and given["as_json"]
+
+
+@pytest.mark.parametrize(
     "arguments", [["analyze", "PATH"], ["init", "PATH"], ["compare", "PATH", "PATH"]]
 )
 def test_a_path_that_the_system_refuses_is_an_error_with_its_name(arguments, monkeypatch, capsys):
