@@ -45,7 +45,6 @@ _REFUSED = frozenset(
 )
 _LONGEST_PATH = 100  # characters in a message
 
-_INTERRUPTED = 130  # exit code, as by a shell
 _NEW_OBJECTS = 200_000  # between two collections: at most some tens of megabytes
 
 app = typer.Typer(
@@ -119,7 +118,10 @@ def _limit_garbage_collection() -> None:
 
 
 def main() -> None:
-    """Run the command line; exit with the codes of ``ExitCode``, 130 when interrupted."""
+    """Run the command line; exit with the codes of ``ExitCode``.
+
+    Raises ``KeyboardInterrupt`` before a command begins; during one, typer exits with 130.
+    """
     open_standard_streams()
     _end_as_by_ctrl_c()
     _limit_threads()
@@ -134,8 +136,6 @@ def main() -> None:
         path = os.fsdecode(error.filename)
         path = path if len(path) <= _LONGEST_PATH else f"{path[:_LONGEST_PATH]}..."
         _end(DataError(f"{path}: {error.strerror}", "Check the path and its permissions."))
-    except KeyboardInterrupt:  # typer catches those of a command only
-        sys.exit(_INTERRUPTED)
 
 
 def _end(error: HbenchError) -> NoReturn:

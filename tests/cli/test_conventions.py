@@ -3,6 +3,7 @@
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -177,11 +178,37 @@ def test_python_m_hbench_is_hbench():
     assert (done.returncode, done.stdout) == (0, f"{__version__}\n")
 
 
-def test_ctrl_c_before_the_command_begins_ends_without_a_traceback(monkeypatch):
-    def interrupted():
-        raise KeyboardInterrupt
+@pytest.mark.parametrize("where", ["typer", "hbench.cli.main", "hbench.parallel.one_thread"])
+def test_ctrl_c_while_the_command_line_is_loaded_ends_without_a_traceback(where):
+    """The interrupt arrives while a module is imported; another one while Python shuts down."""
+    code = f"""
+import atexit, os, runpy, signal, sys
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {where!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+sys.argv = ["hbench", "analyze", "demo"]
+AGAIN
+runpy.run_module("hbench", run_name="__main__")
+"""
+    again = "atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))"
+    for second, codes in (("", 130), (again, -signal.SIGINT)):
+        done = subprocess.run(
+            [sys.executable, "-c", code.replace("AGAIN", second)], capture_output=True, text=True
+        )
+        assert (done.returncode, done.stdout, done.stderr) == (codes, "", "")
 
-    monkeypatch.setitem(main.__globals__, "app", interrupted)
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 130
+
+def test_a_second_ctrl_c_after_a_command_ends_the_process_at_once():
+    code = """
+import atexit, os, runpy, signal, sys
+from hbench import workflow
+def interrupted(*_, **_options): raise KeyboardInterrupt
+workflow.analyze = interrupted
+sys.argv = ["hbench", "analyze", "demo"]
+atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))
+runpy.run_module("hbench", run_name="__main__")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == -signal.SIGINT and "Traceback" not in done.stderr
