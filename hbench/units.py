@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any, NamedTuple
+from unicodedata import normalize
 
 Dimension = tuple[int, ...]  # exponents of (m, kg, s, V, K)
 
@@ -85,8 +86,19 @@ UNITS: dict[str, Unit] = {
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _LONGEST = 200  # characters of a quantity
-_PRINTED = str.maketrans({"²": "^2", "³": "^3", "·": " ", "°": "deg"})  # typographic notation
+_RAISED = re.compile(r"⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+_DIGITS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+_PRINTED = {"°": "deg", "μ": "u", "∕": "/", "⁄": "/", **dict.fromkeys("·⋅∙×", " ")}
+_SIGNS = str.maketrans(_PRINTED)
 _TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)(?:\s*\^\s*(-?\d+))?|(\^(?=\s*-?\d)|[*/()]))")
+
+
+def in_ascii(unit: str) -> str:
+    """Return a unit in typographic notation in ASCII: mm/s² is mm/s^2, ℃ is degC, µm is um."""
+    if unit.isascii():
+        return unit
+    powers = _RAISED.sub(lambda raised: f"^{raised[0].translate(_DIGITS)}", unit)
+    return normalize("NFKC", powers).translate(_SIGNS)
 
 
 @lru_cache(maxsize=1024)
@@ -94,7 +106,7 @@ def parse_unit(text: str) -> Unit:
     """Return the unit of an expression. Raises ``ValueError`` with the invalid part."""
     if len(text) > _LONGEST:
         raise ValueError(f"unit {text[:20]!r}...: is {len(text)} characters long; limit {_LONGEST}")
-    text = text.translate(_PRINTED)
+    text = in_ascii(text)
     if (alone := UNITS.get(text.strip())) is not None:
         return alone
     factor = 1.0
@@ -166,7 +178,7 @@ def to_si(value: object, unit: str) -> float:
     wanted = parse_unit(unit)
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise ValueError(f"is not a quantity; write for example '1 {unit}'")
-    text = str(value)
+    text = str(value).replace("\u2212", "-")
     match = _NUMBER.match(text) if len(text) <= _LONGEST else None
     if match is None:
         raise ValueError(f"is not a number with a unit; write for example '1 {unit}'")

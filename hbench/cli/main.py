@@ -6,6 +6,7 @@ import gc
 import os
 import signal
 import sys
+from collections.abc import Callable
 from typing import NoReturn
 
 import typer
@@ -29,6 +30,7 @@ from hbench.cli.commands import (
     simulate,
     watch,
 )
+from hbench.cli.once import OnceCommand
 from hbench.cli.standard_streams import open_standard_streams
 from hbench.errors import DataError, HbenchError
 from hbench.parallel.one_thread import ONE_THREAD
@@ -43,7 +45,6 @@ _REFUSED = frozenset(
 )
 _LONGEST_PATH = 100  # characters in a message
 
-_INTERRUPTED = 130  # exit code, as by a shell
 _NEW_OBJECTS = 200_000  # between two collections: at most some tens of megabytes
 
 app = typer.Typer(
@@ -54,24 +55,28 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"default_map": _NOT_GIVEN},
 )
-app.command("init")(init.init)
-app.command("flash")(flash.flash)
-app.command("ports")(ports.ports)
-app.command("rig")(rig.rig)
-app.command("run")(run.run)
-app.command("watch")(watch.watch)
-app.command("import")(imports.import_)
-app.command("export")(export.export)
-app.command("analyze")(analyze.analyze)
-app.command("report")(analyze.report)
-app.command("accept")(conformity.accept)
-app.command("certificate")(conformity.certificate)
-app.command("compare")(compare.compare)
-app.command("fleet")(fleet.fleet)
-app.command("identify")(identify.identify)
-app.command("reconcile")(reconcile.reconcile)
-app.command("design")(design.design)
-app.command("simulate")(simulate.simulate)
+_COMMANDS: dict[str, Callable[..., None]] = {
+    "init": init.init,
+    "flash": flash.flash,
+    "ports": ports.ports,
+    "rig": rig.rig,
+    "run": run.run,
+    "watch": watch.watch,
+    "import": imports.import_,
+    "export": export.export,
+    "analyze": analyze.analyze,
+    "report": analyze.report,
+    "accept": conformity.accept,
+    "certificate": conformity.certificate,
+    "compare": compare.compare,
+    "fleet": fleet.fleet,
+    "identify": identify.identify,
+    "reconcile": reconcile.reconcile,
+    "design": design.design,
+    "simulate": simulate.simulate,
+}
+for _name, _command in _COMMANDS.items():
+    app.command(_name, cls=OnceCommand)(_command)
 
 
 def _version(wanted: bool) -> None:
@@ -113,7 +118,10 @@ def _limit_garbage_collection() -> None:
 
 
 def main() -> None:
-    """Run the command line; exit with the codes of ``ExitCode``, 130 when interrupted."""
+    """Run the command line; exit with the codes of ``ExitCode``.
+
+    Raises ``KeyboardInterrupt`` before a command begins; during one, typer exits with 130.
+    """
     open_standard_streams()
     _end_as_by_ctrl_c()
     _limit_threads()
@@ -128,8 +136,6 @@ def main() -> None:
         path = os.fsdecode(error.filename)
         path = path if len(path) <= _LONGEST_PATH else f"{path[:_LONGEST_PATH]}..."
         _end(DataError(f"{path}: {error.strerror}", "Check the path and its permissions."))
-    except KeyboardInterrupt:  # typer catches those of a command only
-        sys.exit(_INTERRUPTED)
 
 
 def _end(error: HbenchError) -> NoReturn:

@@ -3,6 +3,7 @@
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -98,6 +99,30 @@ def test_a_bug_is_exit_code_1_with_a_traceback_and_ctrl_c_130():
 
 
 @pytest.mark.parametrize(
+    ("command", "given", "named"),
+    [
+        ("import", "logs --map a.yaml -o out --map b.yaml", "--map"),
+        ("export", "demo -o a --output b", "-o / --output"),
+        ("report", "demo --speed=1 --speed=1", "--speed"),
+        ("compare", "a b --same-instruments --other-instruments", "--other-instruments"),
+    ],
+)
+def test_a_repeated_option_is_refused(command, given, named, monkeypatch, capsys):
+    """Its last value would replace the others, although the user may expect all to count."""
+    monkeypatch.setattr("sys.argv", ["hbench", command, *given.split()])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == ExitCode.USAGE
+    assert f"{named}' is given more than once" in capsys.readouterr().err
+
+
+def test_a_repeated_flag_and_several_arguments_are_no_repeated_option():
+    context = typer.main.get_command(app).commands["fleet"].make_context
+    given = context("fleet", ["a", "b", "-o", "c", "--json", "--json"]).params
+    assert given["patterns"] == ["a", "b"] and given["as_json"]
+
+
+@pytest.mark.parametrize(
     "arguments", [["analyze", "PATH"], ["init", "PATH"], ["compare", "PATH", "PATH"]]
 )
 def test_a_path_that_the_system_refuses_is_an_error_with_its_name(arguments, monkeypatch, capsys):
@@ -153,11 +178,37 @@ def test_python_m_hbench_is_hbench():
     assert (done.returncode, done.stdout) == (0, f"{__version__}\n")
 
 
-def test_ctrl_c_before_the_command_begins_ends_without_a_traceback(monkeypatch):
-    def interrupted():
-        raise KeyboardInterrupt
+@pytest.mark.parametrize("where", ["typer", "hbench.cli.main", "hbench.parallel.one_thread"])
+def test_ctrl_c_while_the_command_line_is_loaded_ends_without_a_traceback(where):
+    """The interrupt arrives while a module is imported; another one while Python shuts down."""
+    code = f"""
+import atexit, os, runpy, signal, sys
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {where!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+sys.argv = ["hbench", "analyze", "demo"]
+AGAIN
+runpy.run_module("hbench", run_name="__main__")
+"""
+    again = "atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))"
+    for second, codes in (("", 130), (again, -signal.SIGINT)):
+        done = subprocess.run(
+            [sys.executable, "-c", code.replace("AGAIN", second)], capture_output=True, text=True
+        )
+        assert (done.returncode, done.stdout, done.stderr) == (codes, "", "")
 
-    monkeypatch.setitem(main.__globals__, "app", interrupted)
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 130
+
+def test_a_second_ctrl_c_after_a_command_ends_the_process_at_once():
+    code = """
+import atexit, os, runpy, signal, sys
+from hbench import workflow
+def interrupted(*_, **_options): raise KeyboardInterrupt
+workflow.analyze = interrupted
+sys.argv = ["hbench", "analyze", "demo"]
+atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))
+runpy.run_module("hbench", run_name="__main__")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == -signal.SIGINT and "Traceback" not in done.stderr

@@ -42,6 +42,17 @@ from hbench.units import UNITS, from_si, to_si
         ("-40 °F", "degC", 233.15),
         ("300 K", "degC", 300.0),
         ("46 cSt", "mm^2/s", 46e-6),
+        ("40 ℃", "degC", 313.15),  # one character, as in Chinese and Japanese files
+        ("212 ℉", "degC", 373.15),
+        ("25 µm", "mm", 25e-6),  # micro sign
+        ("25 μm", "mm", 25e-6),  # Greek letter
+        ("16 ㎫", "bar", 16e6),
+        ("5 ｋＮ", "N", 5000.0),
+        ("1.5 ％", "%", 0.015),
+        ("100 mm·s⁻¹", "m/s", 0.1),
+        ("100 mm∕s", "m/s", 0.1),
+        ("2331 N⋅s∕m", "N s/m", 2331.0),
+        ("\u22125 kN", "N", -5000.0),  # typographic minus sign
     ],
 )
 def test_a_quantity_is_stored_in_si(text, unit, si):
@@ -57,6 +68,9 @@ def test_a_quantity_is_stored_in_si(text, unit, si):
         ("150 baar", "bar", "unit 'baar'"),
         ("bar", "bar", "number"),
         ("1 2 bar", "bar", "can't read|unknown"),
+        ("1 ㎨", "m/s^2", r"'m/s2': a power needs \^"),
+        ("1½ bar", "bar", "can't read"),
+        ("10² bar", "bar", "follows no unit"),
         ("1 m/s2", "m/s^2", r"'m/s2': a power needs \^"),
         ("1 V/(Pa s", "V/(Pa s)", "not closed"),
         ("1 Pa)", "Pa", "without"),

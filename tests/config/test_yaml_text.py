@@ -42,6 +42,14 @@ def test_what_cannot_be_read_is_named_with_its_line(text, message):
         parse_yaml(text)
 
 
+def test_numbers_of_yaml_1_1_that_are_others_than_they_show_are_text():
+    shown = ["010", "-0360", "007", "1:30", "1:30.5", "190:20:30"]
+    assert parse_yaml(f"[{', '.join(shown)}]") == shown
+    others = ("0", "-0", "0.5", "00.5", "0x10", "1_000", "+1", "1.5e+3", "2026-01-01", "0b11")
+    text = f"[{', '.join(others)}]"
+    assert parse_yaml(text) == yaml.safe_load(text)
+
+
 @pytest.mark.parametrize("opening", ["[", "- ", "{a: ", "? "])
 def test_the_deepest_nesting_is_refused_at_once_and_breaks_no_stack(opening):
     start = time.perf_counter()

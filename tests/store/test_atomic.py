@@ -90,3 +90,14 @@ def test_two_processes_write_the_same_files_one_after_the_other(tmp_path):
         assert process.returncode == 0, told.decode()
     assert seen == {b"a", b"b"}
     assert not list(tmp_path.rglob(".*"))
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_a_file_in_the_way_is_no_lack_of_space(tmp_path, inside):
+    (tmp_path / "taken").write_text("kept")
+    with pytest.raises(DataError) as error:
+        atomic.write_files(
+            tmp_path / "taken" / "sub" if inside else tmp_path / "taken", {"a": b"1"}
+        )
+    assert "in the way" in error.value.hint
+    assert (tmp_path / "taken").read_text() == "kept"

@@ -11,6 +11,7 @@ from hbench.analysis.screening.limitations import overdue
 from hbench.config.schedule import Screening, parse_schedule
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign, write_results
+from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision
 from hbench.store.campaign.writer import CampaignWriter
 from hbench.store.dsp_logs.dsp_log import parse_words
 
@@ -285,3 +286,16 @@ def test_a_path_that_is_no_campaign_is_refused_with_what_to_give(
         load_campaign(tmp_path / given)
     assert message in caught.value.message
     assert hint.format(tmp_path) in caught.value.hint
+
+
+def test_an_unreadable_results_folder_holds_no_decision(folder):
+    """One campaign's permissions do not end the evaluation of a whole fleet."""
+    (folder / "results").mkdir(parents=True)
+    (folder / "results" / "acceptance.json").write_text("{}")
+    (folder / "results").chmod(0)
+    try:
+        if os.access(folder / "results", os.X_OK):
+            pytest.skip("this user reads every folder")
+        assert (stored_decision(folder), stored_checks(folder)) == ("", ())
+    finally:
+        (folder / "results").chmod(0o755)

@@ -138,6 +138,10 @@ def test_a_unit_of_another_quantity_contradicts_the_name():
         ("bar(g)", "bar"),
         ("mm/sec", "mm/s"),
         ("°C", "degC"),
+        ("[℃]", "degC"),
+        ("μs", "us"),
+        ("㎜/s", "mm/s"),
+        ("kgf/cm²", "kgf/cm^2"),
         ("-", None),
         ("pa", "Pa"),
         ("pA", None),  # the pressure at port A

@@ -1,8 +1,9 @@
 """Strict YAML parser for untrusted text, with line numbers in errors."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import yaml
 
@@ -14,11 +15,27 @@ MOST_REPEATED = 100_000  # values that aliases may add
 LONGEST_NUMBER = 400  # characters; conversion takes quadratic time and fails beyond 4300
 
 _Base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+# Numbers of YAML 1.1 that are others than they show: 010 is 8, 1:30 is 90. Here they are text, so
+# that 010 is read as 10 where a number is expected, 007 stays 007, and 1:30 is refused.
+_OTHER_THAN_SHOWN = r"(?![-+]?0[0-7_]+$)(?![-+]?[0-9][0-9_]*:)"
 _SCALARS = ("int", "float", "bool", "timestamp")
 
 
 class _Loader(_Base):
-    """Safe loader that reports the line of an invalid value, such as the date 2026-99-99."""
+    """Safe loader that reports the line of an invalid value, such as the date 2026-99-99.
+
+    Numbers in octal notation and in base 60 are text.
+    """
+
+    yaml_implicit_resolvers: ClassVar = {
+        first: [
+            (tag, re.compile(_OTHER_THAN_SHOWN + expression.pattern, expression.flags))
+            if tag.endswith((":int", ":float"))
+            else (tag, expression)
+            for tag, expression in resolvers
+        ]
+        for first, resolvers in _Base.yaml_implicit_resolvers.items()
+    }
 
 
 def _with_line(construct: Callable) -> Callable:

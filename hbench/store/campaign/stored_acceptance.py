@@ -1,6 +1,7 @@
 """The decisions that ``hbench accept`` wrote into a campaign folder."""
 
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
@@ -35,7 +36,7 @@ _FLAGS = ("without_instruments",)
 
 
 def stored_decision(folder: Path) -> Conformity | Literal[""]:
-    """Return the decision of the campaign's last acceptance; empty if there is none.
+    """Return the decision of the campaign's last acceptance; empty if there is none to read.
 
     A link out of the campaign is not followed.
     """
@@ -69,7 +70,7 @@ def stored_rule(folder: Path) -> tuple[Rule | None, float | None, str]:
 
 def _content(folder: Path) -> dict[str, Any]:
     path = folder / "results" / FILE_NAME
-    if not path.is_file() or not path.resolve().is_relative_to(folder.resolve()):
+    if not os.path.isfile(path) or not path.resolve().is_relative_to(folder.resolve()):
         return {}
     content = read_document(path, SCHEMA, _LARGEST)
     return content if isinstance(content, dict) else {}

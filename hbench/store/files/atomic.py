@@ -1,5 +1,6 @@
 """Atomic writing: a file is written completely or not at all."""
 
+import errno
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
@@ -204,9 +205,12 @@ def _flush(file: IO[bytes]) -> None:
 
 
 def _refused(path: Path, error: OSError) -> DataError:
+    in_the_way = error.errno in (errno.EEXIST, errno.ENOTDIR, errno.EISDIR, errno.ELOOP)
     return DataError(
         f"{path}: can't be written: {error.strerror or error}",
-        "Check the free space and the folder's permissions.",
+        "Choose another path: a file, folder or link of this name is in the way."
+        if in_the_way
+        else "Check the free space and the folder's permissions.",
     )
 
 

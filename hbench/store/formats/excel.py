@@ -9,6 +9,7 @@ from typing import Any, BinaryIO
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import check_unpacked
+from hbench.store.formats.header_row import sheets_hint
 from hbench.store.formats.text import TextTable, table_of_rows
 
 _DAY = datetime(1900, 1, 1)  # of a time without a date
@@ -30,12 +31,29 @@ def open_excel(file: BinaryIO, source: str, layout: Format) -> TextTable:
         raise DataError(f"{source}: no sheet {layout.sheet!r}; the file has: {', '.join(names)}")
     chosen = layout.sheet or names[0]
     rows = dict(_rows(book.worksheets[names.index(chosen)], layout))
+    if empty := _empty_columns(rows):  # some programs store formulas without their values
+        book = openpyxl.load_workbook(file, read_only=True)
+        for number, formulas in _rows(book.worksheets[names.index(chosen)], layout):
+            row = rows.setdefault(number, [])
+            row += [""] * (len(formulas) - len(row))
+            for column in range(len(formulas)):
+                row[column] = row[column] or (formulas[column] if column in empty else "")
+        rows = dict(sorted(rows.items()))
     first = next(iter(rows.values()), [])
     width = len(first) if layout.header else max(map(len, rows.values()), default=0)
     cells = [row + [""] * (width - len(row)) for row in rows.values()]
-    table = table_of_rows(cells, list(rows), layout, source)
-    others = tuple(name for name in names if name != chosen)
-    return table if layout.sheet else replace(table, other_sheets=others)
+    others = () if layout.sheet else tuple(name for name in names if name != chosen)
+    try:
+        table = table_of_rows(cells, list(rows), layout, source)
+    except DataError as error:
+        raise DataError(error.message, sheets_hint(others) if others else error.hint) from None
+    return replace(table, other_sheets=others)
+
+
+def _empty_columns(rows: dict[int, list[str]]) -> list[int]:
+    """Return the columns of the first row that have no cells below it."""
+    first, *others = rows.values() if rows else [[]]
+    return [k for k in range(len(first)) if not any("".join(row[k : k + 1]) for row in others)]
 
 
 def _rows(sheet: Any, layout: Format) -> Iterator[tuple[int, list[str]]]:

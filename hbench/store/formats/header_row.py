@@ -36,8 +36,39 @@ def layout_hint(
     return f"Line {line} looks like the header: write 'preamble: {line - 1}' in the map's 'format'."
 
 
+def column_hint(
+    names: Sequence[str],
+    other_sheets: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    lines: Sequence[int] | np.ndarray,
+    layout: Format,
+) -> str:
+    """Return the hint for a column that is not among the ``names`` of a table's header."""
+    if other_sheets:
+        return sheets_hint(other_sheets)
+    if names and all(_is_number(name, layout) for name in names):
+        return (
+            "The header consists of numbers: if the file has none, write 'header: false' in the "
+            "map's 'format', and give the columns' numbers, from 1."
+        )
+    mapped = layout != Format() or len(names) == 1
+    return layout_hint(rows, lines, layout) if mapped else ""
+
+
+def sheets_hint(others: Sequence[str]) -> str:
+    """Return the hint for a workbook of which the first sheet does not fit the map."""
+    return (
+        "The first sheet was read. For another write 'sheet: NAME' in the map's 'format'; the "
+        f"others are {', '.join(others)}."
+    )
+
+
 def cell_hint(cell: str) -> str:
     """Return the hint for a cell that is no number."""
+    if cell.startswith("="):
+        return (
+            "The formula has no stored value: open the file in a spreadsheet program, and save it."
+        )
     if "," in cell:
         return "Specify a decimal comma in the map: format.decimal."
     if cell.strip().lower() in _MISSING:

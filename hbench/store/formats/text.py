@@ -14,9 +14,10 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
+from hbench.store.formats import header_row
 from hbench.store.formats.date_times import parse_date_time
 from hbench.store.formats.encoding import decoded, is_text
-from hbench.store.formats.header_row import cell_hint, ends_with_comment, layout_hint
+from hbench.store.formats.header_row import ends_with_comment, layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
@@ -66,10 +67,11 @@ class TextTable:
         if isinstance(column, str):
             header = ", ".join(self.names) or "no header"
             if column not in self.names:
-                mapped = self.layout != Format() or len(self.names) == 1
                 raise DataError(
                     f"{self.source}: no column {column!r}; the file has: {header}",
-                    layout_hint(self.rows, self.lines, self.layout) if mapped else "",
+                    header_row.column_hint(
+                        self.names, self.other_sheets, self.rows, self.lines, self.layout
+                    ),
                 )
             if self.names.count(column) > 1:
                 raise DataError(
@@ -104,7 +106,7 @@ class TextTable:
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: found {cell[:60]!r}; "
                     "expected a number",
-                    cell_hint(cell),
+                    header_row.cell_hint(cell),
                 )
         return values
 

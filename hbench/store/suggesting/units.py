@@ -2,17 +2,16 @@
 
 import re
 
-from hbench.units import parse_unit
+from hbench.units import in_ascii, parse_unit
 
 # Spellings that are no units of ``hbench.units``, in lower case, without brackets and blanks.
 _SPELLINGS = {
     **dict.fromkeys(("sec", "sek", "secs", "seconds", "sekunden", "sekunde", "second"), "s"),
     **dict.fromkeys(("msec", "millisecond", "milliseconds", "millisekunden"), "ms"),
-    **dict.fromkeys(("µs", "μs", "usec", "microseconds"), "us"),
+    **dict.fromkeys(("usec", "microseconds"), "us"),
     **dict.fromkeys(("min.", "minutes", "minuten"), "min"),
     **dict.fromkeys(("meter", "metre", "meters"), "m"),
     **dict.fromkeys(("millimeter", "millimetre", "millimeters"), "mm"),
-    **dict.fromkeys(("µm", "μm"), "um"),
     **dict.fromkeys(("inch", "inches", "zoll"), "in"),
     **dict.fromkeys(("n", "newton"), "N"),
     **dict.fromkeys(("kn", "kilonewton"), "kN"),
@@ -32,15 +31,15 @@ _SPELLINGS = {
     **dict.fromkeys(("mmps", "mm_s", "mm/sec", "mm/sek", "mms", "mm/s"), "mm/s"),
     **dict.fromkeys(("cmps", "cm_s", "cm/s"), "cm/s"),
     **dict.fromkeys(("in/s", "ips", "in_s"), "in/s"),
-    **dict.fromkeys(("degc", "°c", "deg_c", "celsius", "gradcelsius"), "degC"),
-    **dict.fromkeys(("degf", "°f", "deg_f", "fahrenheit"), "degF"),
-    **dict.fromkeys(("deg", "°", "degree", "degrees", "grad"), "deg"),
-    **dict.fromkeys(("deg/s", "°/s", "deg_s", "degs"), "deg/s"),
+    **dict.fromkeys(("degc", "deg_c", "celsius", "gradcelsius"), "degC"),
+    **dict.fromkeys(("degf", "deg_f", "fahrenheit"), "degF"),
+    **dict.fromkeys(("deg", "degree", "degrees", "grad"), "deg"),
+    **dict.fromkeys(("deg/s", "deg_s", "degs"), "deg/s"),
     **dict.fromkeys(("rad/s", "1/s", "rad_s", "rads"), "rad/s"),
     **dict.fromkeys(("nm", "n*m", "newtonmeter"), "N m"),
     "knm": "kN m",
 }
-_POWERS = str.maketrans({" ": "", "^": "", "²": "2"})
+_POWERS = str.maketrans({" ": "", "^": ""})
 ANGLES = ("deg", "rad")  # units of a position that have no dimension
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\[\](){}<>]*(?:\([^()]*\))?)\s*[\])}>]\s*$")
 # Of an unknown unit: what is in square brackets, or a quotient in round ones.
@@ -59,6 +58,7 @@ def unit_in(text: str) -> str | None:
     """Return the unit of hbench that a text such as ``[kN]`` or ``sec`` means, or None."""
     bare = text.strip().strip("[]{}<>").strip()
     bare = bare[1:-1].strip() if bare.startswith("(") and bare.endswith(")") else bare
+    bare = in_ascii(bare)
     if bare == "pA":  # the pressure at port A
         return None
     spelled = _SPELLINGS.get(bare.lower().translate(_POWERS))
