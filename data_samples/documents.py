@@ -2,7 +2,7 @@
 
 Writes ``report.png`` and the folder ``documents``. Needs Chromium for the pictures of pages. The
 fleet's cylinders differ in the Coulomb friction of their plants, drawn with a fixed seed; from the
-tenth cylinder on it is 25 N higher.
+eleventh cylinder on it is 25 N higher.
 """
 
 import io

@@ -27,7 +27,8 @@ def creep_facts(results: Results) -> tuple[tuple[str, str], ...]:
         else:
             equal.append((each, slow))
     sentences = [*_below(below), *_equal(equal)]
-    return (("Breakaway below friction", " ".join(sentences)),) if sentences else ()
+    title = "Breakaway below friction" if below else "Breakaway and friction"
+    return ((title, " ".join(sentences)),) if sentences else ()
 
 
 def _around(results: Results, each: Breakaway) -> tuple[CurvePoint, CurvePoint] | None:

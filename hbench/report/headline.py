@@ -56,7 +56,9 @@ def headline_words(results: Results) -> str:
     name, words, numbers = parts[0]
     where = f", over {_of_series(numbers, series)}" if len(series) > 1 else ""
     both = len({each.direction for each in series}) > 1  # named with their ranges
-    where = where.replace("all loads and directions", "all loads") if both else where
+    if both:
+        where = where.replace("all loads and directions", "all loads")
+        where = where.removesuffix(", over both directions")
     return f"{name[:1].upper()}{name[1:]} is {words}{where}{possible_drift_words(results)}."
 
 
@@ -202,6 +204,8 @@ def _of_series(numbers: Sequence[HeadlineNumber | None], series: Sequence[Headli
     known = sum(each is not None for each in numbers)
     count = "all" if known == len(numbers) else f"{known} of {len(numbers)}"
     labelled = len({each.label for each in series}) > 1
+    if count == "all" and not labelled and len({each.direction for each in series}) == len(series):
+        return "both directions"
     return f"{count} {'series' if labelled else 'loads and directions'}"
 
 

@@ -224,10 +224,10 @@ def test_without_hydraulics_a_limit_in_bar_is_not_tested(small):
     assert checks(drive, {"quantity": "friction", "max": "1 kN"})[0].measurement is not None
 
 
-def test_what_was_not_measured_is_not_tested_and_what_was_is_listed(small):
+def test_what_was_not_measured_is_not_tested_and_the_nearest_is_stated(small):
     (check,) = checks(small, {"quantity": "friction", "speed": "333 mm/s", "max": "1 kN"})
     assert check.decision == "NOT TESTED" and check.measurement is None
-    assert "speeds" in check.reason and "mm/s" in check.reason
+    assert check.reason == "no speed within 5 % of 333 mm/s was measured; nearest: 180 mm/s"
     for quantity, limit in (("breakaway", "5 N"), ("drift", "5 %")):
         (check,) = checks(replace(small, drift=None), {"quantity": quantity, "max": limit})
         assert check.decision == "NOT TESTED" and check.reason
@@ -463,3 +463,39 @@ def test_the_next_step_after_a_limit_that_was_not_tested_is_that_of_its_reason()
     assert only_missing == "measure what is missing, then repeat hbench accept"
     assert "reduce U" in only_uncertain and "missing" not in only_uncertain
     assert "measure what is missing and reduce U" in both
+
+
+@pytest.mark.parametrize(
+    ("limits", "reason"),
+    [
+        (
+            {"load": "1 kN", "speed": "100 mm/s"},
+            "no speed within 5 % of 100 mm/s was measured; nearest: 84.8 mm/s and 128 mm/s",
+        ),
+        (
+            {"load": "9 kN", "speed": "180 mm/s"},
+            "no load within 5 % of 9000 N was measured; nearest: 5000 N",
+        ),
+        (
+            {"load": "-700 N", "speed": "300 mm/s"},
+            "no speed within 5 % of 300 mm/s was measured; nearest: 180 mm/s; "
+            "no load within 5 % of −700 N was measured; nearest: −1000 N and 1000 N",
+        ),
+    ],
+)
+def test_not_tested_states_which_value_of_the_limit_was_not_measured(small, limits, reason):
+    (check,) = checks(small, {"quantity": "friction", "max": "900 N"} | limits)
+    assert (check.decision, check.reason) == ("NOT TESTED", reason)
+
+
+def test_not_tested_states_that_speed_and_load_were_not_measured_together(small):
+    """The larger loads are without their points above 50 mm/s."""
+    curves = tuple(
+        replace(curve, points=tuple(p for p in curve.points if abs(p.v_m_s) < 0.06))
+        if abs(curve.f_load_n) > 1000
+        else curve
+        for curve in small.curves
+    )
+    limit = {"quantity": "friction", "max": "900 N", "load": "5 kN", "speed": "180 mm/s"}
+    (check,) = checks(replace(small, curves=curves), limit)
+    assert check.reason == "speed and load were measured, but not together"

@@ -230,3 +230,14 @@ def test_an_error_that_turns_with_the_direction_is_significant_in_a_single_run_t
         ranked = ranked_gaps(replace(gaps, material=np.full(2, 0.1)), np.zeros(2))
         found[:] = [gap.p_value for gap in ranked]
     assert np.all(p_value < 1e-6) and np.all(noise > 0.05)
+
+
+def test_an_error_that_two_trials_at_rest_have_in_common_is_significant():
+    """Trials whose positions differ by 5 um, at two operating points: an error of 30 sigma."""
+    rng, windows = np.random.default_rng(9), windows_of((LENGTH,) * 4, trials=2)
+    still = 1e-6 * rng.standard_normal((2, 4 * LENGTH))
+    rest = replace(windows, v_m_s=still[0], x_m=0.1 + 5e-6 * windows.run + still[1])
+    rest = replace(rest, load_n=5e3 + rng.standard_normal(4 * LENGTH))
+    values = SIGMA * (rng.standard_normal((4 * LENGTH, 2)) + np.array([30.0, 0.0]))
+    found = p_values(replace(log_map(rest, NAMES, values, 0 * SIGMA), material=np.zeros(2)))
+    assert found["first"] < 0.01 and found["second"] > 0.05

@@ -326,9 +326,13 @@ def test_the_page_states_the_oil_temperature_of_both_or_that_it_was_not_measured
     assert json.loads(differences_json(warm))["oil_temperature"]["a"]["mean_k"] == 313.15
 
 
-def test_serial_numbers_and_seeds_of_noise_are_no_settings_that_differ(found):
+def test_serial_numbers_seeds_of_noise_and_folders_of_logs_are_no_settings_that_differ(found):
     a, b = (
-        replace(found.a, settings={"specimen": {"serial": serial}}, details={"seed": serial})
+        replace(
+            found.a,
+            settings={"specimen": {"serial": serial}},
+            details={"seed": serial, "folder": f"logs {serial}"},
+        )
         for serial in ("7", "8")
     )
     changed = replace(found, a=a, b=b)

@@ -165,7 +165,8 @@ def test_a_breakaway_below_friction_at_a_crawl_is_explained_by_its_creep(
         )
         assert said["Breakaway below friction"].startswith(words)
         wide = replace(results.motions, breakaways=(replace(push, ci95_n=31.0),))
-        ((_, within),) = creep_facts(replace(results, motions=wide))
+        ((title, within),) = creep_facts(replace(results, motions=wide))
+        assert title == "Breakaway and friction"
         assert within == (
             "Extending, breakaway (482 N) and the friction at 2 mm/s (502 N) are equal within "
             "their trials."

@@ -775,3 +775,29 @@ def test_notes_of_the_analysis_are_sentences(small):
     sections = report_document(replace(small, notes=notes), ()).sections
     (settings,) = (section for section in sections if section.anchor == "settings")
     assert settings.parts[0].items == ("No fit for 1 of 1 curves.", "The order is not known.")
+
+
+def test_of_one_load_the_verdict_names_the_directions_alone(small):
+    series = [s for s in small.headline.series if abs(s.f_load_n) == 500]
+    assert len(series) == 2
+    one = replace(small, headline=replace(small.headline, series=tuple(series)))
+    assert re.search(r"retracting \(U [^)]*\)\. ", report_document(one, ()).verdict)
+    tiles = [tile for s in report_document(one, ()).sections for tile in s.tiles]
+    assert "both directions; U up to" in tiles[0].more
+    assert "all loads and directions" not in page_of(report_document(one, ()))
+
+
+def test_a_page_without_steady_runs_states_whether_any_was_made(small):
+    def friction_of(results):
+        sections = report_document(results, ()).sections
+        return next(each.paragraphs[0] for each in sections if each.title == "Friction")
+
+    def of_kind(screened, kind):
+        return replace(
+            screened, run=replace(screened.run, plan=replace(screened.run.plan, kind=kind))
+        )
+
+    bare = replace(small, curves=(), efficiency=(), bands=())
+    assert friction_of(bare).startswith("No steady run was accepted.")
+    ramps = replace(bare, runs=tuple(of_kind(run, "ramp") for run in small.runs))
+    assert friction_of(ramps).startswith("No steady run was made.")

@@ -24,6 +24,7 @@ from hbench.report.diagnosis.tables.gap_tables import where_table
 from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.deviation import deviations
+from tests.support.reconcile.made_diagnosis import named
 from tests.support.report.spaces import ordinary_spaces
 from tests.support.report.summarised import NAN, summary
 
@@ -178,6 +179,16 @@ def test_a_size_far_below_a_typical_one_is_not_written_as_zero(compared):
     small = replace(compared.ranking[0], score=1.1, explained=1.0, size=0.0004)
     (row,) = ranking_table(replace(compared, ranking=(small,))).rows
     assert "< 0.01 × typical" in row
+
+
+def test_a_candidate_that_could_be_named_but_for_a_better_one_has_the_lower_score():
+    found = named()
+    best = replace(found.ranking[0], name=found.effects[0].name, score=184.2, threshold=5.0)
+    best = replace(best, explained=1.0, size=0.95)
+    second = replace(best, name="valve lag", score=13.8, explained=0.27, size=1.38)
+    table = ranking_table(replace(found, ranking=(best, second)))
+    why = table.head.index("why not named")
+    assert [row[why] for row in table.rows] == ["–", "lower score"]
 
 
 def test_a_deviation_above_its_limit_that_may_be_chance_is_not_left_out(compared):

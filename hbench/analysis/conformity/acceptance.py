@@ -9,6 +9,7 @@ from hbench.analysis.conformity.measured import (
     has_areas,
     leaks_measured,
     measurements,
+    near,
 )
 from hbench.analysis.conformity.rejected import rejected_points
 from hbench.records import Results
@@ -64,7 +65,7 @@ def _checks(
 
 
 def _why_not(results: Results, requirement: Requirement) -> str:
-    """Return the reason for which nothing was measured: what was, in place of what is required."""
+    """Return the reason for which nothing was measured: what is required and was not measured."""
     if requirement.leak and (leakages := tuple(leaks_measured(results, requirement))):
         highest = max(leakage.highest_pa(requirement.leak) for leakage in leakages)
         if requirement.pressure_pa and requirement.pressure_pa > (1 + TOLERANCE) * highest:
@@ -75,32 +76,40 @@ def _why_not(results: Results, requirement: Requirement) -> str:
         requirement, label=None, direction=None, f_load_n=None, p_lr_ref_pa=None, v_m_s=None
     )
     others = measurements(results, replace(anywhere, dwell_s=None))
-    asked = [
-        (requirement.v_m_s, "speeds", "mm/s", [each.v_m_s for each in others]),
-        (requirement.f_load_n, "loads", "N", [each.f_load_n for each in others]),
-        (requirement.p_lr_ref_pa, "rod-side pressures", "bar", [e.p_lr_ref_pa for e in others]),
-        (requirement.dwell_s, "rests", "s", [each.dwell_s for each in others]),
-    ]
-    measured = [
-        f"{name} {_listed(values, unit)}"
-        for limit, name, unit, values in asked
-        if limit is not None and any(value is not None for value in values)
-    ]
     if not others:
         return _NOT_MEASURED[requirement.quantity]
-    if not measured:
-        return "only other series were measured"
-    return f"nothing was measured within {100 * TOLERANCE:g} % of it, only {'; '.join(measured)}"
+    asked = [
+        (requirement.v_m_s, "speed", "mm/s", [each.v_m_s for each in others]),
+        (requirement.f_load_n, "load", "N", [each.f_load_n for each in others]),
+        (requirement.p_lr_ref_pa, "rod-side pressure", "bar", [e.p_lr_ref_pa for e in others]),
+        (requirement.dwell_s, "rest", "s", [each.dwell_s for each in others]),
+    ]
+    absent = [
+        f"no {name} within {100 * TOLERANCE:g} % of {_written(limit, unit)} was measured; "
+        f"{_nearest(limit, known, unit)}"
+        for limit, name, unit, values in asked
+        if limit is not None
+        and (known := [value for value in values if value is not None])
+        and not any(near(value, limit) for value in known)
+    ]
+    if absent:
+        return "; ".join(absent)
+    stated = [name for limit, name, *_ in asked if limit is not None]
+    if len(stated) > 1 and requirement.label is None and requirement.direction is None:
+        return f"{' and '.join(stated)} were measured, but not together"
+    return "only other series were measured"
 
 
-def _listed(values: Iterable[float | None], unit: str) -> str:
-    """Write what was measured; a value that counts as the one before it is left out."""
-    known: list[float] = []
-    for value in sorted(from_si(value, unit) for value in values if value is not None):
-        if not known or value - known[-1] > TOLERANCE * abs(value):
-            known.append(value)
-    digits = (float(f"{value:.3g}") for value in known)
-    return f"{', '.join(f'{value:.15g}' for value in digits)} {unit}"
+def _nearest(limit: float, values: list[float], unit: str) -> str:
+    """Write the measured values next to that of a limit, on either side."""
+    below = [value for value in values if value < limit]
+    above = [value for value in values if value > limit]
+    sides = ([max(below)] if below else []) + ([min(above)] if above else [])
+    return f"nearest: {' and '.join(_written(value, unit) for value in sides)}"
+
+
+def _written(value: float, unit: str) -> str:
+    return f"{float(f'{from_si(value, unit):.3g}'):.15g} {unit}".replace("-", "\N{MINUS SIGN}")
 
 
 def _goodness(check: ConformityCheck) -> tuple[bool, float, float]:

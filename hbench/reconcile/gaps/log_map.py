@@ -251,14 +251,19 @@ def _moments(residuals: GapMap, own: np.ndarray, trial: np.ndarray) -> np.ndarra
 
     ``own`` are the windows of an operating point. The functions are for each direction a constant,
     speed, position and load, made orthogonal. In the mean alone, errors of strokes to and fro would
-    cancel.
+    cancel. Each but the constant has the mean 0 in every trial: the positions of two holds differ
+    by micrometres, and such a function would turn a deviation that they have in common into a
+    difference between them.
     """
     v, load = residuals.v_m_s[own], np.nan_to_num(residuals.load_n[own])
+    which = np.unique(trial, return_inverse=True)[1]
     plane = np.array([np.ones_like(v), *map(_scaled, (np.abs(v), residuals.x_m[own], load))])
-    every, sizes, _ = np.linalg.svd(np.vstack([plane, np.sign(v) * plane]).T, full_matrices=False)
+    varying = np.vstack([plane[1:], np.sign(v) * plane]).T
+    for each in range(which.max() + 1):
+        varying[which == each] -= varying[which == each].mean(axis=0)
+    every, sizes, _ = np.linalg.svd(np.column_stack([plane[0], varying]), full_matrices=False)
     functions = every[:, sizes > _DEPENDENT * sizes[0]]
     products = functions[:, :, None] * np.nan_to_num(residuals.difference[own])[:, None, :]
-    which = np.unique(trial, return_inverse=True)[1]
     return np.stack([products[which == each].sum(axis=0) for each in range(which.max() + 1)])
 
 

@@ -151,8 +151,10 @@ def _friction(results: Results, drawings: tuple[Drawing, ...], led: bool) -> Ite
     """Yield the section of friction; nothing where the summary has ``led`` with all of it."""
     if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
         others = any(run.accepted for run in results.runs)
+        steady = any(KINDS[run.run.plan.kind].has_constant_speed for run in results.runs)
         none = (
-            "No steady run was accepted. Results of the other runs follow below."
+            f"No steady run was {'accepted' if steady else 'made'}. "
+            "Results of the other runs follow below."
             if others
             else "No run was accepted, so there is no friction to show."
         )

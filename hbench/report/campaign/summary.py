@@ -132,7 +132,8 @@ def _stated(facts: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 def _terms(facts: tuple[tuple[str, str], ...]) -> tuple[Section, ...]:
     """Return a folded part that explains the columns of the table; its title names them."""
     names = listed([name.lower() for name, _ in facts])
-    return (Section(f"What {names} mean here", facts=facts, folded=True),) if facts else ()
+    verb = "means" if len(facts) == 1 else "mean"
+    return (Section(f"What {names} {verb} here", facts=facts, folded=True),) if facts else ()
 
 
 def _data(results: Results) -> str:

@@ -16,7 +16,7 @@ BALANCE = "Coulomb and viscous friction from both directions"
 OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
 _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
 _WHERE_GIVEN = (
-    *("Label", "Kind", ROD_SIDE, LOAD_CELL, "Remark"),
+    *("Label", "Kind", ROD_SIDE, LOAD_CELL, "Remark", "At (mm/s)"),
     *("Trials alone (N)", "U with instruments (N)", "Energy of a cycle (J)"),
     *("Friction ± U (N)", "Friction ± U (bar)", "Breakaway ± U (N)", "Breakaway ± U (bar)"),
     *("Efficiency ± U (%)", OIL, HERSEY, "ν"),

@@ -13,6 +13,7 @@ _HEAD = ("Section", "Setting", "A", "B")
 _LONGEST = 80  # letters of a value
 SERIAL = ("specimen", "serial")
 _SEED, _PLANT = "seed", "plant"
+_NO_SETTINGS = (_SEED, _PLANT, "folder")
 _HASH = re.compile(r"[0-9a-f]{40,}")
 
 
@@ -21,8 +22,8 @@ def settings_that_differ(differences: CampaignDifferences) -> tuple[tuple[str, s
 
     Compared are the bench file and schedule as the campaigns state them, firmware, software, the
     origin of the data, and the areas of the cylinders. A setting of one campaign alone is a dash
-    in the other. The cylinder's serial number, the seed of simulated noise and the simulated plant,
-    which stands for the cylinder, are no settings.
+    in the other. The cylinder's serial number, the seed of simulated noise, the folder of imported
+    logs and the simulated plant, which stands for the cylinder, are no settings.
     """
     a, b = (
         dict(_settings(provenance, curves))
@@ -87,7 +88,7 @@ def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tup
             if (section, path) != SERIAL:
                 yield (key_words(section), path or "value"), value
     for name, value in provenance.details.items():
-        for path, text in _flat(value) if name not in (_SEED, _PLANT) else ():
+        for path, text in _flat(value) if name not in _NO_SETTINGS else ():
             yield ("run", ", ".join(filter(None, (key_words(name), path)))), text
     for name, version in provenance.software.items():
         yield ("software", name), version

@@ -46,7 +46,7 @@ WHICH: tuple[Fact, ...] = (
     ("Size", "Its largest coefficient relative to a typical one; a dash without a gain."),
     ("Named", "An effect whose score exceeds the limit beside it in the table, that explains more "
      f"than {100 * LEAST_EXPLAINED:g} %, and whose size is at least {LEAST_SIZE:g} of a typical "
-     "one."),
+     "one. Of several, the one with the highest score."),
 )  # fmt: skip
 _GAP = (
     "Root mean square of measurement less model, in multiples of the repeatability: the standard "

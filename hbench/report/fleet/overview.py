@@ -11,8 +11,9 @@ from hbench.report.fleet.names import (
     of_side,
     range_words,
     without_condition,
+    working_speed,
 )
-from hbench.report.fleet.row import at_pressure, kind_parts
+from hbench.report.fleet.row import SPEED_NOT_SET, at_pressure, kind_parts
 from hbench.report.fleet.text import resolved
 from hbench.report.fleet.verdict import (
     change_words,
@@ -34,6 +35,9 @@ def fleet_identity(fleet: Fleet) -> tuple[tuple[str, str], ...]:
         return ()
     parts = kind_parts(fleet.protocols[0][0])
     parts["loads"] = parts.pop("loads")  # the longest last
+    if parts["working speed"] == [SPEED_NOT_SET]:
+        speed = working_speed(fleet)
+        parts["working speed"] = [f"{speed}, as measured" if speed else "as measured"]
     names = {"bench or origin": "Bench", "cylinder size": "Areas of piston and rod side"}
     return tuple(
         (
@@ -117,7 +121,7 @@ def overview_table(fleet: Fleet) -> WordTable:
         )
     ends = "Smallest to largest" if fleet.compared < FEWEST_CAMPAIGNS else "5 to 95 %"
     change = "Change over time (95 %)"
-    head = ("Quantity", "Campaigns", "Median", ends, change, "Beyond control limits")
+    head = ("Quantity", "Campaigns", "Median", ends, change, "Beyond mean ± 3 σ")
     of_all = {str(fleet.compared)}
     kept = [i for i in range(len(head)) if {row[i] for row in rows} not in ({NONE}, of_all)]
     return with_columns(WordTable("Numbers of the fleet", head, tuple(rows)), kept)

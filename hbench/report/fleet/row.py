@@ -14,6 +14,7 @@ from hbench.untrusted_text import printable
 _IDENTITY = (("specimen", "serial"), *(("test", n) for n in ("operator", "mounting", "date")))
 _PRESSURE = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
 _BENCH = 60  # characters of its name in the kind of campaign
+SPEED_NOT_SET = "speed not set"
 _LONGEST = 200  # characters of a campaign's own words
 
 
@@ -82,7 +83,7 @@ def _protocol(plans: list[RunPlan], speed: float | None, source: str, bench: str
     labels = _labels(plans)
     settings += labels if len(labels) > 1 else []
     if any(plan.speed_is_measured for plan in plans):
-        settings.append("speed not set")
+        settings.append(SPEED_NOT_SET)
     elif speed is not None:
         settings.append(f"{short(1e3 * speed)} mm/s")
     return _line("; ".join(settings))
@@ -115,7 +116,7 @@ def kind_parts(kind: str) -> dict[str, list[str]]:
             parts["cylinder size"].append(setting)
         elif setting.startswith(tuple(f"{direction} " for direction in DIRECTIONS)):
             parts["loads"].append(setting)
-        elif setting.endswith("mm/s") or setting == "speed not set":
+        elif setting.endswith("mm/s") or setting == SPEED_NOT_SET:
             parts["working speed"].append(setting)
         else:
             parts["labels"].append(setting)

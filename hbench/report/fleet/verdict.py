@@ -21,7 +21,6 @@ from hbench.report.fleet.names import (
     of_side,
     range_words,
     signed,
-    without_condition,
     working_speed,
 )
 from hbench.report.render.numbers import alike, half_width, significant, with_ends
@@ -93,7 +92,8 @@ def _friction_words(fleet: Fleet) -> Iterator[str]:
         side = of_side(spread.direction).removeprefix(",")
         parts.append(f"{ends} {spread.quantity.unit}{side}")
     if parts:
-        name = f"{without_condition(shown[0].quantity)}{_at_speed(fleet, shown[0].quantity)}"
+        quantity = shown[0].quantity
+        name = quantity.words.removesuffix(WORKING_SPEED) + _at_speed(fleet, quantity)
         of = f"{range_words(same[0].n)}{_largest_interval(fleet, same)}"
         yield f"{name} is {' and '.join(parts)} ({of})."
 
