@@ -84,7 +84,7 @@ def test_yaml_runs_no_code(read, tmp_path):
         (MERGED, rf"aliases.*\b{MOST_REPEATED}\b"),
         ("a: &a [*a]\n", r"alias \*a\b"),
         ("a: " + "[" * 5000, rf"nest.*\b{DEEPEST}\b"),
-        ("a: " + ":".join(["59"] * 100_000), r"\bint\b"),
+        ("a: " + ":".join(["59"] * 100_000), r"unknown key|it has|no schema"),
         ("a: 0x" + "f" * 100_000, r"\bint\b"),
         ("a: " + "9" * 100_000 + ".5", r"\bfloat\b"),
         ('name: "\\e]0;owned\\a"', "control character"),
