@@ -119,10 +119,10 @@ def _enough(curves: Sequence[Curve], direction: Direction | Literal[""] = "") ->
     chosen = [curve for curve in curves if direction in ("", curve.direction)]
     speeds = max((len(curve.points) for curve in chosen), default=0)
     if speeds < len(PARAMETER_NAMES):
-        moving = f"{DIRECTION_WORDS[direction]} " if direction else ""
+        when = f" when {DIRECTION_WORDS[direction]}" if direction else ""
         raise _NotDetermined(
-            f"its {len(PARAMETER_NAMES)} parameters need a {moving}curve of at least "
-            f"{len(PARAMETER_NAMES)} steady speeds; the campaign has {speeds or 'none'}"
+            f"its {len(PARAMETER_NAMES)} parameters need a curve of at least "
+            f"{len(PARAMETER_NAMES)} steady speeds{when}; the campaign has {speeds or 'none'}"
         )
     return chosen
 
