@@ -183,6 +183,8 @@ class Breakaway:
     u95_pa: float | None = None
     u95_dof: float | None = None  # effective degrees of freedom of u95_n; None: infinite
     v_m_s: float | None = None  # of the creep at the largest friction, in its direction
+    sigma_instruments_n: float | None = None  # 6.15 for 5.1; None where they are not known
+    sigma_instruments_dof: float | None = None  # its degrees of freedom; None: infinite
 
 
 @dataclass(frozen=True)

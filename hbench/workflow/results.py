@@ -268,6 +268,7 @@ def derive(
             drift,
             checks_of_zero,
             analysed.motions.loops,
+            analysed.motions.breakaways,
         ),
     )
 

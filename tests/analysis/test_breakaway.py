@@ -12,6 +12,7 @@ from hbench.analysis.screening.screen import screen
 from hbench.analysis.summary.completeness import completeness
 from hbench.analysis.summary.quality import quality
 from hbench.config.schedule import Screening
+from hbench.config.sensors import Instruments
 from hbench.records import Motion, Run, RunPlan, ScreenedRun, Segment, Specimen
 from hbench.report.campaign.quality.completeness import short_point_table
 from hbench.report.campaign.quality.verdict import quality_verdict
@@ -239,3 +240,23 @@ def test_a_verdict_by_a_single_check_names_it():
     assert verdict == (
         "Only one check of quality applies to these runs, and it passes: runs accepted."
     )
+
+
+def test_breakaways_without_a_curve_are_graded_by_their_trials_and_instruments():
+    """Instruments of 2 % of the reading at forces of 2 to 4 kN: over 10 % of 600 N."""
+    sensors = {
+        "force": {"tolerance": "2 %", "of": "reading", "full_scale": "12 kN"},
+        "pressure": {"tolerance": "2 %", "of": "reading", "full_scale": "250 bar"},
+    }
+    runs = accepted(*(push(600.0 + 5 * n, n, n) for n in (1, 2, 3)))
+    found = breakaways(runs, Instruments.model_validate(sensors))
+    (one,) = found
+    graded = quality(runs, (), breakaways=found)
+    checks = {check.name: check for check in graded.checks}
+    assert checks["trials_per_point"].value == 3
+    assert checks["repeatability"].value == pytest.approx(100 * one.ci95_n / one.breakaway_n)
+    share = checks["instruments"].value
+    assert 10 < share == pytest.approx(100 * one.u95_n / one.breakaway_n, rel=0.1)
+    assert graded.grade == checks["instruments"].grade == "with care"
+    unknown = quality(runs, (), breakaways=breakaways(runs, None)).checks[-1]
+    assert (unknown.name, unknown.value, unknown.grade) == ("instruments", None, "with care")

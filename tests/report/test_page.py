@@ -767,7 +767,7 @@ def test_the_instruments_share_at_one_point_is_no_median(small):
     assert "uncertain by ±21 % (95 %)" in ordinary_spaces(page_of(report_document(found, ())))
     several = replace(found, quality=replace(found.quality, checks=(replace(check, of=2),)))
     page = ordinary_spaces(page_of(report_document(several, ())))
-    assert "±21 % (95 %, median over all speeds and loads)" in page
+    assert "±21 % (95 %, median over all operating points)" in page
 
 
 def test_notes_of_the_analysis_are_sentences(small):

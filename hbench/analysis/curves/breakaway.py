@@ -164,6 +164,8 @@ def _mean(
         breakaway_pa=mean.friction_n / area if area else None,
         u95_pa=point.u95_n / area if area and point.u95_n is not None else None,
         v_m_s=mean.v_m_s,
+        sigma_instruments_n=point.sigma_instruments_n,
+        sigma_instruments_dof=point.sigma_instruments_dof,
     )
 
 

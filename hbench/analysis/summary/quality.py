@@ -6,6 +6,7 @@ limits are hbench's own; no standard sets them.
 
 from collections.abc import Iterable, Iterator, Sequence
 from statistics import median
+from typing import NamedTuple
 
 from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.summary.completeness import PlannedRuns, completeness
@@ -18,9 +19,10 @@ from hbench.analysis.summary.force_checks import (
 )
 from hbench.analysis.summary.plausibility import implausible_points
 from hbench.analysis.summary.unlike_trials import unlike_check
-from hbench.analysis.uncertainty.budget import of_instruments
+from hbench.analysis.uncertainty.budget import StandardUncertainty, of_instruments
 from hbench.records import (
     KINDS,
+    Breakaway,
     Completeness,
     Curve,
     CurvePoint,
@@ -48,6 +50,15 @@ _NOMINAL_LOAD_GOOD = 50.0  # difference of the measured load from the nominal on
 _INSTRUMENTS_GOOD = 10.0  # half of the instruments' 95 % interval, % of friction, median
 
 
+class _Friction(NamedTuple):
+    """Friction of a point of a curve, or a breakaway: what the checks of trials grade."""
+
+    friction_n: float
+    ci95_n: float | None
+    n: int  # trials
+    instruments: StandardUncertainty | None
+
+
 def quality(
     runs: Iterable[ScreenedRun],
     curves: Iterable[Curve],
@@ -56,11 +67,12 @@ def quality(
     drift: Drift | None = None,
     zeros: Sequence[ZeroCheck] = (),
     loops: Sequence[Loop] = (),
+    breakaways: Sequence[Breakaway] = (),
 ) -> Quality:
     """Return the checks that apply, and the worst of their grades.
 
-    Steady curves count; without any, all others do; without these, the ``loops`` of triangles.
-    ``planned`` is None where the plan is not known, as for imported logs.
+    Steady curves count; without any, all others do; without these, the ``breakaways`` and the
+    ``loops`` of triangles. ``planned`` is None where the plan is not known, as for imported logs.
     """
     runs, curves = tuple(runs), tuple(curves)
     chosen = [curve for curve in curves if KINDS[curve.kind].has_constant_speed] or list(curves)
@@ -68,7 +80,7 @@ def quality(
     implausible = implausible_points(chosen, efficiency)
     checks = (
         *_checks(runs, chosen, complete, implausible),
-        *(equal_directions((), loops) if not chosen else ()),
+        *(() if chosen else _without_curves(breakaways, loops, complete)),
         *drift_checks(drift),
         *_zeros(zeros),
     )
@@ -88,12 +100,8 @@ def _checks(
     points = [point for curve in curves for point in curve.points]
     if not points:
         return
-    yield _trials_per_point(points, complete, {curve.kind for curve in curves})
-    scatter = [100 * p.ci95_n / abs(p.friction_n) for p in points if p.ci95_n and p.friction_n]
-    if scatter:
-        value = median(scatter)
-        grade = _grade(value, _SCATTER_GOOD, _SCATTER_POOR)
-        yield QualityCheck("repeatability", grade, value, "%", _SCATTER_GOOD, _SCATTER_POOR)
+    frictions = [_Friction(p.friction_n, p.ci95_n, p.n, of_instruments(p)) for p in points]
+    yield from _trials(frictions, complete, {curve.kind for curve in curves})
     yield from unlike_check(curves)
     yield from _load_spread(runs, points)
     yield from _nominal_load(runs)
@@ -103,7 +111,20 @@ def _checks(
     yield from load_balance(moving)
     found = [*equal_directions(moving)]
     yield from found or constant_force(moving)
-    yield _instruments(points)
+    yield _instruments(frictions)
+
+
+def _without_curves(
+    breakaways: Sequence[Breakaway], loops: Sequence[Loop], complete: Completeness
+) -> Iterator[QualityCheck]:
+    if breakaways:
+        frictions = [
+            _Friction(each.breakaway_n, each.ci95_n, each.n, of_instruments(each))
+            for each in breakaways
+        ]
+        yield from _trials(frictions, complete, {each.kind for each in breakaways})
+        yield _instruments(frictions)
+    yield from equal_directions((), loops)
 
 
 def _complete(complete: Completeness, planned: int) -> QualityCheck:
@@ -127,15 +148,27 @@ def _runs_accepted(runs: Sequence[ScreenedRun]) -> QualityCheck:
     )
 
 
+def _trials(
+    frictions: Sequence[_Friction], complete: Completeness, kinds: set[str]
+) -> Iterator[QualityCheck]:
+    """Grade the number of trials and their scatter."""
+    yield _trials_per_point(frictions, complete, kinds)
+    scatter = [100 * f.ci95_n / abs(f.friction_n) for f in frictions if f.ci95_n and f.friction_n]
+    if scatter:
+        value = median(scatter)
+        grade = _grade(value, _SCATTER_GOOD, _SCATTER_POOR)
+        yield QualityCheck("repeatability", grade, value, "%", _SCATTER_GOOD, _SCATTER_POOR)
+
+
 def _trials_per_point(
-    points: Sequence[CurvePoint], complete: Completeness, kinds: set[str]
+    frictions: Sequence[_Friction], complete: Completeness, kinds: set[str]
 ) -> QualityCheck:
     """Grade the fewest trials of a point; a point of the plan that no curve contains has none."""
     empty = sum(
         point.accepted == 0 and (point.kind in kinds or KINDS[point.kind].has_constant_speed)
         for point in complete.short_points
     )
-    fewest = 0 if empty else min(point.n for point in points)
+    fewest = 0 if empty else min(each.n for each in frictions)
     grade = _grade(-fewest, -_TRIALS_GOOD, -_TRIALS_POOR - 1)
     return QualityCheck(
         "trials_per_point",
@@ -231,11 +264,11 @@ def _plausible_signs(implausible: Sequence[ImplausiblePoint], points: int) -> Qu
     return QualityCheck("plausible_signs", grade, number, "points", 0, None, beyond, points)
 
 
-def _instruments(points: Sequence[CurvePoint]) -> QualityCheck:
+def _instruments(frictions: Sequence[_Friction]) -> QualityCheck:
     halves = [
-        100 * instruments.expanded() / abs(p.friction_n)
-        for p in points
-        if (instruments := of_instruments(p)) is not None and p.friction_n
+        100 * each.instruments.expanded() / abs(each.friction_n)
+        for each in frictions
+        if each.instruments is not None and each.friction_n
     ]
     value = median(halves) if halves else None
     known_good = value is not None and value <= _INSTRUMENTS_GOOD

@@ -25,7 +25,7 @@ from hbench.analysis.uncertainty.input_errors import (
     step_errors,
 )
 from hbench.config.sensors import Instruments
-from hbench.records import Curve, CurvePoint, Specimen
+from hbench.records import Breakaway, Curve, CurvePoint, Specimen
 
 
 class StandardUncertainty(NamedTuple):
@@ -126,8 +126,8 @@ def _with_instruments(
     return replace(point, u95_n=whole.expanded(instruments), u95_dof=finite_or_none(whole.dof))
 
 
-def of_instruments(point: CurvePoint) -> StandardUncertainty | None:
-    """Return the instruments' part in a point's friction; None where it is not known."""
+def of_instruments(point: CurvePoint | Breakaway) -> StandardUncertainty | None:
+    """Return the instruments' part in a friction; None where it is not known."""
     if point.sigma_instruments_n is None:
         return None
     dof = point.sigma_instruments_dof

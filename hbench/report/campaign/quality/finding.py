@@ -74,7 +74,7 @@ def _trials(check: QualityCheck) -> str:
 def _instruments(check: QualityCheck) -> str:
     if check.value is None:
         return "tolerances are not known"
-    median = "" if check.of == 1 else ", median over all speeds and loads"
+    median = "" if check.of == 1 else ", median over all operating points"
     percent = significant(check.value, 2)
     return f"their tolerances make friction uncertain by ±{percent} % (95 %{median})"
 
