@@ -666,3 +666,17 @@ def test_a_file_is_refused_before_a_page_is_served(tmp_path, option):
     out, told = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 2 and not out
     assert f"{file}: is a file" in told and "Give the campaign's folder." in told
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [((), "is a folder of campaigns"), (("--station",), "is a campaign")],
+)
+def test_a_folder_that_the_other_page_is_for_is_refused(tmp_path, option, words):
+    (tmp_path / "line" / "one").mkdir(parents=True)
+    (tmp_path / "line" / "one" / "campaign.yaml").touch()
+    folder = tmp_path / "line" / "one" if option else tmp_path / "line"
+    process = hbench(tmp_path, "watch", folder, *option)
+    out, told = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2 and not out
+    assert f"{folder}: {words}" in told and "--station" in told

@@ -32,6 +32,16 @@ def watch(
 
     if campaign.is_file():
         raise ConfigError(f"{campaign}: is a file", "Give the campaign's folder.")
+    is_campaign = (campaign / "campaign.yaml").is_file()
+    if station and is_campaign:
+        raise ConfigError(
+            f"{campaign}: is a campaign", "Give the folder of campaigns, or leave out --station."
+        )
+    if not (station or is_campaign) and any(campaign.glob("*/campaign.yaml")):
+        raise ConfigError(
+            f"{campaign}: is a folder of campaigns",
+            "Give one of them, or --station, which follows the newest one.",
+        )
     if not campaign.exists():
         typer.echo(f"note: {campaign}: does not exist yet; the page waits for it", err=True)
     server = new_server((workflow.Station if station else workflow.Watch)(campaign), port)
