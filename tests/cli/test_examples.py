@@ -150,9 +150,13 @@ def test_the_example_runs_and_leaves_what_it_should(name, world):
 @pytest.mark.parametrize("name", SERVERS)
 def test_the_example_of_a_server_tells_its_address_and_ends_with_ctrl_c(name, world):
     campaigns("demo")(world)
-    command = [sys.executable, "-c", "from hbench.cli.main import main; main()", name]
+    command = [sys.executable, "-m", "hbench", name]
+    arguments, (option, free_port) = example(name), SERVERS[name]
+    if option in arguments:
+        at = arguments.index(option)
+        del arguments[at : at + 2]
     process = subprocess.Popen(
-        [*command, *example(name), *SERVERS[name]], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        [*command, *arguments, option, free_port], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True,
     )  # fmt: skip
     try:
