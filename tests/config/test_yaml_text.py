@@ -50,6 +50,11 @@ def test_numbers_of_yaml_1_1_that_are_others_than_they_show_are_text():
     assert parse_yaml(text) == yaml.safe_load(text)
 
 
+def test_a_long_number_in_base_60_is_text_that_nothing_converts():
+    shown = ":".join(["59"] * 100_000)
+    assert parse_yaml(f"a: {shown}") == {"a": shown}
+
+
 @pytest.mark.parametrize("opening", ["[", "- ", "{a: ", "? "])
 def test_the_deepest_nesting_is_refused_at_once_and_breaks_no_stack(opening):
     start = time.perf_counter()
