@@ -49,8 +49,8 @@ def missing_data(
 def data_shortfalls(runs: Sequence[Run]) -> dict[str, str]:
     """Return by code why complete runs do not suffice to name an effect; empty if they do.
 
-    At a single speed too many effects have the same signature. A single load, as of one mass,
-    suffices: effects that it can't tell apart are ambiguous.
+    At a single speed too many effects have the same signature. A single load, as of one mass, is
+    enough: effects that it does not distinguish are ambiguous.
     """
     plans = [run.plan for run in runs]
     points = len(set(map(point_of, plans)))

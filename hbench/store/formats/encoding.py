@@ -36,7 +36,7 @@ def decoded(data: bytes) -> str:
 def is_text(text: str) -> bool:
     """Return whether decoded bytes were a text: few of its first characters are controls.
 
-    Quotes do not count, so that a table with them is judged as one without.
+    Quotes are left out first: the result for a table is the same with and without them.
     """
     head = text[:_HEAD].replace('"', "").rstrip("\0")  # zeros: of a logger without power
     return len(_NO_TEXT.findall(head)) <= _MOST_CONTROLS * len(head)
