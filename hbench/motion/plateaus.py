@@ -305,17 +305,22 @@ def _on_line(motion: _Motion, known: slice, further: slice) -> int:
     """
     t_s, x_m, noise_m = motion
     t0, x0 = t_s[known].mean(), x_m[known].mean()
-    v = motion.speed(known)
-    away = t_s[further] - t0
-    off = np.abs(x_m[further] - x0 - v * away)
-    beyond = np.abs(away) - (t_s[known.stop - 1] - t_s[known.start]) / 2
-    tolerance = _LINE_SIGMAS * noise_m + _WANDERING * abs(v) * np.abs(beyond)
-    outside = off > tolerance
-    if not outside.any():
-        return len(off)
+    v, half_s = motion.speed(known), (t_s[known.stop - 1] - t_s[known.start]) / 2
+    times, positions = t_s[further], x_m[further]
+    looked_at = 2 * (known.stop - known.start)
+    while True:  # the line mostly ends soon, and the log is long
+        away = np.abs(times[:looked_at] - t0)
+        off = np.abs(positions[:looked_at] - x0 - v * (times[:looked_at] - t0))
+        tolerance = _LINE_SIGMAS * noise_m + _WANDERING * abs(v) * np.abs(away - half_s)
+        outside = off > tolerance
+        if outside.any():
+            break
+        if looked_at >= len(times):
+            return len(times)
+        looked_at *= 2
     first = int(np.argmax(outside))
     late = tolerance[first] / max(abs(v), 1e-12) + _BLOCK_S
-    return max(int(np.sum(np.abs(away[:first]) < np.abs(away[first]) - late)) - 1, 0)
+    return max(int(np.sum(away[:first] < away[first] - late)) - 1, 0)
 
 
 # ---- lengths of blocks

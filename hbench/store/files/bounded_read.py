@@ -10,8 +10,9 @@ from typing import BinaryIO
 from hbench.config.files.regular_file import FileTooLarge, open_regular_file
 from hbench.errors import DataError
 
-# In bytes: reading a file of this size takes less than 500 MB of memory.
-LARGEST_LOG = 40_000_000  # an hour and a half of a board's log at 100 Hz
+# In bytes. Reading a log takes up to twelve times its size in memory.
+LARGEST_LOG = 40_000_000  # of a run; an hour and a half of a board's log at 100 Hz
+LARGEST_TEXT = 200_000_000  # of another bench; five channels for an hour at 1 kHz take 130
 LARGEST_UNPACKED = 200_000_000  # what a compressed file may take in memory
 LARGEST_JOURNAL = 8_000_000  # some nine thousand runs
 _PART = 65_536

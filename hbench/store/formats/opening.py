@@ -9,7 +9,7 @@ from typing import BinaryIO
 
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.store.files.bounded_read import LARGEST_LOG, check_size, open_file
+from hbench.store.files.bounded_read import LARGEST_LOG, LARGEST_TEXT, check_size, open_file
 from hbench.store.formats.barrier import reader_errors
 from hbench.store.formats.excel import open_excel
 from hbench.store.formats.matlab.mat import open_mat
@@ -58,8 +58,15 @@ FORMATS = (
         "MDF", (".mf4", ".mdf"), open_mdf, package="asammdf", extra="mdf", largest=LARGEST_BINARY
     ),
     FileFormat("Excel", (".xlsx", ".xlsm"), open_excel, package="openpyxl", extra="excel"),
-    FileFormat("TwinCAT Scope CSV", (), open_twincat, has_head=is_twincat, is_text=True),
-    FileFormat("text", (), open_text, is_text=True),
+    FileFormat(
+        "TwinCAT Scope CSV",
+        (),
+        open_twincat,
+        has_head=is_twincat,
+        largest=LARGEST_TEXT,
+        is_text=True,
+    ),
+    FileFormat("text", (), open_text, largest=LARGEST_TEXT, is_text=True),
 )
 _HEAD = 4096
 _TOO_LARGE = (

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from itertools import chain, islice, repeat
+from itertools import chain, compress, islice, repeat
 from string import whitespace
 from typing import BinaryIO, ClassVar
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.store.files.bounded_read import read_whole
+from hbench.store.files.bounded_read import LARGEST_TEXT, read_whole
 from hbench.store.formats import header_row
 from hbench.store.formats.date_times import parse_date_time
 from hbench.store.formats.encoding import decoded, is_text
@@ -162,7 +162,7 @@ class TextTable:
 
 def open_text(file: BinaryIO, source: str, layout: Format) -> TextTable:
     """Read a file as a table. Raises ``DataError``."""
-    return parse_table(read_whole(file, source), source, layout)
+    return parse_table(read_whole(file, source, LARGEST_TEXT), source, layout)
 
 
 def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
@@ -287,20 +287,19 @@ def _lines_of_data(text: str, layout: Format) -> tuple[list[int], list[str]]:
     Lines of blank cells below the header are left out too, as spreadsheets write them.
     """
     lines = text.splitlines()
-    numbers = [n for n in _filled(lines, None) if n > layout.preamble]
+    kept = _filled(lines, None)
+    kept[: layout.preamble] = False
     if (mark := layout.comment) is not None:
-        numbers = [n for n in numbers if not lines[n - 1].lstrip().startswith(mark)]
+        kept &= [not line.lstrip().startswith(mark) for line in lines]
     if separator := _DELIMITERS.get(layout.separator):
-        with_cells = set(_filled(lines, f'{whitespace}"{separator}'))
-        above = _rows_above(layout)  # a header may have no names
-        numbers = [n for i, n in enumerate(numbers) if i < above or n in with_cells]
-    return numbers, [lines[n - 1] for n in numbers]
+        below = np.flatnonzero(kept)[_rows_above(layout) :]  # a header may have no names
+        kept[below] = _filled(lines, f'{whitespace}"{separator}')[below]
+    return (np.flatnonzero(kept) + 1).tolist(), list(compress(lines, kept.tolist()))
 
 
-def _filled(lines: list[str], blanks: str | None) -> list[int]:
-    """Return the numbers, from 1, of the lines with other characters than ``blanks``."""
-    lengths = map(len, map(str.strip, lines, repeat(blanks)))
-    return (np.flatnonzero(np.fromiter(lengths, int, len(lines))) + 1).tolist()
+def _filled(lines: list[str], blanks: str | None) -> np.ndarray:
+    """Return which of the lines (n,) have other characters than ``blanks``."""
+    return np.fromiter(map(bool, map(str.strip, lines, repeat(blanks))), bool, len(lines))
 
 
 def _cells(

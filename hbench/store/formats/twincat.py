@@ -28,7 +28,7 @@ import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.store.files.bounded_read import read_whole
+from hbench.store.files.bounded_read import LARGEST_TEXT, read_whole
 from hbench.store.formats.encoding import decoded
 from hbench.store.formats.text import TextTable
 
@@ -78,7 +78,7 @@ class ScopeTable(TextTable):
 
 def open_twincat(file: BinaryIO, source: str, layout: Format) -> ScopeTable:
     """Read an export; ``layout`` is not used. Raises ``DataError``."""
-    text = decoded(read_whole(file, source))
+    text = decoded(read_whole(file, source, LARGEST_TEXT))
     separator = text[len(_TIME)]
     try:
         rows = list(enumerate(csv.reader(text.splitlines(), delimiter=separator), start=1))

@@ -5,6 +5,7 @@ import re
 from collections import Counter
 from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from hbench.config.import_layout import Format
 from hbench.store.formats.date_times import parse_date_time
@@ -15,6 +16,7 @@ _SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "whitespace": None} 
 _THOUSANDS = {".": (",", "'", " "), ",": (".", "'", " ")}  # possible ones, by the decimal mark
 _GAPS = ("", "nan", "na", "n/a", "null", "-nan", "inf", "-inf")
 _COMMENTS = ("#", "%", "//", "!", "*", "$", "@")
+_LONGEST_SIGN = max(map(len, _COMMENTS))
 _MOST_LINES = 300  # read at the beginning
 _MOST_HEAD = 4  # lines between a header and the data
 _NUMERIC = 0.5  # of a row's cells, in a row of data
@@ -32,8 +34,9 @@ class Dialect:
 
 def text_dialect(text: str) -> Dialect | None:
     """Return the dialect of a text; None if it contains no table of numbers."""
-    whole = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    lines = whole[:_MOST_LINES]
+    every = text.splitlines()
+    filled = ((n, line) for n, line in enumerate(every, start=1) if line.strip())
+    lines = list(islice(filled, _MOST_LINES))
     best: tuple[float, dict, list[Row]] = (0.0, {}, [])
     for separator in _SEPARATORS:
         rows = _rows(lines, separator)
@@ -44,15 +47,16 @@ def text_dialect(text: str) -> Dialect | None:
                 best = share, marks, rows
     share, marks, rows = best
     found = rows_dialect(rows, marks, lines) if share > 0.0 else None
-    return None if found is None else _with_comments_between(found, whole)
+    return None if found is None else _with_comments_between(found, every)
 
 
-def _with_comments_between(dialect: Dialect, lines: Sequence[tuple[int, str]]) -> Dialect:
+def _with_comments_between(dialect: Dialect, lines: Sequence[str]) -> Dialect:
     """Return the dialect with the sign of comments between the rows of data, if there are any."""
     layout = dialect.layout
-    below = [line.lstrip() for number, line in lines if number > layout.preamble]
+    starts = dict.fromkeys(line.lstrip()[:_LONGEST_SIGN] for line in lines[layout.preamble :])
+    first, *others = filter(None, starts)
     for sign in _COMMENTS if layout.comment is None else ():
-        if not below[0].startswith(sign) and any(line.startswith(sign) for line in below):
+        if not first.startswith(sign) and any(start.startswith(sign) for start in others):
             return replace(dialect, layout=layout.model_copy(update={"comment": sign}))
     return dialect
 

@@ -78,7 +78,8 @@ def read_sample(folder: Path, name: str, like: Dialect | None = None) -> SampleF
     path = folder / name
     check_inside(folder, path)
     with open_foreign(path) as (file, file_format):
-        data = read_whole(file, str(path)) if file_format.name == "text" else b""
+        is_text = file_format.name == "text"
+        data = read_whole(file, str(path), file_format.largest) if is_text else b""
     dialect = None
     if file_format.name in _WITH_DIALECT:
         dialect = like
