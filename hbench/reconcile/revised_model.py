@@ -78,11 +78,13 @@ def held_out_gaps(
 ) -> tuple[float, float]:
     """Return the gaps of the balances that an effect touches, before it was added and in a model.
 
-    ``held_out`` are indices of operating points.
+    ``held_out`` are indices of operating points. The level of friction of each run is left out as
+    far as it may wander: that of a few runs would decide.
     """
     balances = EFFECTS[name].balances
     before = next(step.before for step in result.steps if step.added == name)
-    return before.gap_map.gap(balances, held_out), model.gap_map.gap(balances, held_out)
+    without, with_it = (each.gap_map.without_levels() for each in (before, model))
+    return without.gap(balances, held_out), with_it.gap(balances, held_out)
 
 
 def revision(

@@ -151,10 +151,9 @@ def _levels_taken_out(residuals: GapMap, values: _Rows) -> _Rows:
     usable = np.zeros((len(every), len(matrices)), bool)
     for k, level in enumerate(every):
         windows, balance = level.windows, level.balance
-        square = level.change @ level.change
-        if square > level.ridge:
+        if level.square > level.ridge:
             matrices[balance][k] = _take_out(values.matrices[balance][windows], level)
-            values.dof[windows, balance] *= 1 - level.change**2 / square
+            values.dof[windows, balance] *= 1 - level.change**2 / level.square
             usable[k, balance] = True
     point = residuals.point[[level.windows.start for level in every]]
     kind = np.full(len(every), LEVEL)
@@ -265,11 +264,10 @@ def _between(rows: _Rows, run: np.ndarray, trials: np.ndarray) -> np.ndarray:
 def _take_out(rows: np.ndarray, level: RunLevel) -> np.ndarray:
     """Take the level of a run out of its windows ``rows`` (m, q); return it as a row (q,).
 
-    With the covariance sigma^2 (1 + c c' / ridge), c the change by one standard deviation of the
-    level, the row is white: c' / |c| times the windows' rows and sqrt(ridge / (ridge + c'c)).
+    The row is c' / |c| times the windows' rows, c the change by one standard deviation of the
+    level, less what is expected of it.
     """
-    square = level.change @ level.change
-    unit = level.change / np.sqrt(square)
+    unit = level.change / np.sqrt(level.square)
     along = unit @ rows
     rows -= np.outer(unit, along)
-    return np.sqrt(level.ridge / (level.ridge + square)) * along
+    return level.unexpected * along

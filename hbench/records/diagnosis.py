@@ -142,7 +142,9 @@ class AddedEffect:
     description: str  # the law in words
     parameters: dict[str, FitParameter]  # each in the unit that it carries, a bench's: l/min/bar
     of_sensor: bool
-    gap_before: FloatOrNan  # held-out runs, over the balances it touches: refitted model without it
+    # Of held-out runs in the balances it touches, less what the level of friction may differ from
+    # run to run: refitted model without it
+    gap_before: FloatOrNan
     gap_after: FloatOrNan  # with it and the other effects, without unnamed laws
     score: FloatOrNan
     runner_up: Rival | None

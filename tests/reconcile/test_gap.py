@@ -214,3 +214,30 @@ def test_another_maps_units_are_its_scatter_and_what_it_knows_of_the_runs():
     assert found.white is other.white and found.material is other.material
     assert found.difference is one.difference
     assert found.select_points(np.array([1])).levels == ()  # slices of all windows
+
+
+@pytest.mark.parametrize("ridge", [0.2, 1.0])
+def test_without_levels_residuals_are_those_that_generalised_least_squares_weighs(ridge):
+    """r' (1 + c c' / ridge)^-1 r for the run, in scatters; other runs and balances stay."""
+    rng = np.random.default_rng(14)
+    _, found = gaps(drawn(rng, 3), drawn(rng, 3))
+    change = 3.0 * rng.standard_normal(WINDOWS)
+    found = replace(found, levels=(RunLevel(slice(0, WINDOWS), 1, change, ridge),))
+    left = found.without_levels()
+    before, after = ((one.difference / one.scatter)[:WINDOWS, 1] for one in (found, left))
+    covariance = np.eye(WINDOWS) + np.outer(change, change) / ridge
+    assert after @ after == pytest.approx(before @ np.linalg.solve(covariance, before))
+    own = np.zeros(found.difference.shape, bool)
+    own[:WINDOWS, 1] = True
+    assert np.array_equal(left.difference[~own], found.difference[~own])
+
+
+def test_a_level_without_a_change_and_windows_that_are_not_compared_stay():
+    rng = np.random.default_rng(15)
+    _, found = gaps(drawn(rng, 3), drawn(rng, 3))
+    found.difference[0, 1] = np.nan
+    own = slice(0, WINDOWS)
+    still = replace(found, levels=(RunLevel(own, 1, np.zeros(WINDOWS), 1.0),)).without_levels()
+    assert np.array_equal(still.difference, found.difference, equal_nan=True)
+    left = replace(found, levels=(RunLevel(own, 1, np.ones(WINDOWS), 1.0),)).without_levels()
+    assert np.isnan(left.difference[0, 1]) and np.isfinite(left.difference[1:]).all()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hbench.reconcile import revised_model
-from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.revised_model import revision, without_unconfirmed
 from hbench.reconcile.search_result import SearchResult, SearchStep
@@ -96,6 +96,30 @@ def test_an_effect_that_leaves_a_large_gap_outside_the_fit_is_not_named():
     result, refitted, _ = confirmed(1.9, 5.0, 5.5)
     assert result.names == ("added_mass",) and list(result.ruled_out) == ["supply_droop"]
     assert not result.confirmed and result.final is refitted
+
+
+def test_the_levels_of_a_few_runs_do_not_refute_an_effect():
+    """With it a run of other friction than the rest is left: a larger gap, of a level alone."""
+    every = np.array([0])
+    refitted, final = (force_alone(r) for r in (np.tile([1.5, -1.5], 4), np.full(8, 2.0)))
+    assert final.gap_map.gap(("force_test",), every) > refitted.gap_map.gap(("force_test",), every)
+    steps = (SearchStep(refitted, (), "added_mass", ()),)
+    result = without_unconfirmed(
+        SimpleNamespace(without=None), SearchResult(None, refitted, steps, final), np.array([0])
+    )
+    assert result.confirmed == ("added_mass",)
+
+
+def force_alone(residuals):
+    """A model with these residuals of one run, whose friction may differ by four scatters."""
+    count = len(residuals)
+    ones, places = np.ones((count, 1)), np.zeros((4, count))
+    point = np.zeros(count, int)
+    level = RunLevel(slice(0, count), 0, np.full(count, 4.0), 1.0)
+    found = StatedMap(
+        ("force_test",), residuals[:, None], ones, ones, *places, point, ("first",), point, (level,)
+    )
+    return SimpleNamespace(gap_map=found)
 
 
 def confirmed(mass_after, droop_before, droop_after):

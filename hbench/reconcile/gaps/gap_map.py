@@ -55,6 +55,19 @@ class RunLevel:
     change: np.ndarray  # (m,) by one standard deviation of the level, in scatters
     ridge: float  # variance of the residuals, in squares of the scatter
 
+    @property
+    def square(self) -> float:
+        """Sum of the squares of the change."""
+        return float(self.change @ self.change)
+
+    @property
+    def unexpected(self) -> float:
+        """Share of a level that is left where what is expected of it is taken out.
+
+        With the covariance sigma^2 (1 + c c' / ridge), c the change, the residuals are white then.
+        """
+        return float(np.sqrt(self.ridge / (self.ridge + self.square)))
+
 
 @dataclass(frozen=True)
 class GapMap:
@@ -91,6 +104,17 @@ class GapMap:
             material=other.material,
             levels=other.levels,
         )
+
+    def without_levels(self) -> "GapMap":
+        """Return the map whose residuals have of each run's level what is not expected alone."""
+        difference = self.difference.copy()
+        for level in self.levels:
+            own = level.windows, level.balance
+            if level.square > 0.0:
+                along = level.change @ np.nan_to_num(difference[own] / self.scatter[own])
+                expected = (1 - level.unexpected) * along / level.square
+                difference[own] -= expected * level.change * self.scatter[own]
+        return replace(self, difference=difference)
 
     def select_points(self, points: np.ndarray) -> "GapMap":
         """Return the windows of the operating points with these indices."""

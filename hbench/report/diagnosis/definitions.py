@@ -52,6 +52,10 @@ _GAP = (
     "Root mean square of measurement less model, in multiples of the repeatability: the standard "
     "deviation over repeated trials. 1 is as close as the bench repeats."
 )
+_EFFECTS_GAPS = (
+    "Of the quantities that the effect changes. The level of dry friction may differ by some 4 % "
+    "from run to run: such differences are not counted here, but in all other gaps."
+)
 _DRAWN = "Means over windows of 0.16 s are compared. Gaps below 0.3 are drawn at 0.3."
 _BALANCES = (
     "Flows and forces",
@@ -247,6 +251,13 @@ def of_laws(diagnosis: Diagnosis) -> tuple[Fact, ...]:
         for effect in diagnosis.effects
         if (law := effect.law.replace(*_PARTS_OF_MASS) if diagnosis.errors else effect.law)
     )
+
+
+def of_effects_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
+    """Return which gaps the table of the effects has; empty without any."""
+    if not diagnosis.effects or of_strokes(diagnosis):
+        return ()
+    return (("Gap without it, with it", _EFFECTS_GAPS),)
 
 
 def _as_printed(law: str) -> str:

@@ -151,6 +151,7 @@ def _effects_section(diagnosis: Diagnosis) -> Section:
         facts=(
             *_answers(diagnosis, set(OF_EFFECTS).intersection(on_method(diagnosis))),
             *definitions.of_laws(diagnosis),
+            *definitions.of_effects_gaps(diagnosis),
             *(() if folded else changes),
         ),
         parts=tuple(replace(part, facts=changes) for part in folded),
