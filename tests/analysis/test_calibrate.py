@@ -9,6 +9,7 @@ import pytest
 from hbench.analysis.curves.average import curves
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.screen import screen
+from hbench.config.schedule import Screening
 from hbench.config.sensors import TemperatureSensor
 from hbench.errors import DataError
 from hbench.records import LogChannel, RawRun, RunPlan, Specimen
@@ -135,8 +136,16 @@ def test_a_log_without_its_last_record_is_truncated(bench):
     assert re.search(r"\brecord 4\b", run.truncated)
 
 
-def test_a_run_without_stop_part_is_truncated(bench):
-    assert calibrate(raw(outcome=None), bench).truncated
+def test_a_run_without_stop_part_is_unfinished(bench):
+    assert calibrate(raw(outcome=None), bench).truncated.startswith("unfinished: ")
+
+
+def test_a_run_that_hbench_left_has_no_other_reason_for_its_short_log(bench):
+    """Its log is not lost, its motion not too short, and no log is to be restored."""
+    left = raw(words=raw().words[:0], outcome=None, warnings=("missing: 0023.dat does not exist",))
+    reasons = screen(calibrate(left, bench), Screening()).reasons
+    codes = [reason.partition(":")[0] for reason in reasons]
+    assert codes[0] == "unfinished" and not {"missing", "truncated", "too_short"} & set(codes)
 
 
 def test_what_the_reader_said_of_a_cut_file_is_told(bench):

@@ -380,8 +380,15 @@ def test_the_decision_states_the_value_nearest_to_its_limit():
     failed = words("FAIL", decided(6.0, near=109.0))
     assert failed.startswith("FAIL: 1 of 2 checks fails (friction). Farthest beyond its limit in")
     assert "is friction: 109.0 ± 6.0 N, limit at most 100 N" in failed
+    seal = replace(HIGHEST, name="rod seal")
+    named = [ConformityCheck(seal, Measurement(109.0, 6.0), 0.01, "FAIL")]
+    assert " is rod seal (friction): 109.0 ± 6.0 N, limit at most" in words("FAIL", named)
     marginal = words("MARGINAL", decided(6.0, near=96.0))
     assert "MARGINAL: 1 of 2 checks is too near its limit for its U (friction). Near" in marginal
+    others = [*decided(6.0, near=109.0), *decided(6.0, near=96.0), *decided(6.0, near=97.0)]
+    assert (
+        " (friction). Of the other 5, 2 are too near their limits for their U and 3 pass. Farthest"
+    ) in words("FAIL", others)
     unknown = [ConformityCheck(HIGHEST, Measurement(85.0, None), None, "PASS")]
     assert " U" not in words("PASS", unknown, "simple")
 

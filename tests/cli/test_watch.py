@@ -652,8 +652,13 @@ def test_a_station_is_printed_with_all_its_cylinders(sample, tmp_path, require_t
             assert browser.run(cut) == 0
             name = "(n => n.scrollWidth - n.clientWidth)(document.querySelector('#station'))"
             assert browser.run(name) == 0
+            # Letters of a figure keep their size: it is drawn again at the new width.
+            drawn = "(p => p.getBoundingClientRect().width / p.viewBox.baseVal.width)"
+            assert abs(browser.run(f"{drawn}(document.querySelector('#plot svg'))") - 1) < 0.02
             browser.ask("Emulation.setEmulatedMedia", media="print")
             assert browser.run(hidden) == 0 and browser.run(hint) == "none"
+            colour = "getComputedStyle(document.querySelector('.travel i')).printColorAdjust"
+            assert browser.run(colour) == "exact"  # else the piston is not on the sheet
     finally:
         browser.close()
 

@@ -168,6 +168,22 @@ def test_the_certificate_states_whether_all_limits_were_tested(certificate):
     assert "Limits tested" not in none and "Not measured: breakaway; leakage." in none
 
 
+@pytest.mark.parametrize("language", sorted(WORDS))
+def test_the_rule_of_the_guard_band_defines_each_decision_of_its_table(language):
+    words = WORDS[language]
+    rule = words["rule_guard_band"]
+    assert all(words[decision] in rule for decision in ("PASS", "MARGINAL", "FAIL"))
+
+
+def test_a_load_without_a_measurement_is_named(certificate):
+    made = checks(certificate(), ("efficiency", "NOT TESTED", None))
+    (check,) = made.acceptance.checks
+    wanted = replace(check, requirement=replace(check.requirement, f_load_n=5000.0))
+    again = replace(made, acceptance=replace(made.acceptance, checks=(wanted,)))
+    (row,) = content(again).parts["conformity"].tables[0].rows
+    assert "load\N{NO-BREAK SPACE}5000\N{NO-BREAK SPACE}N" in row
+
+
 def test_a_back_pressure_is_with_a_decision_unless_the_tables_of_results_have_it(certificate):
     made = checks(certificate(), ("friction", "PASS", 0.02), ("speed_ripple", "PASS", 0.02))
     tables = {value.measurement.p_lr_ref_pa for value in made.values}

@@ -28,6 +28,17 @@ def test_the_title_states_the_verdict_and_a_block_what_was_measured_where_and_wh
     other = replace(effect, name="load_cell_gain", gap_after=effect.gap_before)
     both = replace(named, effects=(effect, other))
     assert title(both).startswith("Internal leakage found, load cell gain not confirmed: ")
+    long = "an_effect_of_the_users_own_whose_name_does_not_fit"
+    several = [effect, replace(effect, name="load_cell_gain"), replace(effect, name=long)]
+    assert title(replace(both, effects=tuple(several))) == f"3 effects found: {compared}"
+    several[2] = replace(other, name=long)
+    words = title(replace(both, effects=tuple(several)))
+    assert words == f"2 effects found, 1 not confirmed: {compared}"
+    unsure = replace(effect, name=long, gap_after=effect.gap_before)
+    assert title(replace(both, effects=(unsure, other))).startswith("2 effects not confirmed: ")
+    assert title(replace(both, effects=(unsure,))).startswith("An effect of the users own whose ")
+    far = tuple(replace(each, name=long) for each in ambiguous.alternatives)
+    assert title(replace(ambiguous, alternatives=far)).startswith(f"One of {len(far)} effects, not")
     sizes = {"piston_diameter": "40 mm", "rod_diameter": "25 mm", "stroke": "400 mm"}
     about = replace(
         named.provenance, stopped="2026-01-01T01:30:00", software={"hbench": "0.1.0"},

@@ -13,6 +13,7 @@ from markupsafe import escape
 from hbench.records import QUANTITIES, Trend
 from hbench.records.conformity.acceptance import Requirement
 from hbench.records.fleet.campaign_names import distinct_names
+from hbench.records.fleet.campaigns import FleetNumber
 from hbench.report.fleet.charts import chart_table, step_table
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.overview import fleet_tiles, overview_table
@@ -438,6 +439,25 @@ def test_breakaway_that_changes_against_friction_is_stated(shifted):
     assert "kind breakaway" in text
     assert "while friction" not in said(replace(falls, p_holm=0.14))
     assert "while friction" not in said(Trend(11.3, 1.8, 17.2, 640.0, 0.014))
+
+
+def test_a_number_is_rounded_by_its_interval_unless_the_rows_share_it(shifted):
+    """Equal intervals are stated once, and the rows then keep the digits in which they differ."""
+
+    def friction(halves):
+        numbers = zip((0.6874e3, 0.6911e3), halves, strict=True)
+        rows = tuple(
+            replace(row, numbers=row.numbers | {name: FleetNumber(v, v - half, v + half)})
+            for row, (v, half) in zip(shifted.rows[:2], numbers, strict=True)
+        )
+        table = campaign_table(replace(shifted, rows=rows))
+        column = next(i for i, head in enumerate(table.head) if head.startswith("Friction, ext"))
+        return [row[column] for row in table.rows]
+
+    name = "friction_extend_n"
+    assert name in shifted.rows[0].numbers
+    assert friction((340.0, 110.0)) == ["690 ± 340", "690 ± 110"]
+    assert friction((110.0, 110.0)) == ["687.4", "691.1"]
 
 
 def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shifted):

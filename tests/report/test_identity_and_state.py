@@ -79,6 +79,10 @@ def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
     assert "of which 1 was interrupted" in summary["Measured"]
     fits = next(section for section in made.sections if section.title == "Fitted laws")
     assert all(part.folded for part in fits.parts) and "unfinished" in fits.paragraphs[0]
+    left = replace(last, reasons=("unfinished: hbench ended before the run did",))
+    alarm = report_document(replace(broken, runs=(*small.runs[:-1], left)), ()).alarm
+    assert alarm.startswith("INCOMPLETE CAMPAIGN: 56 of 96")
+    assert f"hbench ended during run {last.run.plan.run}, or is still making it." in alarm
     running = replace(broken, runs=small.runs)
     assert report_document(running, ()).alarm.startswith("INCOMPLETE CAMPAIGN: 56 of 96")
 

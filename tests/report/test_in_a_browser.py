@@ -57,6 +57,19 @@ def pages(small, seals, drawings, tmp_path_factory):
         "diagnosis": diagnosis_page(found, drawings_of_named()),
         "phenomenon": phenomenon_page(phenomenon, draw_phenomenon(phenomenon)),
     }
+    runs = [
+        replace(
+            run,
+            plan=replace(run.plan, label="retracting", p_lr_ref_pa=110e5),
+            gap=replace(
+                run.gap,
+                signals={"force_of_load_cell": run.gap.total},
+                open_loop={"position_of_piston": run.gap.total},
+            ),
+        )
+        for run in found.gap_runs
+    ]
+    texts["gaps"] = diagnosis_page(replace(found, gap_runs=tuple(runs)), ())
     texts["comparison"], laws = comparison_page(small), made_identification(small)
     texts["identification"] = identification_page(laws, draw_identification(laws))
     texts["design"] = design_page(made_design(), drawings_of_design())
@@ -135,6 +148,27 @@ def test_a_table_of_few_columns_is_as_wide_as_its_numbers(browser, pages):
     )
     assert min(share for columns, share in shares if columns <= 3) < 0.6
     assert min(share for columns, share in shares if columns > 5) > 0.9
+
+
+def test_a_desktop_page_shows_all_columns_of_the_gaps_of_runs(browser, pages):
+    browser.open(pages["gaps"], width=1160)
+    browser.run("for (const one of document.querySelectorAll('details')) one.open = true")
+    table = (
+        "[...document.querySelectorAll('.scroll')].find(s => s.textContent.includes('In the fit'))"
+    )
+    assert browser.run(f"{table}.querySelectorAll('th').length") >= 9
+    assert browser.run(f"{table}.scrollWidth - {table}.clientWidth") == 0
+
+
+def test_a_printed_page_says_that_numbers_of_tables_are_missing_where_some_are(browser, pages):
+    note = "document.querySelector('.on-paper')"
+    browser.open(pages["diagnosis"])
+    assert browser.run(f"{note}.offsetHeight") == 0
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    assert browser.run(f"{note}.offsetHeight") > 0
+    browser.open(pages["phenomenon"])
+    assert browser.run(note) is None
+    browser.ask("Emulation.setEmulatedMedia", media="")
 
 
 def test_figures_are_inside_their_cards_and_a_wide_one_scrolls_on_a_phone(browser, pages):

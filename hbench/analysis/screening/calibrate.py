@@ -190,7 +190,7 @@ def _incomplete(
     """Return the signs that the log does not extend to the end of the run."""
     faults = [warning for warning in raw.warnings if warning.split(":")[0] in INCOMPLETE]
     if raw.outcome is None:
-        faults.append("no stop part: the host ended before the run did")
+        faults.append("unfinished: hbench ended before the run did, or is still making it")
     if not len(words):
         return [*faults, "the log contains no records"]
     if "last" in raw.flags:

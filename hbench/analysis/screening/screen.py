@@ -44,6 +44,7 @@ from hbench.sentences import listed
 # Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".
 CODES = (
     "aborted",
+    "unfinished",
     "missing",
     "unreadable",
     "truncated",
@@ -63,8 +64,11 @@ CODES = (
 
 SCREENING_RULES = ("steady_window", *RULES)  # of the column ``screening`` of KINDS
 
-_BY_ABORT = ("truncated", "too_short")  # faults of a log that an abort causes
-_OF_LOG = ("missing", "unreadable", "truncated", "changed", "copy")
+_CAUSED = {  # faults of a log that another reason causes
+    "aborted": ("truncated", "too_short"),
+    "unfinished": ("missing", "truncated", "too_short"),
+}
+_OF_LOG = ("unfinished", "missing", "unreadable", "truncated", "changed", "copy")
 _STANDSTILL_S = 0.2
 _DRIFT_ERRORS = 3.0  # standard errors by which a drift must exceed its limit
 
@@ -109,9 +113,9 @@ def _screened(run: Run, rules: Screening, notes: list[str]) -> ScreenedRun:
 
 
 def _in_order(reasons: list[str]) -> tuple[str, ...]:
-    """Sort reasons, without the short log of an aborted run: the abort is its cause."""
+    """Sort reasons, without the short log of a run that ended early: the end is its cause."""
     codes = [reason.split(":")[0] for reason in reasons]
-    left_out = _BY_ABORT if "aborted" in codes else ()
+    left_out = {caused for code in codes for caused in _CAUSED.get(code, ())}
     kept = [each for each in zip(codes, reasons, strict=True) if each[0] not in left_out]
     return tuple(reason for _, reason in sorted(kept, key=lambda each: CODES.index(each[0])))
 

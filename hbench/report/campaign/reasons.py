@@ -7,6 +7,7 @@ from hbench.records import Results, ScreenedRun
 # What to look for, by the code of the reason.
 CAUSES = {
     "aborted": "the fault or the stop that its reason states",
+    "unfinished": "an interruption or a crash of hbench; hbench run --resume repeats the run",
     "missing": "a log deleted or not copied, to be restored",
     "unreadable": "a damaged log or an incomplete copy, to be restored",
     "truncated": "an incomplete copy of the log, or a lost connection to the board",
@@ -24,7 +25,7 @@ CAUSES = {
     "off_reference": "gains of the velocity controller (hbench design), or a low supply pressure",
     "not_steady": "air in the oil, stick-slip, or gains of the controllers that are too high",
 }
-_ABORTED = "aborted"  # code of the reason
+_ABORTED, _UNFINISHED = "aborted", "unfinished"  # codes of the reasons
 _NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."
 _OF_COMPLETED = "All numbers on this page are those of the completed runs."
 
@@ -48,6 +49,9 @@ def aborted_words(results: Results) -> str:
     made = complete.planned - len(complete.not_completed)
     count = f"{made} of {complete.planned} planned runs were completed"
     last = results.runs[-1] if results.runs else None
+    if last is not None and _begins_with(last, _UNFINISHED):
+        cause = f"hbench ended during run {last.run.plan.run}, or is still making it."
+        return f"INCOMPLETE CAMPAIGN: {count}. {cause} {_OF_COMPLETED}"
     if last is None or not is_aborted(last):
         return f"INCOMPLETE CAMPAIGN: {count}. {_NO_REASON} {_OF_COMPLETED}"
     reason = last.reasons[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
@@ -58,4 +62,8 @@ def aborted_words(results: Results) -> str:
 
 def is_aborted(run: ScreenedRun) -> bool:
     """Return whether a run was ended before its plan; screening names this reason first."""
-    return any(code_of(reason) == _ABORTED for reason in run.reasons[:1])
+    return _begins_with(run, _ABORTED) or _begins_with(run, _UNFINISHED)
+
+
+def _begins_with(run: ScreenedRun, code: str) -> bool:
+    return any(code_of(reason) == code for reason in run.reasons[:1])

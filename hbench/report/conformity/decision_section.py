@@ -1,5 +1,6 @@
 """Section of the campaign's report with the decisions of the last ``hbench accept``."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -144,7 +145,7 @@ def _fact(line: str) -> tuple[str, str]:
 
 
 def _which(decision: Conformity, checks: Sequence[ConformityCheck]) -> str:
-    """State the decision, how many checks make it, and of which quantities if it is not PASS."""
+    """State the decision, how many checks make it, of which quantities, and how the others end."""
     decisive = [check for check in checks if check.decision == decision]
     if not decisive:
         return f"{decision}."
@@ -154,7 +155,20 @@ def _which(decision: Conformity, checks: Sequence[ConformityCheck]) -> str:
     if decision == "PASS":
         return f"{count} {outcome}."
     names = dict.fromkeys(_name(check.requirement) for check in decisive)
-    return f"{count} {outcome} ({listed(list(names))})."
+    return f"{count} {outcome} ({listed(list(names))}).{_others(decision, checks)}"
+
+
+def _others(decision: Conformity, checks: Sequence[ConformityCheck]) -> str:
+    """Count the decisions on the other checks, the worst first; empty where all of them pass."""
+    counts = Counter(check.decision for check in checks if check.decision != decision)
+    if not counts.keys() - {"PASS"}:
+        return ""
+    words = [
+        f"{counts[each]} {_OUTCOMES[each][0 if counts[each] == 1 else 1]}"
+        for each in WORST_FIRST
+        if counts[each]
+    ]
+    return f" Of the other {counts.total()}, {listed(words)}."
 
 
 def _name(requirement: Requirement) -> str:
@@ -176,6 +190,8 @@ def nearest_words(decision: Conformity, checks: Sequence[ConformityCheck]) -> st
         return ""
     what = f"{'Farthest beyond' if margin < 0 else 'Nearest to'} its limit in multiples of U"
     which = check_words(check.requirement, replace(measured, p_lr_ref_pa=None))
+    name, named, of = which.partition(": ")
+    which = f"{name} ({of})" if named else which
     unit = check.requirement.unit
     size = significant(abs(from_si(check.requirement.margin(measured.value), unit)), 2)
     sure = check.probability is None or check.probability > _SURE

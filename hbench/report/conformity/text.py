@@ -37,7 +37,8 @@ RULES = {
     "simple": "simple acceptance: the measured value decides",
     "shared_risk": "shared risk: the measured value decides where U is at most {share} of the "
     "limit",
-    "guard_band": "guard band: a value passes if it is inside the limit by at least U",
+    "guard_band": "guard band: PASS inside the limit by at least U, MARGINAL inside by less, FAIL "
+    "beyond the limit",
 }
 _CONFORMS = (
     "conforms: probability that the true value is within its limit, for a Student distribution "

@@ -3,8 +3,9 @@
 from hbench.records import Diagnosis
 from hbench.report.campaign.settings import provenance_facts
 from hbench.report.diagnosis.names import in_words
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 
+_LONGEST = 60  # letters of the names of effects in a title
 _SIZES = {"bore": "piston_diameter", "rod": "rod_diameter", "stroke": "stroke"}  # of a model file
 
 
@@ -26,13 +27,27 @@ def _verdict(diagnosis: Diagnosis) -> str:
             *([f"{listed(sure)} found"] if sure else []),
             *([f"{listed(others)} not confirmed"] if others else []),
         ]
-        return capital(", ".join(parts))
+        words = ", ".join(parts)
+        if len(words) > _LONGEST and len(diagnosis.effects) > 1:
+            words = _counted(len(sure), len(others))
+        return capital(words)
     if diagnosis.verdict == "ambiguous":
         names = [in_words(candidate.name) for candidate in diagnosis.alternatives]
-        return f"{capital(listed(names, 'or'))}, not distinguishable"
+        either = listed(names, "or")
+        if len(either) > _LONGEST:
+            either = f"one of {len(names)} effects"
+        return f"{capital(either)}, not distinguishable"
     if diagnosis.verdict == "none":
         return "No missing effect found"
     return "Unknown deviation" if diagnosis.where else "Too few data for a verdict"
+
+
+def _counted(sure: int, others: int) -> str:
+    """Return how many effects were found; the verdict below the title names them."""
+    effects = f"{sure or others} {plural(sure or others, 'effect', 'effects')}"
+    if not others or not sure:
+        return f"{effects} {'found' if sure else 'not confirmed'}"
+    return f"{effects} found, {others} not confirmed"
 
 
 def identity_facts(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:

@@ -70,13 +70,13 @@ def campaign_table(fleet: Fleet) -> WordTable:
 
     Intervals that hardly differ from row to row are those of ``shared_intervals``.
     """
-    columns, rows = _columns(fleet), []
+    columns, rounded, rows = _columns(fleet), _columns(fleet, rounded=True), []
     folders = campaign_names(fleet)
     for at, campaign in enumerate(fleet.rows):
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
         cells = [
-            cells[at].partition(" ")[0] if _shared(cells) else cells[at]
-            for cells in columns.values()
+            cells[at].partition(" ")[0] if _shared(cells) else rounded[name][at]
+            for name, cells in columns.items()
         ]
         remark = "; ".join(_remarks(campaign, fleet))
         day = "" if campaign.started is None else f"{campaign.started:%Y-%m-%d}"
@@ -105,13 +105,18 @@ def shared_intervals(fleet: Fleet) -> str:
     return " ".join(filter(None, (at, intervals)))
 
 
-def _columns(fleet: Fleet) -> dict[str, list[str]]:
-    """Return the main numbers of all campaigns with their intervals, by the heads of columns."""
+def _columns(fleet: Fleet, rounded: bool = False) -> dict[str, list[str]]:
+    """Return the main numbers of all campaigns with their intervals, by the heads of columns.
+
+    ``rounded`` by their intervals; else numbers whose interval is large have four digits, since
+    rows may differ by less than what their intervals share.
+    """
     return {
         name_of(spread): [
             _with_ends(
                 campaign.numbers.get(spread.quantity.column(spread.direction)),
                 spread.quantity.scale,
+                rounded,
             )
             for campaign in fleet.rows
         ]
@@ -144,15 +149,16 @@ def _remarks(campaign: FleetCampaign, fleet: Fleet) -> Iterator[str]:
         yield f"incomplete: {campaign.missing}"
 
 
-def _with_ends(number: FleetNumber | None, scale: float) -> str:
+def _with_ends(number: FleetNumber | None, scale: float, rounded: bool) -> str:
     if number is None:
         return NONE
     if number.low is None or number.high is None:
         return significant(scale * number.value, 3)
     value, low, high = (scale * each for each in (number.value, number.low, number.high))
     shown, _, interval = with_ends(value, low, high).partition(" ")
-    if value and (high - low) / 2 >= 10 ** (math.floor(math.log10(abs(value))) - 2):
-        shown = significant(value, 4)  # rows differ by less than what their intervals share
+    coarse = value and (high - low) / 2 >= 10 ** (math.floor(math.log10(abs(value))) - 2)
+    if coarse and not rounded:
+        shown = significant(value, 4)
     return f"{shown} {interval}"
 
 

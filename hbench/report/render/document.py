@@ -215,6 +215,7 @@ def page(document: Document) -> str:
         .render(
             document=document,
             menu=menu(document),
+            unprinted=has_unprinted(document.sections),
             script=Markup(script),
             script_hash=b64encode(sha256(script.encode()).digest()).decode("ascii"),
             dark=DARK,

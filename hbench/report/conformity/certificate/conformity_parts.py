@@ -13,7 +13,7 @@ from hbench.report.conformity.certificate.layout import (
     on_a_line,
     without_empty,
 )
-from hbench.report.render.numbers import NONE, short, significant, with_interval
+from hbench.report.render.numbers import NONE, short, significant, unbroken, with_interval
 from hbench.sentences import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
@@ -100,14 +100,14 @@ def _decision_row(
     series = measured or check.requirement
     load = ""
     if series.f_load_n is not None and (with_load or measured is None):
-        load = f"{short(series.f_load_n)} N"
+        load = word("of_load", load=localized(certificate, short(series.f_load_n)))
     direction = word(series.direction) if series.direction else ""
     pressure = ""
     if series.p_lr_ref_pa is not None and (with_back_pressure or measured is None):
         back = localized(certificate, short(from_si(series.p_lr_ref_pa, "bar")))
         pressure = word("at_back_pressure", pressure=back)
     label = certificate.named(series.label or "")
-    where = filter(None, (label, direction, localized(certificate, load), pressure))
+    where = filter(None, (label, direction, load, pressure))
     text, percent = NONE, NONE
     if measured is not None:
         half = None if measured.u95 is None else from_si(measured.u95, unit)
@@ -122,7 +122,7 @@ def _decision_row(
         on_a_line(", ".join(where), 20) or NONE,
         localized(certificate, text),
         localized(certificate, percent),
-        word(check.decision),
+        unbroken(word(check.decision)),
     )
 
 

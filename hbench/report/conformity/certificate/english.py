@@ -171,8 +171,8 @@ ENGLISH = {
     "rule_simple": "simple acceptance (JCGM 106, 8.2): the measured value decides.",
     "rule_shared_risk": "shared risk: the measured value decides where U is at most {share} % "
     "of the limit.",
-    "rule_guard_band": "guard band (JCGM 106, 8.3.2; ILAC-G8): a value passes if it is inside "
-    "the limit by at least U.",
+    "rule_guard_band": "guard band (JCGM 106, 8.3.2; ILAC-G8): PASS inside the limit by at least "
+    "U, MARGINAL inside by less, FAIL beyond the limit.",
     "applies": "The statement applies to the quantities in the table. “Conforms” is the "
     "probability of conformity (JCGM 106, 7), for a Student distribution with the 95 % interval of "
     "measured value ± U; where U has no factor k, this distribution is an assumption.",
@@ -196,6 +196,7 @@ ENGLISH = {
     "q_leakage": "leakage",
     "q_speed_ripple": "speed ripple",
     "q_drift": "drift of friction",
+    "of_load": "load {load} N",
     "at_pressure": "{leak} at {pressure} bar",
     "at_speed": "at {speed} mm/s",
     "after_rest": "after {dwell} s at rest",

@@ -175,8 +175,9 @@ GERMAN = {
     "rule_simple": "einfache Annahme (JCGM 106, 8.2): Der Messwert entscheidet.",
     "rule_shared_risk": "geteiltes Risiko: Der Messwert entscheidet, wenn U höchstens "
     "{share} % des Grenzwerts beträgt.",
-    "rule_guard_band": "Schutzabstand (JCGM 106, 8.3.2; ILAC-G8): Ein Wert besteht, wenn er "
-    "mindestens um U innerhalb liegt.",
+    "rule_guard_band": "Schutzabstand (JCGM 106, 8.3.2; ILAC-G8): BESTANDEN, wenn der Wert "
+    "mindestens um U innerhalb des Grenzwerts liegt, GRENZFALL, wenn um weniger, NICHT BESTANDEN "
+    "jenseits des Grenzwerts.",
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
     "Wahrscheinlichkeit der Konformität (JCGM 106, 7), für eine Studentverteilung mit dem "
     "95-%-Intervall Messwert ± U; wo U keinen Faktor k hat, ist diese Verteilung angenommen.",
@@ -200,6 +201,7 @@ GERMAN = {
     "q_leakage": "Leckage",
     "q_speed_ripple": "Ungleichförmigkeit",
     "q_drift": "Drift der Reibung",
+    "of_load": "Last {load} N",
     "at_pressure": "{leak} bei {pressure} bar",
     "at_speed": "bei {speed} mm/s",
     "after_rest": "nach {dwell} s Ruhe",
