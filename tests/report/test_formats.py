@@ -237,7 +237,7 @@ def test_each_figure_of_a_pdf_has_its_own_caption_in_its_column_and_unprinted_pa
     )
     assert one[1] == two[1] > three[1] and one[0] < 0.3 < 0.5 < two[0] == three[0]
     assert "Kept" in places and "Gone" not in places
-    assert any("has more tables: their numbers are missing here" in words for words in places)
+    assert any("has more tables; the numbering counts them" in words for words in places)
     bare = tuple(Drawing(n, "s", n, "", svg, png) for n in ("One", "Two"))
     (sheet,) = sheets(Document("t", "", (Section("S", drawings=bare),)))
     assert "Figure 2. Two." in {text.get_text() for text in sheet.texts}

@@ -52,7 +52,7 @@ _ALARM, _BANNER = "#9b1111", "#8a3a00"
 _INSET = 10.0  # of a text inside a frame
 _HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
 _DATE = re.compile(r"\d{4}-\d\d-\d\d")
-_NUMBERS = "report.html has more tables: their numbers are missing here."
+_NUMBERS = "report.html has more tables; the numbering counts them."
 _HEADER = 34.0  # base of the running header and, from below, of the footer
 
 
