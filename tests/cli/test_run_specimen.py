@@ -1,5 +1,7 @@
 """``hbench run --specimen``: the serial number names campaign and folder."""
 
+from types import SimpleNamespace
+
 import pytest
 from typer.testing import CliRunner
 
@@ -36,6 +38,21 @@ def test_an_output_folder_wins_and_no_serial_is_no_name(run, tmp_path):
         assert run(*arguments).exit_code == 2
     assert isinstance(run("--specimen", "A\x1b[2J").exception, ConfigError)
     assert not list(tmp_path.glob("_*"))
+
+
+def test_the_answer_is_the_first_line_with_text(run, tmp_path):
+    done = run("--specimen", "?", "-o", "mine", typed="\n \r\nA1\r\n")
+    assert done.exit_code == 0, done.output
+    assert load_campaign(tmp_path / "mine").provenance().settings["specimen"] == {"serial": "A1"}
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_without_an_answer_it_is_a_usage_error(run, monkeypatch, closed):
+    if closed:
+        monkeypatch.setattr("hbench.cli.commands.run.sys", SimpleNamespace(stdin=None))
+    done = run("--specimen", "?", "--check", typed="\n")
+    assert done.exit_code == 2
+    assert "got no answer: standard input has ended" in done.stderr and not done.stdout
 
 
 def test_a_refused_resume_names_the_key_that_differs_and_the_option_that_was_left_out(run):
