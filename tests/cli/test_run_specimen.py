@@ -31,6 +31,14 @@ def test_the_folder_is_named_after_the_cylinder_and_its_serial_is_in_the_campaig
     assert load_campaign(folder).provenance().settings["specimen"]["serial"] == "SN 12/7"
 
 
+@pytest.mark.parametrize("serial", ["-A1", "../.A1"])
+def test_a_folder_named_after_a_cylinder_is_neither_hidden_nor_an_option(run, tmp_path, serial):
+    assert run("--specimen", serial).exit_code == 0
+    (folder,) = [path for path in tmp_path.iterdir() if path.is_dir()]
+    assert folder.name[0] not in "-."
+    assert load_campaign(folder).provenance().settings["specimen"]["serial"] == serial
+
+
 def test_an_output_folder_wins_and_no_serial_is_no_name(run, tmp_path):
     assert run("--specimen", "A1", "-o", "mine").exit_code == 0
     assert load_campaign(tmp_path / "mine").provenance().settings["specimen"] == {"serial": "A1"}

@@ -92,7 +92,8 @@ def run(
     if output is None:
         if serial is None or resume:
             raise typer.BadParameter("missing: give a campaign folder", param_hint="'-o'")
-        output = Path(f"{re.sub(r'[^A-Za-z0-9.-]+', '_', serial)}_{_now():%Y-%m-%d_%H%M%S}")
+        name = re.sub(r"[^A-Za-z0-9.-]+", "_", serial).lstrip("-.")  # no option, not hidden
+        output = Path(f"{name}_{_now():%Y-%m-%d_%H%M%S}")
     line = workflow.Line(port, baud, plant, seed)
     display = BenchDisplay(sys.stderr)
     common = {"resume": resume, "clock": _now, "retry": retry}
