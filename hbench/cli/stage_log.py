@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TextIO
 
-from hbench.errors import DataError
+from hbench.store.files.atomic import refused
 
 _EVERY_S = 25.0  # of silence, then the stage is repeated: at least one line each 30 s
 
@@ -84,7 +84,7 @@ def stage_log(path: Path) -> Iterator[StageLog]:
         path.parent.mkdir(parents=True, exist_ok=True)
         stream = path.open("w", encoding="utf-8")
     except OSError as error:
-        raise DataError(f"{path}: cannot be written: {error.strerror}") from error
+        raise refused(path, error) from error
     with stream:
         log, last = StageLog(stream), "finished"
         try:

@@ -14,10 +14,10 @@ def open_standard_streams() -> None:
     """Replace the standard streams by ones that a full disk or a closed terminal can't disturb.
 
     Progress and messages on stderr are lost where it takes nothing: a measurement goes on. A
-    result that stdout does not take raises ``DataError``; a reader that has ended is no error
-    here. Characters that an encoding does not have are escaped, since paths contain any. A stream
-    that was closed takes and gives nothing: otherwise a campaign's file would be opened in its
-    place.
+    result that stdout does not take raises ``DataError``; a reader that has ended, such as
+    ``head``, is no error: the command completes with its own exit code. Characters that an
+    encoding does not have are escaped, since paths contain any. A stream that was closed takes
+    and gives nothing: otherwise a campaign's file would be opened in its place.
     """
     while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(handle, True)
@@ -63,7 +63,7 @@ class _Messages(io.TextIOWrapper):
 class _Result(io.TextIOWrapper):
     """Output that a caller needs."""
 
-    _failed = False  # once: what is flushed at the end is no second error
+    _failed = False  # or not read to its end; then the rest is dropped, also at the last flush
 
     def write(self, text: str) -> int:
         if not self._failed:
@@ -81,7 +81,7 @@ class _Result(io.TextIOWrapper):
         try:
             yield
         except BrokenPipeError:
-            raise
+            self._failed = True
         except OSError as error:
             self._failed = True
             raise DataError(

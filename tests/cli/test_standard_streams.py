@@ -1,6 +1,7 @@
 """A closed or full terminal ends no measurement; a result that is not written is an error."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,6 +12,8 @@ import pytest
 from hbench.store.campaign.folder import load_campaign
 from tests.support import ROOT
 
+SAMPLE = Path("stribeck-small")  # a copy: the command writes results to it
+LIMITS = ROOT / "configs" / "limits.yaml"
 FULL = Path("/dev/full")
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full")
 
@@ -49,6 +52,26 @@ def test_a_measurement_goes_on_where_nothing_takes_its_messages(
     campaign = load_campaign(folder)
     assert not campaign.warnings and not campaign.damaged()
     assert len(campaign.done) == len(campaign.entries) > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [(["--help"], 0), (["simulate"], 0), (["accept", SAMPLE, "--limits", LIMITS, "--fail"], 6)],
+    ids=["help", "list", "verdict"],
+)
+def test_a_reader_that_has_ended_does_not_change_the_exit_code(tmp_path, arguments, code):
+    shutil.copytree(ROOT / "data_samples" / SAMPLE, tmp_path / SAMPLE)
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-m", "hbench", *map(str, arguments)],
+        stdout=writing,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (code, "")
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no choice of a core")

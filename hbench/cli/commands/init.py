@@ -56,7 +56,8 @@ def init(
     """
     from hbench.config.files.examples import example
     from hbench.config.files.sized_examples import BENCH_FILE
-    from hbench.errors import ConfigError
+    from hbench.errors import ConfigError, HbenchError
+    from hbench.store.files.atomic import remove_files, write_files
 
     size = _size(bore=bore, rod=rod, stroke=stroke, supply=supply)
     contents = {name: example(name) for name in _FILES}
@@ -71,13 +72,10 @@ def init(
         made = workflow.sized_files(texts, size)
         contents = {name: text.encode() for name, text in made.files.items()}
     try:
-        directory.mkdir(parents=True, exist_ok=True)
-        for name, content in contents.items():
-            (directory / name).write_bytes(content)
-    except OSError as error:
-        raise ConfigError(
-            f"{directory}: can't be written: {error.strerror}", "Choose another folder."
-        ) from None
+        write_files(directory, contents)
+    except HbenchError:
+        remove_files(directory, contents)  # a repetition would refuse them
+        raise
     paths = [str(directory / name) for name in contents]
     if as_json:
         typer.echo(as_object("init", files=paths))

@@ -92,7 +92,8 @@ def run(
     if output is None:
         if serial is None or resume:
             raise typer.BadParameter("missing: give a campaign folder", param_hint="'-o'")
-        output = Path(f"{re.sub(r'[^A-Za-z0-9.-]+', '_', serial)}_{_now():%Y-%m-%d_%H%M%S}")
+        name = re.sub(r"[^A-Za-z0-9.-]+", "_", serial).lstrip("-.")  # no option, not hidden
+        output = Path(f"{name}_{_now():%Y-%m-%d_%H%M%S}")
     line = workflow.Line(port, baud, plant, seed)
     display = BenchDisplay(sys.stderr)
     common = {"resume": resume, "clock": _now, "retry": retry}
@@ -128,14 +129,28 @@ def run(
 
 
 def _serial(specimen: str | None) -> str | None:
-    """Return the serial number, asked for at the terminal for ``?``."""
+    """Return the serial number, read from standard input for ``?``."""
     if specimen == "?":
-        specimen = typer.prompt("serial number of the cylinder", err=True)
+        specimen = _answer("serial number of the cylinder")
     if specimen is None:
         return None
     if not specimen.strip(" ._-"):
         raise typer.BadParameter("is empty", param_hint="'--specimen'")
     return specimen.strip()
+
+
+def _answer(question: str) -> str:
+    """Return the first line of standard input with text. Raises ``BadParameter`` without one."""
+    while True:
+        typer.echo(f"{question}: ", nl=False, err=True)
+        line = sys.stdin.readline() if sys.stdin else ""  # None: it was closed
+        if line.strip():
+            return line
+        if not line:
+            typer.echo(err=True)
+            raise typer.BadParameter(
+                "'?' got no answer: standard input has ended", param_hint="'--specimen'"
+            )
 
 
 def _check(

@@ -18,7 +18,7 @@ from hbench.errors import ConfigError
 from hbench.records.conformity.certified import RawData
 from hbench.store.campaign.folder import JOURNAL, StoredCampaign
 from hbench.store.campaign.raw_logs import raw_files
-from hbench.store.files.atomic import new_file, whole_file
+from hbench.store.files.atomic import new_file, rename, temporary_folder, whole_file
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, read_file
 
 METADATA = "ro-crate-metadata.json"
@@ -63,6 +63,8 @@ def write_crate(
 ) -> None:
     """Write logs, record and ``derived`` files; a ZIP file if ``output`` ends in ``.zip``.
 
+    File or folder appear under their name once all is written.
+
     Raises ``ConfigError`` if the folder exists, ``DataError`` if it can't be written.
     """
     with _target(output) as put:
@@ -100,12 +102,15 @@ def _zip(output: Path) -> Iterator[_Target]:
 def _folder(output: Path) -> Iterator[_Target]:
     if output.exists():
         raise ConfigError(f"{output}: exists already", "Choose another folder.")
+    part = output.with_name(f".{output.name}.part")
 
     def put(name: str, data: bytes) -> None:
-        with new_file(output / name) as file:
+        with new_file(part / name) as file:
             file.write(data)
 
-    yield put
+    with temporary_folder(part):
+        yield put
+        rename(part, output.name)
 
 
 def _entity(name: str, data: bytes) -> dict[str, Any]:

@@ -64,7 +64,7 @@ def _replacement(path: Path, *, lasting: bool) -> Iterator[IO[bytes]]:
                 _flush(file)
         os.replace(part, path)
     except OSError as error:
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
@@ -79,7 +79,7 @@ def new_file(path: Path) -> Iterator[IO[bytes]]:
             yield file
             _flush(file)
     except OSError as error:
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
 
 
 @contextmanager
@@ -93,7 +93,7 @@ def temporary_folder(path: Path) -> Iterator[None]:
         if path.exists():  # from an import that was killed
             shutil.rmtree(path)  # refuses a link
     except OSError as error:
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
     try:
         yield
     finally:
@@ -114,7 +114,7 @@ def move_files(source: Path, destination: Path) -> None:
             os.replace(path, destination / path.name)
         _flush_folder(destination)
     except OSError as error:
-        raise _refused(destination, error) from error
+        raise refused(destination, error) from error
 
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
@@ -144,7 +144,7 @@ def _only_writer(folder: Path) -> Iterator[None]:
                 with suppress(OSError):  # a file system without locks
                     fcntl.flock(handle, fcntl.LOCK_EX)
     except OSError as error:
-        raise _refused(folder, error) from error
+        raise refused(folder, error) from error
     try:
         yield
     finally:
@@ -162,7 +162,7 @@ def remove_files(folder: Path, names: Iterable[str]) -> None:
         try:
             (folder / name).unlink(missing_ok=True)
         except OSError as error:
-            raise _refused(folder / name, error) from error
+            raise refused(folder / name, error) from error
 
 
 def append(path: Path, data: bytes) -> None:
@@ -178,7 +178,7 @@ def append(path: Path, data: bytes) -> None:
     except OSError as error:
         with suppress(OSError):
             os.truncate(path, length)
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
 
 
 def rename(path: Path, name: str) -> None:
@@ -186,7 +186,7 @@ def rename(path: Path, name: str) -> None:
     try:
         path.rename(path.with_name(name))
     except OSError as error:
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
 
 
 def truncate(path: Path, length: int) -> None:
@@ -196,7 +196,7 @@ def truncate(path: Path, length: int) -> None:
             file.truncate(length)
             _flush(file)
     except OSError as error:
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
 
 
 def _flush(file: IO[bytes]) -> None:
@@ -204,7 +204,8 @@ def _flush(file: IO[bytes]) -> None:
     os.fsync(file.fileno())
 
 
-def _refused(path: Path, error: OSError) -> DataError:
+def refused(path: Path, error: OSError) -> DataError:
+    """Return the error of a path at which the operating system refuses to write."""
     in_the_way = error.errno in (errno.EEXIST, errno.ENOTDIR, errno.EISDIR, errno.ELOOP)
     return DataError(
         f"{path}: can't be written: {error.strerror or error}",
@@ -219,7 +220,7 @@ def _flush_entries(folder: Path) -> None:
     try:
         _flush_folder(folder)
     except OSError as error:
-        raise _refused(folder, error) from error
+        raise refused(folder, error) from error
 
 
 def _flush_folder(folder: Path) -> None:

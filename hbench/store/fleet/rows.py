@@ -14,6 +14,7 @@ from types import TracebackType
 from typing import Any
 
 from hbench.errors import ConfigError, DataError
+from hbench.store.files.atomic import refused
 
 ROWS = "fleet.sqlite"
 _LAYOUT = 6  # of the file and of its cells
@@ -38,7 +39,7 @@ class FleetRows:
             try:
                 folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
-                raise DataError(f"{folder}: can't be created: {error.strerror}") from None
+                raise refused(folder, error) from None
             self._rows = sqlite3.connect(self._path, isolation_level=None, timeout=0.5)
             self._open()
 
