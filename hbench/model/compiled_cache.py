@@ -42,8 +42,9 @@ def keep_on_disk(dispatcher: Any, function: Callable, name: str, package: Path) 
 
 
 def _users() -> list[Path]:
+    given = Path(os.environ.get("XDG_CACHE_HOME", ""))  # a relative one does not count
     with suppress(RuntimeError):  # no home
-        return [Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "hbench"]
+        return [(given if given.is_absolute() else Path.home() / ".cache") / "hbench"]
     return []
 
 

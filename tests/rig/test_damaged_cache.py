@@ -78,6 +78,17 @@ def test_the_cache_is_the_users_where_the_package_is_write_protected(twice, tmp_
     }
 
 
+def test_a_relative_folder_of_the_user_does_not_count(twice, tmp_path, monkeypatch):
+    """As the XDG specification says; it would be another one in each working directory."""
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "package").write_bytes(b"")
+    assert twice(tmp_path / "package") == (0, 1)
+    assert not (tmp_path / "relative").exists()
+    assert {path.parents[3] for path in files(tmp_path)} == {tmp_path / "home" / ".cache"}
+
+
 def test_without_a_folder_each_process_compiles(twice, tmp_path, monkeypatch):
     (tmp_path / "nothing").write_bytes(b"")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "nothing"))
