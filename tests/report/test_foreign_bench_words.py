@@ -4,7 +4,8 @@ import re
 from dataclasses import replace
 
 from hbench.records import Candidate, DetectableSize, RunPlan, Separability, Specimen
-from hbench.report.diagnosis.definitions import of_gaps
+from hbench.records.diagnosis import HeldOutError
+from hbench.report.diagnosis.definitions import of_effects_gaps, of_gaps
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml
 from hbench.report.diagnosis.tables.effect_tables import ranking_table
@@ -32,6 +33,14 @@ def test_the_model_of_a_bench_without_hbenchs_board_is_not_for_hbench_run(named)
     assert "hbench run --plant" in revised_yaml(named) and "--plant" in diagnosis_page(named, ())
     assert "--plant" not in revised_yaml(elsewhere) + diagnosis_page(elsewhere, ())
     assert "Give it to `hbench reconcile` as --model." in revised_yaml(elsewhere)
+
+
+def test_levels_of_friction_count_in_the_gaps_of_a_driven_mass(named):
+    """Its runs have no levels of their own, so its page does not say that they are left out."""
+    (fact,) = of_effects_gaps(named)
+    assert "from run to run" in fact[1] and fact[1] in on_one_line(diagnosis_page(named, ()))
+    driven = replace(named, errors=(HeldOutError("force", "N", 4.0, 2.0, 1.0),))
+    assert of_effects_gaps(driven) == () == of_effects_gaps(replace(named, effects=()))
 
 
 def test_the_terminals_table_of_effects_is_not_announced_with_gaps(named):

@@ -254,8 +254,8 @@ def of_laws(diagnosis: Diagnosis) -> tuple[Fact, ...]:
 
 
 def of_effects_gaps(diagnosis: Diagnosis) -> tuple[Fact, ...]:
-    """Return which gaps the table of the effects has; empty without any."""
-    if not diagnosis.effects or of_strokes(diagnosis):
+    """Return which gaps the table of the effects has, if they differ from the others."""
+    if not diagnosis.effects or diagnosis.errors or of_strokes(diagnosis):
         return ()
     return (("Gap without it, with it", _EFFECTS_GAPS),)
 
