@@ -82,7 +82,7 @@ class BeforeAfter:
     before: FloatOrNan  # model as given
     refitted: FloatOrNan  # its poorly known parameters refitted
     after: FloatOrNan  # with the effects
-    floor: FloatOrNan  # average of correct models with the same uncertainty of their parameters
+    floor: FloatOrNan  # average of correct models with values as uncertain, from these trials
 
 
 @dataclass(frozen=True)

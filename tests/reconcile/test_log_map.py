@@ -8,6 +8,7 @@ import pytest
 from hbench.reconcile.gaps.log_map import (
     Windows,
     between_runs,
+    expected_square,
     like_runs,
     log_map,
     ranked_gaps,
@@ -59,6 +60,37 @@ def test_the_noise_is_that_of_a_window_for_runs_of_any_length():
             found, _ = made(np.random.default_rng(seed), lengths=(length,) * 60)
             white.append((found.white * found.scatter[0] ** 2 / SIGMA**2).mean())
         assert np.mean(white) == pytest.approx(1.0, abs=0.12)
+
+
+@pytest.mark.parametrize("gap", [0.0, 5.0])
+def test_a_correct_model_deviates_by_what_trials_differ_at_these_points(gap):
+    """A tenth of the points have trials that differ five times as much, as at high flow.
+
+    A gap that the trials of a point have in common, the model's error, does not count.
+    """
+    windows = windows_of((LENGTH,) * RUNS)
+    fast = windows.run < RUNS // 10
+    expected, actual = [], []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        _, values = made(rng, between=1.0, gap=gap)
+        values += SIGMA * (5.0 * rng.standard_normal((RUNS, 2)))[windows.run] * fast[:, None]
+        found = log_map(windows, NAMES, values, np.zeros(2))
+        per_square = (found.scatter / SIGMA) ** 2
+        expected.append(expected_square(found) * per_square)
+        actual.append((found.difference / found.scatter) ** 2 * per_square)
+    slow, quick = (np.mean(expected, axis=0)[chosen].mean() for chosen in (~fast, fast))
+    assert slow == pytest.approx(1 + 1, rel=0.1) and quick == pytest.approx(1 + 1 + 25, rel=0.15)
+    excess = np.mean(actual) - np.mean(expected)
+    assert excess == pytest.approx(gap**2, rel=0.1, abs=0.3)
+
+
+def test_without_trials_a_correct_model_deviates_by_the_scatter():
+    windows = windows_of((LENGTH,) * RUNS, trials=1)
+    values = SIGMA * np.random.default_rng(6).standard_normal((RUNS * LENGTH, 2))
+    values[7, 1] = np.nan
+    found = expected_square(log_map(windows, NAMES, values, np.zeros(2)))
+    assert np.isnan(found[7, 1]) and np.all(found[np.isfinite(found)] == 1.0)
 
 
 def test_a_gap_of_operating_points_is_no_scatter():

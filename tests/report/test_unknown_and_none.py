@@ -438,7 +438,8 @@ def test_an_agreement_states_the_largest_gap_beside_that_of_a_correct_model(comp
     assert "the model agrees with the measurement. These runs give no reason to inspect" in text
     assert (
         "In runs outside the fit the model deviates by 1.46 times the repeatability, a correct "
-        "model by 2.18 on average, since its fitted values are uncertain."
+        "model by 2.18 on average: its fitted values are uncertain, and trials differ by more at "
+        "some operating points than at others."
     ) in text
     largest = (
         "The largest gap of a quantity in runs outside the fit is 2.79 in the flow to the load"

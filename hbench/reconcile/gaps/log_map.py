@@ -144,6 +144,32 @@ def _run_means(values: np.ndarray, run: np.ndarray, runs: int) -> np.ndarray:
         return sums / np.where(counts > 0, counts, np.nan)
 
 
+def expected_square(residuals: GapMap) -> np.ndarray:
+    """Return the expected square (w, c) of a correct model's residuals, in squares of the scatter.
+
+    It is the variance between the trials of the window's operating point. The scatter is that of
+    all points: trials at high flow differ by more, as the gain of a valve is not the same in each.
+    Where there is one trial it is 1; nan where nothing is compared.
+    """
+    relative = residuals.difference / residuals.scatter
+    _, first, run = np.unique(residuals.run, return_index=True, return_inverse=True)
+    trials_of_run = like_runs(run, residuals.point[first], residuals.v_m_s)
+    runs, expected = np.split(relative, first[1:]), np.empty_like(relative)
+    for each in np.unique(trials_of_run):
+        alike = trials_of_run == each
+        expected[alike[run]] = _between_trials([runs[i] for i in np.flatnonzero(alike)])
+    return np.where(np.isfinite(relative), expected, np.nan)
+
+
+def _between_trials(trials: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the mean variance (c,) of a window between trials (m, c); 1 where it is unknown."""
+    if len(trials) < 2:
+        return np.ones(trials[0].shape[1])
+    m = min(map(len, trials))
+    variance = column_means(np.var([trial[:m] for trial in trials], axis=0, ddof=1))
+    return np.where(np.isfinite(variance), variance, 1.0)
+
+
 def ranked_gaps(residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
     """Return the gaps of all balances, largest first; ``allowed`` (c,) is what tolerances explain.
 

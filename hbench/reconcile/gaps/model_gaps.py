@@ -9,7 +9,7 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import residual_map
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
-from hbench.reconcile.gaps.log_map import unexplained_gaps
+from hbench.reconcile.gaps.log_map import expected_square, unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
 from hbench.reconcile.hypothesis import typical_size
@@ -42,7 +42,8 @@ def gap_fields(
     """Return the fields of a diagnosis with gaps and residuals, in the refitted model's scatter."""
     before = result.refitted.gap_map
     given, after = (each.gap_map.in_units_of(before) for each in (result.given, result.final))
-    balances = BalanceStages((given, before, after), expected_variance(result.final, estimates))
+    expected = expected_square(after) + expected_variance(result.final, estimates)
+    balances = BalanceStages((given, before, after), expected)
     train = frozenset(before.points) - held_out
     return {
         "regions": regions(before),

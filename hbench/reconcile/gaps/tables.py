@@ -22,12 +22,12 @@ class BalanceStages:
     """Residuals of the models before, refitted and after, in the scatter of the second."""
 
     maps: tuple[GapMap, GapMap, GapMap]
-    uncertain: np.ndarray  # (w, c) variance by the parameters' uncertainty, in squares of scatters
+    expected: np.ndarray  # (w, c) square of a correct model's residuals, in squares of scatters
 
     def over(self, windows: np.ndarray) -> dict[str, BeforeAfter]:
         """Return the gaps of the chosen windows (w,), by balance."""
         columns = [each.gaps(windows) for each in self.maps]
-        floor = np.sqrt(1 + column_means(self.uncertain[windows]))
+        floor = np.sqrt(column_means(self.expected[windows]))
         return _by_name(self.maps[0].names, columns, floor)
 
 

@@ -84,8 +84,8 @@ _SIGNALS = (
 )
 _REFITTED_STAGE = "The model with its poorly known values fitted, and no effect added."
 _EXPECTED = (
-    "Gap that a correct model has on average, because its fitted values are uncertain. It is no "
-    "lower limit: a fit can come closer."
+    "Gap that a correct model has on average: its fitted values are uncertain, and trials differ "
+    "by more at some operating points than at others. It is no lower limit: a fit can come closer."
 )
 _LEAVE_ONE_OUT = (
     "Each load in turn, predicted with values that were fitted to the other loads. The effects "

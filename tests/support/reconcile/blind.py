@@ -31,7 +31,7 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.diagnose import ReconcileTask, run_search
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.gaps.log_map import ranked_gaps, unexplained_gaps
+from hbench.reconcile.gaps.log_map import expected_square, ranked_gaps, unexplained_gaps
 from hbench.reconcile.gaps.model_gaps import expected_variance
 from hbench.reconcile.measured.balances import BALANCES
 from hbench.reconcile.nuisance import BACKGROUND
@@ -110,10 +110,10 @@ def _floor(
     found: SearchResult, fit: ParameterEstimates, out: np.ndarray, touched: Sequence
 ) -> float:
     """Return the gap that a correct model has on average over balances and operating points."""
-    gaps = found.final.gap_map
-    variance = expected_variance(found.final, fit)
-    chosen = variance[np.isin(gaps.point, out)][:, np.isin(gaps.names, touched)]
-    return float(np.sqrt(1 + np.nanmean(chosen)))
+    gaps = found.final.gap_map.in_units_of(found.refitted.gap_map)
+    expected = expected_square(gaps) + expected_variance(found.final, fit)
+    chosen = expected[np.isin(gaps.point, out)][:, np.isin(gaps.names, touched)]
+    return float(np.sqrt(np.nanmean(chosen)))
 
 
 def stored_outcome(folder: Path) -> Outcome:

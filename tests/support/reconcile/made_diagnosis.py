@@ -58,7 +58,7 @@ def diagnosis(hidden=LEAK, found=FOUND) -> Diagnosis:
     hypotheses = _hypotheses(found)
     maps = [own.gap_map(hypothesis) for hypothesis in hypotheses]
     maps = [each.in_units_of(maps[1]) for each in maps]
-    balances = BalanceStages(tuple(maps), np.full(maps[0].difference.shape, 0.04))
+    balances = BalanceStages(tuple(maps), np.full(maps[0].difference.shape, 1.04))
     models = [own.balance_model(hypothesis) for hypothesis in hypotheses]
     simulated = list(zip((before, refitted, after), models, strict=True))
     stages = SimulatedStages(measured, simulated, held)

@@ -53,8 +53,8 @@ def total_words(diagnosis: Diagnosis) -> str:
         return ""
     return (
         f"In runs outside the fit the model deviates by {gap_number(total.refitted)} times the "
-        f"repeatability, a correct model by {gap_number(total.floor)} on average, since its fitted "
-        "values are uncertain."
+        f"repeatability, a correct model by {gap_number(total.floor)} on average: its fitted "
+        "values are uncertain, and trials differ by more at some operating points than at others."
     )
 
 

@@ -81,7 +81,7 @@ def _repeats(gap: Gap) -> str:
 def as_expected(diagnosis: Diagnosis) -> list[Gap]:
     """Return the unexplained gaps that a correct model has too; none of an unnamed law.
 
-    Its values are as uncertain, so it deviates as well.
+    Its values are as uncertain and trials differ as much, so it deviates as well.
     """
     laws = {name for law in diagnosis.unnamed for name in law.balances}
     every = (gap for gap in diagnosis.rest if gap.name not in laws)
@@ -123,10 +123,10 @@ def expected_words(diagnosis: Diagnosis) -> str:
         return ""
     beyond = listed([in_unit(gap, _beyond_expected(diagnosis, gap)) for gap in gaps[:_FEW]])
     return (
-        "The remaining deviation is mostly due to the uncertainty of the model's values: "
-        f"{deviations(gaps)}. In runs outside the fit {beyond} of it "
-        f"{'is' if len(gaps) == 1 else 'are'} beyond that uncertainty, which is too small to "
-        "matter."
+        "The remaining deviation is mostly that of a correct model, whose values would be as "
+        f"uncertain and whose trials would differ as much: {deviations(gaps)}. In runs outside the "
+        f"fit {beyond} of it {'is' if len(gaps) == 1 else 'are'} beyond that, which is too small "
+        "to matter."
     )
 
 
@@ -142,8 +142,8 @@ def expected_gaps(diagnosis: Diagnosis) -> str:
     ]
     return (
         f"In runs outside the fit {'; '.join(parts)}. That is no evidence of a further cause: the "
-        "values of model.yaml are uncertain to this extent, and more runs of the same kinds reduce "
-        "it."
+        "trials differ and the values of model.yaml are uncertain to this extent. More runs of the "
+        "same kinds reduce it."
     )
 
 
