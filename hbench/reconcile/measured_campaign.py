@@ -40,6 +40,7 @@ from hbench.reconcile.measured.disturbances import (
 )
 from hbench.reconcile.measured.session import PRESSURES, Session
 from hbench.reconcile.nuisance import drift_deviations, nuisances, standard_deviation, tolerances
+from hbench.records.diagnosis import LEVEL_SCATTER
 
 _STEP = 1e-3  # of a logarithm
 _SHARE = 0.05  # of a typical size: its law is nearly a line over this step
@@ -49,7 +50,6 @@ _LAGS = frozenset(  # columns of times as short as such a step
     + [f"{name}.{key}" for name, row in EFFECTS.items() for key, c in row.coefficients.items()
        if c.unit == "ms" or (name, key) == ("valve_lag", "second")]
 )  # fmt: skip
-_LEVEL_SCATTER = 0.04  # of dry friction from run to run, standard deviation: assumed
 _RIPPLE = standard_deviation(0.02)  # of dry friction along a honed bore: assumed
 _RIPPLE_KNOTS = 8  # over the positions that were reached
 
@@ -195,7 +195,7 @@ class MeasuredCampaign:
         starts = [0, *edges.tolist(), len(residuals.run)]
         dry = self._without_rest(dry_friction(self.smoothed_sessions, model))
         with np.errstate(invalid="ignore"):
-            change = np.nan_to_num(_LEVEL_SCATTER * dry / residuals.scatter)
+            change = np.nan_to_num(LEVEL_SCATTER * dry / residuals.scatter)
         for balance in (BALANCES.index(name) for name in FORCES):
             for start, stop in zip(starts[:-1], starts[1:], strict=True):
                 windows = slice(start, stop)

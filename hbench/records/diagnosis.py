@@ -107,6 +107,7 @@ class RunGap:
 
 MOTION_BALANCE = "force_mass"  # force balance of a driven mass
 SIGNIFICANT_P = 0.1  # p-value after Holm below which a gap is significant
+LEVEL_SCATTER = 0.04  # of dry friction from run to run, standard deviation: assumed
 UNEXPLAINED_GAP = 2.0  # trial scatters; a smaller one is no reason to look for a missing effect
 LEAST_EXPLAINED = 0.25  # share of the excess gap that an effect must explain to be named
 LEAST_SIZE = 0.25  # of its typical size that it must have

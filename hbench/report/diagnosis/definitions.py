@@ -3,7 +3,13 @@
 import re
 
 from hbench.records import Diagnosis
-from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, SIGNIFICANT_P, UNEXPLAINED_GAP
+from hbench.records.diagnosis import (
+    LEAST_EXPLAINED,
+    LEAST_SIZE,
+    LEVEL_SCATTER,
+    SIGNIFICANT_P,
+    UNEXPLAINED_GAP,
+)
 from hbench.report.diagnosis.names import EDGES, in_words, of_strokes
 from hbench.report.diagnosis.words.change import wrong_readings
 from hbench.report.diagnosis.words.error import scatter_words
@@ -53,8 +59,9 @@ _GAP = (
     "deviation over repeated trials. 1 is as close as the bench repeats."
 )
 _EFFECTS_GAPS = (
-    "Of the quantities that the effect changes. The level of dry friction may differ by some 4 % "
-    "from run to run: such differences are not counted here, but in all other gaps."
+    "Of the quantities that the effect changes. The level of dry friction may differ by some "
+    f"{100 * LEVEL_SCATTER:g} % from run to run: such differences are not counted here, but in "
+    "all other gaps."
 )
 _DRAWN = "Means over windows of 0.16 s are compared. Gaps below 0.3 are drawn at 0.3."
 _BALANCES = (
