@@ -164,8 +164,11 @@ def hold_table(results: Results) -> Table:
 
 def breakaway_table(results: Results) -> Table:
     """Return breakaway of each direction, load, rest and rate."""
+    known = any(each.u95_n is not None for each in results.motions.breakaways)
+    of = "U" if known else "trials"
     head = (
-        *("Load", "Direction", "At rest (s)", "Rate (N/s)", "Breakaway (N)", "Breakaway (bar)"),
+        *("Load", "Direction", "At rest (s)", "Rate (N/s)"),
+        *(f"Breakaway ± {of} (N)", f"Breakaway ± {of} (bar)"),
         *("Trials alone (N)", "Trials", "Creep (mm)"),
     )
     rows = [
