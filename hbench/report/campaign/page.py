@@ -323,6 +323,7 @@ def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Sectio
 def _points(results: Results) -> tuple[Section, ...]:
     parts = [
         Section(
+            items=table.messages,
             tables=titled(table, f"{name} at each speed, direction and load"),
             printed=len(table.rows) <= _SHEET,
         )
