@@ -32,6 +32,7 @@ from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
 from hbench.report.campaign.page import report_document
+from hbench.report.campaign.page_motions import hold_table
 from hbench.report.campaign.page_tables import point_table
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.terminal import summary_text
@@ -415,3 +416,19 @@ def test_a_report_of_breakaway_alone_explains_what_it_has_and_nothing_else(small
     bare = replace(none, motions=replace(motions, breakaways=pushes))
     breakaway = next(s for s in report_document(bare, ()).sections if s.title == "Breakaway")
     assert "Breakaway ± trials (N)" in breakaway.tables[0].head
+
+
+def test_single_holds_are_not_written_finer_than_u_of_the_leaks(moving):
+    (leakage,) = moving.motions.leakages
+    (decay, *_) = leakage.decays
+    tiny = replace(decay, out_p_m3_s=1e-12, out_r_m3_s=-2e-12)  # 0.00006 and -0.00012 ml/min
+    held = replace(leakage, decays=(tiny,))
+    table = hold_table(replace(moving, motions=replace(moving.motions, leakages=(held,))))
+    flows = [held.flow_m3_s(each, held.highest_pa(each.name)) for each in held.coefficients]
+    halves = [60e6 * flow[1] for flow in flows if flow is not None]
+    shown = [cell.text for cell in table.rows[0][-3:]]
+    assert min(halves) > 0.001
+    assert all(len(text.partition(".")[2]) <= 3 for text in shown), shown
+    drawings = [Drawing("leakage", "leakage", "Leakage", "", BLANK, b"")]
+    page = ordinary_spaces(page_html(moving, drawings))
+    assert re.search(r"in each hold, without U\. Table \d+ has the leaks with U\.", page)

@@ -39,6 +39,7 @@ _BREAKAWAY = (
     "under load. It depends on the seals, on the time at rest and on the rate of the force. The "
     "piston creeps while the force rises; creep is the distance up to the largest friction."
 )
+_HOLDS = "Oil that leaves the chambers in each hold, without U. [[leakage]] has the leaks with U."
 _DISTANCE = (
     "Changes along straight lines with their 95 % intervals: over all values (endurance), and over "
     "the last half of them (run-in). Settled: the interval of the last change lies within 5 % of "
@@ -253,7 +254,7 @@ def _moving(
 def _holds(results: Results) -> tuple[Section, ...]:
     table = page_motions.hold_table(results)
     title = f"Each hold ({len(table.rows)})"
-    return (Section(title, tables=(table,), folded=True),) if table.rows else ()
+    return (Section(title, (_HOLDS,), tables=(table,), folded=True),) if table.rows else ()
 
 
 def _loop_words(results: Results) -> str:
