@@ -12,6 +12,7 @@ from hbench.report.render.numbers import (
     half_width,
     number,
     percent_span,
+    short,
     significant,
     span,
     span_with_intervals,
@@ -43,7 +44,7 @@ def headline_words(results: Results) -> str:
     speed = f" at {speed_words(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
     quantities = (
         (f"friction{speed}", [each.friction_n for each in series], 1.0, "N"),
-        ("breakaway", [each.breakaway_n for each in series], 1.0, "N"),
+        (f"breakaway{_after_rest(series)}", [each.breakaway_n for each in series], 1.0, "N"),
         ("efficiency", [each.efficiency for each in series], 100.0, "%"),
     )
     parts = [
@@ -60,6 +61,13 @@ def headline_words(results: Results) -> str:
         where = where.replace("all loads and directions", "all loads")
         where = where.removesuffix(", over both directions")
     return f"{name[:1].upper()}{name[1:]} is {words}{where}{possible_drift_words(results)}."
+
+
+def _after_rest(series: Iterable[HeadlineSeries]) -> str:
+    """State the time at rest before breakaway, where it was measured after the same one in all."""
+    rests = {each.breakaway_dwell_s for each in series if each.breakaway_n is not None}
+    rest = rests.pop() if len(rests) == 1 else None
+    return "" if rest is None else f" after {short(rest)} s at rest"
 
 
 def _has_headline(results: Results) -> bool:
@@ -90,7 +98,7 @@ def _quantity_tiles(results: Results) -> Iterable[Tile]:
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
     at = f"friction at {speed_words(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
     weak = _weak_extrapolation(results)
-    breakaway = "breakaway by Tustin's law" if weak else "breakaway"
+    breakaway = "breakaway by Tustin's law" if weak else f"breakaway{_after_rest(series)}"
     quantities = (
         ([each.friction_n for each in series], 1.0, "N", at, "working-speed"),
         ([each.breakaway_n for each in series], 1.0, "N", breakaway, "breakaway"),

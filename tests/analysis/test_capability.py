@@ -64,8 +64,8 @@ def test_what_the_fleets_numbers_are_not_has_no_capability_and_a_reason():
         (Requirement("drift", "%", low=-0.1, high=0.1), "does not have"),
     ):
         assert not of(x, other)
-        ((name, reason),) = without_capability([], [other], 0.1, len(x))
-        assert name == other.quantity and words in reason
+        ((limit, reason),) = without_capability([], [other], 0.1, len(x))
+        assert limit == other and words in reason
     assert not of(x, Requirement(**FRICTION, low=None, high=10.0, direction="retract"))
     good = Requirement(**FRICTION, low=None, high=10.0, v_m_s=0.11)
     assert not list(without_capability([], [good], 0.1, len(x)))

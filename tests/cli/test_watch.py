@@ -616,8 +616,8 @@ def test_a_station_is_printed_with_all_its_cylinders(sample, tmp_path, require_t
         with watched(folder, workflow.Station) as page:
             browser.ask("Page.navigate", url=f"http://127.0.0.1:{page.port}/")
             deadline = time.monotonic() + PATIENCE_S
-            rows = "document.querySelectorAll('#cylinders tr').length"
-            while browser.run(rows) < 14 and time.monotonic() < deadline:
+            rows = "document.querySelectorAll('#cylinders tr, #plot svg').length"
+            while browser.run(rows) < 15 and time.monotonic() < deadline:
                 time.sleep(0.2)
             hidden = (
                 "(l => l.scrollHeight - l.clientHeight)"
@@ -655,6 +655,32 @@ def test_a_station_is_printed_with_all_its_cylinders(sample, tmp_path, require_t
             # Letters of a figure keep their size: it is drawn again at the new width.
             drawn = "(p => p.getBoundingClientRect().width / p.viewBox.baseVal.width)"
             assert abs(browser.run(f"{drawn}(document.querySelector('#plot svg'))") - 1) < 0.02
+            # On paper a figure is drawn at the width of the sheet, however wide the window is.
+            browser.width(1440)
+            browser.run("dispatchEvent(new Event('beforeprint'))")
+            width = "document.querySelector('#plot svg').viewBox.baseVal.width"
+            assert 500 < browser.run(width) < 680
+            browser.run("dispatchEvent(new Event('afterprint'))")
+            assert browser.run(width) > 700
+            # A list does not scroll for one row more.
+            one_more = (
+                "(() => { for (const list = document.querySelector('#cylinders'); "
+                f"list.rows.length > {shown + 1};) list.rows[0].remove(); "
+                "wholeRows($('cylinders'), $('history-title')); "
+                f"return {hidden}; }})()"
+            )
+            assert browser.run(one_more) == 0
+            # A remark is not repeated when the page is drawn again.
+            twice = (
+                "(() => { const now = structuredClone(shownNow), [latest] = now.cylinders; "
+                "Object.assign(now, {state: 'finished', unusual: ['friction'], "
+                "present: latest.folder}); "
+                "Object.assign(latest, {decision: 'PASS', next: ['next'], checked: []}); "
+                "showStation(now); showStation(now); "
+                "return [...document.querySelectorAll('#checked li')].map(row => row.innerText); "
+                "})()"
+            )
+            assert [each.split()[0] for each in browser.run(twice)] == ["Unusual:", "next"]
             browser.ask("Emulation.setEmulatedMedia", media="print")
             assert browser.run(hidden) == 0 and browser.run(hint) == "none"
             colour = "getComputedStyle(document.querySelector('.travel i')).printColorAdjust"

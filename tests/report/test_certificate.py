@@ -169,6 +169,28 @@ def test_the_certificate_states_whether_all_limits_were_tested(certificate):
 
 
 @pytest.mark.parametrize("language", sorted(WORDS))
+def test_rows_that_fail_or_are_marginal_are_bold_on_page_and_sheet(certificate, language):
+    decisions = ("PASS", "MARGINAL", "FAIL", "NOT TESTED")
+    made = checks(certificate(language=language), *(("friction", each, None) for each in decisions))
+    words = WORDS[language]
+    bold = {flat(words["MARGINAL"]), flat(words["FAIL"])}
+    rows = re.findall(r'<tr class="emphasised">(.*?)</tr>', certificate_page(made), re.DOTALL)
+    assert {flat(unescape(re.findall(r">([^<]+)</td>", row)[-1])) for row in rows} == bold
+    written = [
+        (flat(text.get_text()), text.get_weight())
+        for sheet in sheets(made)
+        for text in sheet.texts
+        if flat(text.get_text()) in {flat(words[each]) for each in decisions}
+        and text.get_fontsize() < 10
+    ]
+    assert {text for text, weight in written if weight == "bold"} == bold
+    assert {text for text, weight in written if weight != "bold"} == {
+        flat(words["PASS"]),
+        flat(words["NOT TESTED"]),
+    }
+
+
+@pytest.mark.parametrize("language", sorted(WORDS))
 def test_the_rule_of_the_guard_band_defines_each_decision_of_its_table(language):
     words = WORDS[language]
     rule = words["rule_guard_band"]
@@ -318,6 +340,10 @@ def test_imported_runs_have_no_schedule_to_deviate_from(certificate):
     text = page_text(replace(made, results=replace(made.results, provenance=provenance)))
     assert "No schedule is recorded; all imported runs count." in text
     assert "No deviations from the schedule" not in text
+
+
+def test_a_certificate_of_a_simulation_fills_two_sheets_in_both_languages(certificate):
+    assert [len(sheets(certificate("simulated", language=each))) for each in ("en", "de")] == [2, 2]
 
 
 def test_each_sheet_has_the_number_and_page_x_of_y(certificate):

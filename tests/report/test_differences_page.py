@@ -280,7 +280,7 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
 
     *curves, mean = verdicts(over)
     assert [row[6] for row in curves[:2]] == ["33", "33"]
-    assert [row[4] for row in curves[:2]] == ["may come from a drift"] * 2
+    assert [row[4] for row in curves[:2]] == ["may be drift"] * 2
     assert [row[4] for row in verdicts(small)[:2]] == ["significant"] * 2
     one = replace(found.curves[0], drift_n=DriftEffect(-20.0, 13.0))
     hidden = replace(found, drifts=(drift, drift), curves=(one,))

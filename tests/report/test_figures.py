@@ -204,6 +204,19 @@ def test_efficiencies_of_one_trial_each_are_not_called_means_with_bars(small):
         assert words in ordinary_spaces(figure.get_supxlabel())
 
 
+def test_bands_are_named_only_where_two_neighbouring_speeds_have_them(small):
+    def legend(curve):
+        figures = friction.friction_magnitude(replace(small, curves=(curve,)))
+        return figures[curve.direction].get_supxlabel()
+
+    curve = small.curves[0]
+    curve = replace(curve, points=tuple(replace(p, u95_n=50.0) for p in curve.points))
+    first, *others = curve.points
+    single = replace(curve, points=(first, *(replace(p, u95_n=None) for p in others)))
+    assert "Bands: expanded uncertainty U" in ordinary_spaces(legend(curve))
+    assert "Bands" not in legend(single)
+
+
 def test_an_efficiency_that_does_not_exist_leaves_a_gap(small):
     curve = small.efficiency[0]
     missing = replace(curve.points[1], efficiency=None, sigma=None, sigma_trials=None, reason="low")

@@ -171,8 +171,8 @@ def test_a_printed_page_says_that_numbers_of_tables_are_missing_where_some_are(b
     browser.ask("Emulation.setEmulatedMedia", media="")
 
 
-def test_figures_are_inside_their_cards_and_a_wide_one_scrolls_on_a_phone(browser, pages):
-    """A wide figure keeps its letters legible: it is wider than the screen, its page is not."""
+def test_figures_are_inside_their_cards_and_scroll_on_a_phone(browser, pages):
+    """A figure keeps its letters legible: it is wider than the screen, its page is not."""
     inside = (
         "[...document.querySelectorAll('svg.plot')].every(p => p.getBoundingClientRect().width "
         "<= p.parentElement.clientWidth)"
@@ -181,9 +181,15 @@ def test_figures_are_inside_their_cards_and_a_wide_one_scrolls_on_a_phone(browse
         browser.open(pages[name])
         assert browser.run("document.querySelectorAll('svg.plot').length") >= count
         assert browser.run(inside)
-    canvas = "document.querySelector('figure.wide .canvas')"
     browser.width(400)
-    assert browser.run(f"{canvas}.scrollWidth") >= 700 > 400 > browser.run(f"{canvas}.clientWidth")
+    for figure, least in (("figure.wide", 900), ("figure:not(.wide)", 450)):
+        canvas = f"document.querySelector('{figure} .canvas')"
+        assert browser.run(f"{canvas}.clientWidth") < 400
+        assert browser.run(f"{canvas}.scrollWidth") >= least
+        hint = f"getComputedStyle({canvas}, '::after').content"
+        browser.run("new Promise(requestAnimationFrame)")
+        assert "Scroll sideways" in browser.run(hint)
+    assert browser.run("document.documentElement.scrollWidth") <= 400
 
 
 def test_how_to_read_a_figure_is_in_its_caption_on_a_phone_and_in_the_figure_elsewhere(
@@ -248,6 +254,18 @@ def test_short_tables_are_lists_on_a_phone_where_they_would_need_scrolling(brows
     assert browser.errors == []
 
 
+def test_a_list_names_the_number_that_its_rows_begin_with(browser, tmp_path):
+    head = ("Speed (mm/s)", *(f"Column number {i}" for i in range(6)))
+    table = WordTable("Numbers", head, (("8.0", *["12.5 ± 1.5"] * 6), ("24.8", *["3.0 ± 1.5"] * 6)))
+    path = tmp_path / "page.html"
+    path.write_text(page(Document("Page", "", (Section("Part", tables=(table,)),))))
+    browser.open(path, width=400)
+    settled = "new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))"
+    browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
+    firsts = "[...document.querySelectorAll('.listed td:first-child')].map(c => c.innerText)"
+    assert browser.run(firsts) == ["Speed (mm/s)8.0", "Speed (mm/s)24.8"]  # a gap is between them
+
+
 def test_a_certificates_tables_are_lists_on_a_phone(browser, certificate, tmp_path):
     """Each value has its column's head before it, and no table needs scrolling."""
     page = tmp_path / "certificate.html"
@@ -281,6 +299,14 @@ def test_no_column_of_a_certificate_is_hidden_on_a_screen(browser, certificate, 
     assert browser.run(f"{scrollers}.map(s => s.scrollWidth - s.clientWidth)") == [0] * browser.run(
         f"{scrollers}.length"
     )
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_printed_certificate_has_two_sheets(browser, certificate, tmp_path, language):
+    page = tmp_path / "certificate.html"
+    page.write_text(certificate_page(certificate("simulated", language=language)))
+    browser.open(page)
+    assert len(re.findall(rb"/Type\s*/Page\b", browser.pdf())) == 2
 
 
 def test_an_aborted_campaign_has_its_alarm_on_the_first_screen_of_a_phone(browser, pages):

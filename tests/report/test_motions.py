@@ -31,6 +31,8 @@ from hbench.records import (
 from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
+from hbench.report.campaign.page import report_document
+from hbench.report.campaign.page_motions import hold_table
 from hbench.report.campaign.page_tables import point_table
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.terminal import summary_text
@@ -399,3 +401,34 @@ def test_the_oil_over_time_is_a_line_for_each_side_at_its_highest_pressure(movin
     t, lost_p, lost_r = np.array(hold.trace).T
     assert piston == pytest.approx(2e6 * lost_p) and rod == pytest.approx(1e6 * lost_r)
     assert len(volumes.lines) == 3  # with that at 0
+
+
+def test_a_report_of_breakaway_alone_explains_what_it_has_and_nothing_else(small):
+    motions = replace(MOTIONS, breakaways=PUSHES, zero_checks=(CHECKED,))
+    none = replace(small, curves=(), joint_fits=(), efficiency=(), bands=(), motions=motions)
+    sections = {each.title: each for each in report_document(none, ()).sections}
+    assert "Uncertainty of friction" not in sections, "there is no table of its parts"
+    assert sections["Zeros of the sensors"].tables[0].rows
+    methods = dict(sections["How each number was computed"].facts)
+    assert "averaged over its noise" in methods["Breakaway"] and "Friction" not in methods
+    assert "Breakaway ± U (N)" in sections["Breakaway"].tables[0].head
+    pushes = tuple(replace(push, u95_n=None) for push in PUSHES)
+    bare = replace(none, motions=replace(motions, breakaways=pushes))
+    breakaway = next(s for s in report_document(bare, ()).sections if s.title == "Breakaway")
+    assert "Breakaway ± trials (N)" in breakaway.tables[0].head
+
+
+def test_single_holds_are_not_written_finer_than_u_of_the_leaks(moving):
+    (leakage,) = moving.motions.leakages
+    (decay, *_) = leakage.decays
+    tiny = replace(decay, out_p_m3_s=1e-12, out_r_m3_s=-2e-12)  # 0.00006 and -0.00012 ml/min
+    held = replace(leakage, decays=(tiny,))
+    table = hold_table(replace(moving, motions=replace(moving.motions, leakages=(held,))))
+    flows = [held.flow_m3_s(each, held.highest_pa(each.name)) for each in held.coefficients]
+    halves = [60e6 * flow[1] for flow in flows if flow is not None]
+    shown = [cell.text for cell in table.rows[0][-3:]]
+    assert min(halves) > 0.001
+    assert all(len(text.partition(".")[2]) <= 3 for text in shown), shown
+    drawings = [Drawing("leakage", "leakage", "Leakage", "", BLANK, b"")]
+    page = ordinary_spaces(page_html(moving, drawings))
+    assert re.search(r"in each hold, without U\. Table \d+ has the leaks with U\.", page)

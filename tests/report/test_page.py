@@ -751,14 +751,75 @@ def test_a_breakaway_by_fits_that_are_not_determined_is_stated_with_them(small):
     assert "Where friction at the working speed is larger, the difference is within U" in page
 
 
-def test_the_force_and_the_pressure_of_one_trial_both_say_so(small):
+def test_a_row_of_one_trial_states_it_once(small):
     first, *others = small.headline.series
     single = replace(first.friction_n, u95=None, basis="one_trial")
     pressure = replace(single, value=3.29e5)
     series = (replace(first, friction_n=single, friction_pa=pressure), *others)
     found = replace(small, headline=replace(small.headline, series=series))
-    page = page_of(report_document(found, ()))
-    assert re.search(r"<span>3\.29</span> <span class=\"flag\">one trial</span>", page)
+    summary = next(each for each in report_document(found, ()).sections if each.title == "Summary")
+    table = summary.tables[0]
+    row = next(row for row in table.rows if any(cell.text == "3.29" for cell in row))
+    assert row[table.head.index("Trials alone (N)")].text == "one trial"
+    assert [f"{cell.text} {cell.flag}".count("one trial") for cell in row].count(1) == 1
+
+
+def test_u_names_what_it_contains(small):
+    def words(**changes):
+        changes = {"sigma_instruments_n": 50.0, **changes}
+        curves = tuple(
+            replace(curve, points=tuple(replace(point, **changes) for point in curve.points))
+            for curve in small.curves
+        )
+        return ordinary_spaces(page_of(report_document(replace(small, curves=curves), ())))
+
+    assert "uncertainty of trials and instruments together" in words()
+    assert "of trials, instruments and drift together" in words(sigma_drift_n=20.0)
+    without = words(sigma_drift_n=20.0, sigma_instruments_n=None)
+    assert "U is the expanded uncertainty of trials and drift, for" in without
+    assert "U is the half-width" not in without and "does not contain the errors of" in without
+    assert "U is the half-width of the 95 % interval" in words(sigma_instruments_n=None)
+
+
+def test_the_verdict_on_breakaway_has_the_time_at_rest_where_all_have_the_same(small):
+    def verdict(*rests):
+        series = tuple(
+            replace(
+                each,
+                v_m_s=None,
+                friction_n=None,
+                efficiency=None,
+                breakaway_n=replace(each.friction_n, basis="breakaway"),
+                breakaway_dwell_s=rest,
+            )
+            for each, rest in zip(small.headline.series, rests, strict=False)
+        )
+        quality = replace(small.quality, grade="with care")
+        headline = replace(small.headline, series=series)
+        return report_document(replace(small, headline=headline, quality=quality), ()).verdict
+
+    assert verdict(60.0, 60.0).startswith("Breakaway after 60 s at rest is ")
+    assert verdict(60.0, 10.0).startswith("Breakaway is ")
+
+
+def test_a_remark_that_all_efficiencies_share_is_above_their_table(small):
+    def appendix(reasons):
+        curve = small.efficiency[0]
+        points = tuple(
+            replace(point, sigma=None, sigma_as_printed=None, u95=None, reason=reason)
+            for point, reason in zip(curve.points, reasons, strict=False)
+        )
+        results = replace(small, efficiency=(replace(curve, points=points),))
+        parts = next(
+            s for s in report_document(results, ()).sections if s.title == "Appendix: all points"
+        ).parts
+        return parts[-1].items, parts[-1].tables[0].head
+
+    items, head = appendix(["no sigma: unknown"] * 20)
+    assert items == ("No sigma: unknown.",) and "Remark" not in head
+    assert not {"σ of instruments (%)", "U of both (%)"} & set(head)
+    items, head = appendix(["no sigma: unknown", *[""] * 20])
+    assert not items and "Remark" in head
 
 
 def test_the_instruments_share_at_one_point_is_no_median(small):

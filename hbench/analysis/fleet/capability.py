@@ -60,8 +60,8 @@ def capabilities(
 
 def without_capability(
     decided: Decided, requirements: Iterable[Requirement], v_m_s: float | None, campaigns: int
-) -> Iterator[tuple[str, str]]:
-    """Yield name and reason of each requirement that has no capability; see ``capabilities``."""
+) -> Iterator[tuple[Requirement, str]]:
+    """Yield each requirement that has no capability, and the reason; see ``capabilities``."""
     for requirement in requirements:
         reason = _reason(requirement, v_m_s)
         if campaigns < FEWEST_CAMPAIGNS:
@@ -74,7 +74,7 @@ def without_capability(
             )
             reason = "" if n >= FEWEST_CAMPAIGNS else reason
         if reason:
-            yield requirement.name or requirement.quantity, reason
+            yield requirement, reason
 
 
 def _of_decisions(

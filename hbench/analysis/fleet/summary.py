@@ -178,7 +178,7 @@ def _capability(
     times: Times,
     requirements: Sequence[Requirement],
     checks: Callable[[str], Sequence[ConformityCheck]],
-) -> tuple[tuple[Capability, ...], tuple[tuple[str, str], ...]]:
+) -> tuple[tuple[Capability, ...], tuple[tuple[Requirement, str], ...]]:
     """Return the capability of each limited quantity, and the limits without one with a reason."""
     in_order = np.flatnonzero(compared)
     if times.by_date:

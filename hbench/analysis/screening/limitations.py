@@ -98,7 +98,6 @@ def _tolerances(curves: Sequence[EfficiencyCurve], instruments: Instruments | No
     if instruments is not None or not any(curve.points for curve in curves):
         return []
     return [
-        "no expanded uncertainty of friction and no sigma of the efficiency: the instruments' "
-        "tolerances are not known (instruments in an import map or a bench file); intervals are "
-        "those of the trials alone"
+        "U does not contain the instruments and the efficiency has no sigma: the tolerances of "
+        "the instruments are not known (instruments in an import map or a bench file)"
     ]

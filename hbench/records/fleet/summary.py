@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from datetime import datetime
 
+from hbench.records.conformity.acceptance import Requirement
 from hbench.records.fleet.campaigns import FleetCampaign
 from hbench.records.fleet.population import Spread, Suspect, WearTrend
 from hbench.records.fleet.precision import Precision
@@ -39,6 +40,6 @@ class Fleet:
     charts: tuple[ControlChart, ...] = ()
     wear: tuple[WearTrend, ...] = ()
     capabilities: tuple[Capability, ...] = ()
-    without_capability: tuple[tuple[str, str], ...] = ()  # name of a limit, and why it has no Ppk
+    without_capability: tuple[tuple[Requirement, str], ...] = ()  # a limit, and why it has no Ppk
     decisions: tuple[tuple[str, int], ...] = ()  # of the last acceptances, and how many of each
     rows: tuple[FleetCampaign, ...] = ()  # analyzed campaigns; empty for a large fleet

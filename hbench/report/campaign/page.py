@@ -35,10 +35,11 @@ _SHEET = 50  # a longer table of points is not printed
 
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _BREAKAWAY = (
-    "The largest friction while a rising force pushes the piston, which has rested under load. "
-    "It is a property of the seals, of the rest and of the rate. The piston creeps while the force "
-    "rises."
+    "Breakaway is the largest friction while a rising force pushes the piston, which has rested "
+    "under load. It depends on the seals, on the time at rest and on the rate of the force. The "
+    "piston creeps while the force rises; creep is the distance up to the largest friction."
 )
+_HOLDS = "Oil that leaves the chambers in each hold, without U. [[leakage]] has the leaks with U."
 _DISTANCE = (
     "Changes along straight lines with their 95 % intervals: over all values (endurance), and over "
     "the last half of them (run-in). Settled: the interval of the last change lies within 5 % of "
@@ -214,7 +215,10 @@ def _moving(
             facts=() if decided else creep_facts(results),
             tables=(
                 *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
-                *titled(page_motions.dwell_table(results), "Laws over the time at rest"),
+                *titled(
+                    page_motions.dwell_table(results),
+                    "Laws over the time at rest, with the intervals of the trials",
+                ),
             ),
         )
     for name, table, more, words in (
@@ -250,7 +254,7 @@ def _moving(
 def _holds(results: Results) -> tuple[Section, ...]:
     table = page_motions.hold_table(results)
     title = f"Each hold ({len(table.rows)})"
-    return (Section(title, tables=(table,), folded=True),) if table.rows else ()
+    return (Section(title, (_HOLDS,), tables=(table,), folded=True),) if table.rows else ()
 
 
 def _loop_words(results: Results) -> str:
@@ -292,6 +296,9 @@ def _budget(results: Results) -> tuple[Section, ...]:
     zeros = page_motions.zero_table(results)
     if not table.rows and not zeros.rows:
         return ()
+    if not table.rows:
+        shown = titled(zeros, "Zero errors, corrected")
+        return (Section("Zeros of the sensors", (_ZEROS, *zero_notes(results)), tables=shown),)
     text = (
         "Friction at the working speed with the standard uncertainty of each input (JCGM 100). "
         "u is the combined standard uncertainty, ν its effective degrees of freedom, and k the "
@@ -317,6 +324,7 @@ def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Sectio
 def _points(results: Results) -> tuple[Section, ...]:
     parts = [
         Section(
+            items=table.messages,
             tables=titled(table, f"{name} at each speed, direction and load"),
             printed=len(table.rows) <= _SHEET,
         )

@@ -126,7 +126,7 @@ def _remarks(leakage: Leakage, several: bool) -> Iterable[str]:
 
 
 def hold_table(results: Results) -> Table:
-    """Return what each hold measured, without a law of the leaks."""
+    """Return what each hold measured, without a law of the leaks; not finer than U of the leaks."""
     head = (
         *("Run", "Load", "P_Tp (bar)", "P_Tr (bar)", "Difference (bar)"),
         *("Out of the piston side (ml/min)", "Out of the rod side (ml/min)"),
@@ -138,7 +138,9 @@ def hold_table(results: Results) -> Table:
         for decay in leakage.decays
         for q in (decay.out_p_m3_s, decay.out_r_m3_s)
     ]
-    decimals = len(significant(max(map(abs, flows), default=1.0), 2).partition(".")[2])
+    decimals = _decimals(max(map(abs, flows), default=1.0))
+    if halves := [from_si(half, "ml/min") for half in _half_widths(results) if half > 0]:
+        decimals = min(decimals, _decimals(min(halves)))
     rows = [
         (
             decay.run,
@@ -162,10 +164,27 @@ def hold_table(results: Results) -> Table:
     return table(head, rows, words=("Load",))
 
 
+def _decimals(value: float) -> int:
+    """Return the decimals of a number with two significant digits."""
+    return len(significant(value, 2).partition(".")[2])
+
+
+def _half_widths(results: Results) -> Iterable[float]:
+    """Yield U [m^3/s] of each leak at the highest pressure of its holds."""
+    for leakage in results.motions.leakages:
+        for coefficient in leakage.coefficients:
+            flow = leakage.flow_m3_s(coefficient, leakage.highest_pa(coefficient.name))
+            if flow is not None:
+                yield flow[1]
+
+
 def breakaway_table(results: Results) -> Table:
     """Return breakaway of each direction, load, rest and rate."""
+    known = any(each.u95_n is not None for each in results.motions.breakaways)
+    of = "U" if known else "trials"
     head = (
-        *("Load", "Direction", "At rest (s)", "Rate (N/s)", "Breakaway (N)", "Breakaway (bar)"),
+        *("Load", "Direction", "At rest (s)", "Rate (N/s)"),
+        *(f"Breakaway ± {of} (N)", f"Breakaway ± {of} (bar)"),
         *("Trials alone (N)", "Trials", "Creep (mm)"),
     )
     rows = [

@@ -19,6 +19,7 @@ from hbench.report.campaign.table_columns import (
     OF_DIRECTIONS,
     OIL,
     ROD_SIDE,
+    SIGMAS,
     WHO,
     in_bar,
     rod_side,
@@ -45,9 +46,9 @@ def point_table(results: Results) -> Table:
     head = (
         *WHO,
         "Velocity (mm/s)",
-        "Friction (N)",
+        "Friction ± trials (N)",
         "Trials",
-        "U with instruments (N)",
+        "U (N)",
         "F_T (N)",
         "F_applied (N)",
         "p_Tp (bar)",
@@ -79,7 +80,10 @@ def point_table(results: Results) -> Table:
 
 
 def efficiency_table(results: Results) -> Table:
-    """Return the points of the efficiency curves with a load."""
+    """Return the points of the efficiency curves with a load; a remark on all is its message."""
+    curves = without_common_rod_pressure(loaded(results.efficiency))
+    remarks = {point.reason for curve in curves for point in curve.points}
+    common = remarks.pop() if len(remarks) == 1 else ""
     rows = [
         (
             *who(curve),
@@ -89,20 +93,19 @@ def efficiency_table(results: Results) -> Table:
             _percent(point.sigma_as_printed),
             _share(point.sigma_trials),
             _percent(point.u95),
-            point.reason,
+            "" if common else point.reason,
         )
-        for curve in without_common_rod_pressure(loaded(results.efficiency))
+        for curve in curves
         for point in curve.points
     ]
     head = (
         "Velocity (mm/s)",
         "Efficiency (%)",
-        "σ of instruments (%)",
-        "σ by eq. 6.16 of the source (%)",
+        *SIGMAS[:2],
         "s.e. of trials (%)",
-        "U of both (%)",
+        SIGMAS[2],
     )
-    return table((*WHO, *head, "Remark"), rows)
+    return table((*WHO, *head, "Remark"), rows, [f"{capital(common)}."] if common else ())
 
 
 def loaded(curves: Iterable[EfficiencyCurve]) -> list[EfficiencyCurve]:

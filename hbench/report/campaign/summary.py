@@ -87,7 +87,8 @@ def summary_section(
     parts = "[[uncertainty]]" if budget.rows else ""
     load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
     zeros = zero_reserve(results) if known and with_u else ""
-    uncertainty = _uncertainty(series, parts, known)
+    drift = any(p.sigma_drift_n is not None for curve in results.curves for p in curve.points)
+    uncertainty = _uncertainty(series, parts, known, drift)
     share = instruments_percent(results.quality) if _ONE_TRIAL.strip() in uncertainty else ""
     alone = f"The tolerances of the instruments alone give ±{share} %." if share else ""
     facts = (
@@ -161,20 +162,24 @@ def _instruments_known(results: Results) -> bool:
     return not points or any(point.sigma_instruments_n is not None for point in points)
 
 
-def _uncertainty(series: Collection[HeadlineSeries], budget: str, known: bool) -> str:
+def _uncertainty(series: Collection[HeadlineSeries], budget: str, known: bool, drift: bool) -> str:
     """State what U is, and which table has its parts; empty if no number of the summary has one."""
     numbers = [n for each in series for n in (each.friction_n, each.breakaway_n, each.efficiency)]
     single = any(each is not None and each.basis == "one_trial" for each in numbers)
     if all(each is None or each.u95 is None for each in numbers):
         return _ONE_TRIAL.lstrip() if single else ""
     parts = f" {budget} contains its factor k and its parts." if budget else ""
-    what = (
-        "U is the expanded uncertainty of trials and instruments together, for a coverage "
-        f"probability of 95 %.{parts}"
-        if known
-        else "U is the half-width of the 95 % interval of the trials. It does not contain the "
-        "errors of the instruments, whose tolerances are not known."
-    )
+    without = "It does not contain the errors of the instruments, whose tolerances are not known."
+    if known:
+        of = "trials, instruments and drift" if drift else "trials and instruments"
+        what = (
+            f"U is the expanded uncertainty of {of} together, for a coverage probability of 95 %."
+        )
+    elif drift:
+        what = f"U is the expanded uncertainty of trials and drift, for 95 %. {without}"
+    else:
+        what = f"U is the half-width of the 95 % interval of the trials. {without}"
+    what += parts if known or drift else ""
     return f"{what}{_ONE_TRIAL if single else ''}"
 
 
@@ -232,12 +237,12 @@ def _table(series: Sequence[HeadlineSeries], load_cell_n: Sequence[float | None]
             *who(each)[2:],
             number(None if each.v_m_s is None else 1e3 * each.v_m_s),
             number(applied, 0),
-            _cell(each.friction_n),
+            _without_one_trial(_cell(each.friction_n)),
             _as_pressure(each.friction_pa, per_bar),
             _trials(each.friction_n),
             _cell(each.breakaway_n).text if common else _breakaway(each),
             _as_pressure(each.breakaway_pa, per_bar),
-            _cell(each.efficiency, 100.0),
+            _without_one_trial(_cell(each.efficiency, 100.0)),
         )
         for each, applied in zip(series, load_cell_n, strict=True)
     ]
@@ -260,9 +265,13 @@ def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
 
 
 def _as_pressure(estimate: HeadlineNumber | None, scale: float) -> Cell:
-    """Return a force as a pressure; the force beside it has its flag too, but for one trial."""
-    cell = _cell(estimate, scale)
-    return cell if estimate is not None and estimate.basis == "one_trial" else Cell(cell.text)
+    """Return a force as a pressure; its flag is beside the force."""
+    return Cell(_cell(estimate, scale).text)
+
+
+def _without_one_trial(cell: Cell) -> Cell:
+    """Return a cell without the flag that the column of the trials has."""
+    return Cell(cell.text) if cell.flag == FLAGS["one_trial"] else cell
 
 
 def _breakaway(series: HeadlineSeries) -> Cell:
@@ -287,6 +296,8 @@ def _common_remark(series: Sequence[HeadlineSeries]) -> str:
 
 
 def _trials(estimate: HeadlineNumber | None) -> str:
+    if estimate is not None and estimate.basis == "one_trial":
+        return FLAGS["one_trial"]
     return "" if estimate is None or estimate.ci95 is None else f"±{half_width(estimate.ci95)}"
 
 

@@ -17,7 +17,7 @@ from hbench.report.render.numbers import NONE, p_words, significant, with_interv
 from hbench.report.render.word_tables import with_columns
 
 SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
-MAY_BE_DRIFT = "may come from a drift"
+MAY_BE_DRIFT = "may be drift"
 _WITH_U, _TRIALS = "B − A ± U", "B − A ± trials"
 P_TRIALS = "p, trials"
 HEAD = ("A", "B", _WITH_U, _TRIALS, "Verdict", P_TRIALS)

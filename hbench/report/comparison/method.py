@@ -20,7 +20,7 @@ _MEAN = (
 _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
      "trials do not exclude. Where it exceeds the difference less U, the verdict on friction and "
-     "on efficiency is “may come from a drift”."),
+     "on efficiency is “may be drift”."),
 )  # fmt: skip
 _UNKNOWN_DRIFT = (
     ("May come from a drift", "The part of a drift within the campaigns in this difference is not "

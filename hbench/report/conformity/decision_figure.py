@@ -20,7 +20,7 @@ from hbench.units import from_si
 
 _TITLE = "Measured values against their limits"
 _CAPTION = (
-    "Each value as a share of its limit. All limits are the black line at 100 %; values in the "
+    "Each value as a share of its limit. All limits are the line at 100 %; values in the "
     "green strip conform."
 )
 _TWO_SIDED = (

@@ -168,8 +168,8 @@ def capability_notes(fleet: Fleet) -> Iterator[str]:
             "Values are those of the speeds and loads of the limits. The other numbers are means "
             f"over the loads at the working speed{f', {speed}' if speed else ''}."
         )
-    for name, reason in fleet.without_capability:
-        yield f"No Ppk for the limit of {name}: {reason}."
+    for limit, reason in fleet.without_capability:
+        yield f"No Ppk for {check_words(limit, None)} ({limit_words(limit)}): {reason}."
 
 
 def wear_table(fleet: Fleet) -> WordTable:

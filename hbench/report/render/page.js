@@ -105,7 +105,7 @@
   const list = (table) => {
     const heads = table.tHead.rows[0].cells;
     table.classList.add("listed");
-    for (const cell of table.querySelectorAll("tbody td:not(:first-child)")) {
+    for (const cell of table.querySelectorAll("tbody td:is(.n, :not(:first-child))")) {
       if (!cell.textContent.trim()) continue;
       const head = document.createElement("span");
       head.className = "head";
@@ -122,7 +122,7 @@
     scroller.classList.toggle("more", hidden > 2);
   };
   const resized = new ResizeObserver((entries) => entries.forEach((entry) => hint(entry.target)));
-  for (const scroller of document.querySelectorAll(".scroll, .wide .canvas")) {
+  for (const scroller of document.querySelectorAll(".scroll, .canvas")) {
     resized.observe(scroller);
     scroller.addEventListener("scroll", () => hint(scroller), { passive: true });
   }

@@ -17,21 +17,24 @@ def set_table(
     rows: Sequence[Sequence[str]],
     numbers: Collection[int],
     title: str = "",
+    bold: Collection[int] = (),
 ) -> None:
     """Set a table over the column; its ``title`` and head are repeated on the next sheet.
 
     A table of up to a tenth of a sheet is not divided. ``numbers`` are the columns that are
-    aligned to the right. Letters become smaller, down to ``SMALLEST``, where the words of a row
-    would not fit side by side.
+    aligned to the right, ``bold`` the rows in bold letters. Letters become smaller, down to
+    ``SMALLEST``, where the words of a row would not fit side by side.
     """
-    size = _size(head, rows, pen.width)
-    widths = _widths(head, rows, pen.width, size)
+    widest = "bold" if bold else "normal"
+    size = _size(head, rows, pen.width, widest)
+    widths = _widths(head, rows, pen.width, size, widest)
     heads = _cells(head, widths, size, "bold")
 
     def set_head() -> None:
         _line(pen, heads, widths, numbers, size, weight="bold", color=QUIET)
 
-    lines = [_cells(row, widths, size, "normal") for row in rows]
+    weights = ["bold" if number in bold else "normal" for number in range(len(rows))]
+    lines = [_cells(row, widths, size, weight) for row, weight in zip(rows, weights, strict=True)]
 
     def go_on() -> None:
         if title:
@@ -39,27 +42,29 @@ def set_table(
             pen.space(2)
         set_head()
 
-    pen.room(least_height(pen, head, rows))
+    pen.room(least_height(pen, head, rows, widest))
     set_head()
     pen.on_turn = go_on
     for number, cells in enumerate(lines):
         together = lines[number:] if number == len(lines) - 2 else [cells]  # no last row alone
         pen.room(sum(_height(each, size) for each in together))
-        _line(pen, cells, widths, numbers, size)
+        _line(pen, cells, widths, numbers, size, weight=weights[number])
     pen.on_turn = None
     pen.space(2)
 
 
-def least_height(pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]]) -> float:
+def least_height(
+    pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]], weight: str = "normal"
+) -> float:
     """Return the height that a table needs on its first sheet.
 
     It is that of the whole table up to a tenth of a sheet, or else of the head and the first two
-    rows.
+    rows. ``weight`` is that of the rows.
     """
-    size = _size(head, rows, pen.width)
-    widths = _widths(head, rows, pen.width, size)
+    size = _size(head, rows, pen.width, weight)
+    widths = _widths(head, rows, pen.width, size, weight)
     above = _height(_cells(head, widths, size, "bold"), size)
-    heights = [_height(_cells(row, widths, size, "normal"), size) for row in rows]
+    heights = [_height(_cells(row, widths, size, weight), size) for row in rows]
     whole = above + sum(heights)
     return whole if whole <= _WHOLE else above + sum(heights[:2])
 
@@ -92,37 +97,37 @@ def _cells(row: Sequence[str], widths: list[float], size: float, weight: str) ->
     return [wrapped(cell, width, size, weight) for cell, width in zip(row, widths, strict=True)]
 
 
-def _least(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[float]:
+def _least(head: Sequence[str], rows: Sequence[Sequence[str]], weight: str) -> list[float]:
     """Return the width of each column's widest word, per point of the letters' size."""
     least = [max(width_of(word, "bold") for word in words_of(cell)) for cell in head]
     for row in rows:
         for column, cell in enumerate(row):
-            widest = max(width_of(word, "normal") for word in words_of(cell))
+            widest = max(width_of(word, weight) for word in words_of(cell))
             least[column] = max(least[column], widest)
     return least
 
 
-def _size(head: Sequence[str], rows: Sequence[Sequence[str]], width: float) -> float:
+def _size(head: Sequence[str], rows: Sequence[Sequence[str]], width: float, weight: str) -> float:
     free = width - _GAP * (len(head) - 1)
-    needed = sum(_least(head, rows))
+    needed = sum(_least(head, rows, weight))
     return CELLS if not needed else min(CELLS, max(SMALLEST, free / needed))
 
 
 def _widths(
-    head: Sequence[str], rows: Sequence[Sequence[str]], width: float, size: float
+    head: Sequence[str], rows: Sequence[Sequence[str]], width: float, size: float, weight: str
 ) -> list[float]:
     """Return widths that fill ``width``: words are not broken if possible.
 
     Of the space that the widest words leave, the rows get what they need before the head, and the
     columns that need least first: short cells stay on a line, long ones are wrapped.
     """
-    widths = [size * each for each in _least(head, rows)]
+    widths = [size * each for each in _least(head, rows, weight)]
     free = width - _GAP * (len(head) - 1)
     if sum(widths) >= free:  # words longer than the page is wide are broken
         return [free * each / sum(widths) for each in widths]
-    for weight, some in (("normal", rows), ("bold", [head])):
+    for bold, some in ((weight, rows), ("bold", [head])):
         longest = [
-            max((width_of(row[c], weight) for row in some), default=0.0) for c in range(len(head))
+            max((width_of(row[c], bold) for row in some), default=0.0) for c in range(len(head))
         ]
         wanted = [
             max(0.0, size * more - fewer) for more, fewer in zip(longest, widths, strict=True)

@@ -11,6 +11,7 @@ from hbench.report.campaign.figures.friction import (
     BANDS,
     by_direction,
     by_load,
+    is_band,
     load_legend,
     load_ranks,
     load_style,
@@ -69,9 +70,9 @@ def _has_values(curve: EfficiencyCurve) -> bool:
 def _read(curves: list[EfficiencyCurve]) -> str:
     """Return how to read the points, and the bars and bands where there are any."""
     points = [point for curve in curves for point in curve.points]
-    return points_words([point.ci95 for point in points if point.efficiency is not None]) + (
-        f"\n{BANDS}" if any(point.u95 is not None for point in points) else ""
-    )
+    bands = any(is_band([point.u95 for point in curve.points]) for curve in curves)
+    words = points_words([point.ci95 for point in points if point.efficiency is not None])
+    return f"{words}\n{BANDS}" if bands else words
 
 
 def _columns(curve: EfficiencyCurve) -> tuple[np.ndarray, ...]:

@@ -1,6 +1,7 @@
 """Stribeck curves: friction over velocity, measured points with intervals and fitted lines."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -35,7 +36,7 @@ _SINGLE = "Points: one trial each, so no interval."
 _SOME_SINGLE = "\nA point without a bar is a single trial."
 _UNDETERMINED = "Dashed: a fit that does not determine all its parameters."
 _NO_LINE = "No line: too few points for the fit to determine any parameter."
-BANDS = "Bands: U (95 %) of trials and instruments."
+BANDS = "Bands: expanded uncertainty U (95 %)."
 _ASIDE = 0.006  # distance of residuals at one speed, relative to the highest speed
 
 
@@ -175,7 +176,9 @@ def _read(curves: Sequence[Curve]) -> str:
     fits = [fit for curve in curves for fit in curve.fits[:1]]
     laws = dict.fromkeys(law_words(fit.law) for fit in fits if is_drawn(fit))
     lines = f"Lines: fitted law ({', '.join(laws)})." if laws else ""
-    bands = BANDS if any(map(_has_band, curves)) else ""
+    bands = (
+        BANDS if any(is_band([point.u95_n for point in curve.points]) for curve in curves) else ""
+    )
     of_fits = " ".join(filter(None, (lines, bands)))
     points = points_words([point.ci95_n for curve in curves for point in curve.points])
     hollow = "Hollow points: the load helps the motion." if any(map(load_helps, curves)) else ""
@@ -205,15 +208,16 @@ def points_words(intervals: Sequence[float | None]) -> str:
     return _BARS + (_SOME_SINGLE if None in intervals else "")
 
 
-def _has_band(curve: Curve) -> bool:
-    return any(point.u95_n is not None for point in curve.points)
+def is_band(u95: Sequence[float | None]) -> bool:
+    """Return whether a curve has a band that can be seen: U at two neighbouring speeds."""
+    return any(None not in pair for pair in pairwise(u95))
 
 
 def _expanded(
     axes: Axes, curve: Curve, speed: np.ndarray, friction_n: np.ndarray, colour: str
 ) -> None:
     """Draw the band of U95. An instrument's error is alike at all speeds, which bars would hide."""
-    if _has_band(curve):
+    if is_band([point.u95_n for point in curve.points]):
         half = np.array([np.nan if p.u95_n is None else p.u95_n for p in curve.points], dtype=float)
         low, high = friction_n - half, friction_n + half
         axes.fill_between(speed, low, high, color=colour, alpha=0.13, linewidth=0, zorder=1)

@@ -37,7 +37,9 @@ def conformity_part(certificate: Certificate) -> Part:
     load = len(of_series) > 1 or not of_series <= loads
     rows = tuple(_decision_row(certificate, check, load, back) for check in acceptance.checks)
     rows = tuple(_without_repetitions(rows))
-    table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({3, 4})))
+    bold = {i for i, c in enumerate(acceptance.checks) if c.decision in ("MARGINAL", "FAIL")}
+    head = tuple(map(word, keys))
+    table = without_empty(GridTable(head, rows, frozenset({3, 4}), frozenset(bold)))
     share = localized(certificate, short(100 * (acceptance.largest_uncertainty or 0.0)))
     rule = word(f"rule_{acceptance.rule}", share=share)
     paragraphs = (word("decision_rule", rule=rule), " ".join(_remarks(certificate, acceptance)))

@@ -14,11 +14,15 @@ Fact = tuple[str, str]  # name and text
 
 @dataclass(frozen=True)
 class GridTable:
-    """Table of a certificate; columns named in ``numbers`` are aligned to the right."""
+    """Table of a certificate; the columns ``numbers`` are aligned to the right.
+
+    The rows ``emphasised`` are bold.
+    """
 
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     numbers: frozenset[int] = frozenset()
+    emphasised: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -111,4 +115,5 @@ def without_empty(table: GridTable) -> GridTable:
         tuple(table.head[i] for i in kept),
         tuple(tuple(row[i] for i in kept) for row in table.rows),
         frozenset(new for new, old in enumerate(kept) if old in table.numbers),
+        table.emphasised,
     )

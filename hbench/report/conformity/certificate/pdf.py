@@ -35,7 +35,8 @@ _GAP = 20.0  # between parts side by side
 _BODY, _HEADING, _VERDICT, _TITLE = 7.2, 8.8, 16.0, 18.0
 _LABEL = 0.34  # share of a fact's name
 _LOGO = (125.0, 60.0)  # largest
-_SIGNATURE = 53.0  # height
+_SIGNATURE = 50.0  # height
+_ABOVE, _BELOW = 4.5, 1.5  # a heading and its rule
 _OPENING = 50.0  # height of a heading and the first lines of its text
 _PARAGRAPH = 2.0  # between paragraphs
 
@@ -129,14 +130,14 @@ def _mark(pen: Pen, mark: str, text: str) -> None:
     """Frame the mark of a document that certifies nothing."""
     lines = wrapped(text, INNER - 20, _BODY + 0.5) if text else []
     height = 10 + 11 * LINE + len(lines) * (_BODY + 0.5) * LINE
-    pen.space(7)
+    pen.space(5)
     pen.room(height)
     pen.frame(pen.y, pen.y + height, _MARK)
     pen.space(1)
     pen.write(mark, 11, x=LEFT + 10, color=_MARK, weight="bold")
     for line in lines:
         pen.write(line, _BODY + 0.5, x=LEFT + 10, color=_MARK)
-    pen.space(9)
+    pen.space(6)
 
 
 def _row(pen: Pen, parts: Sequence[Part]) -> None:
@@ -185,9 +186,9 @@ def _part(pen: Pen, part: Part) -> None:
         pen.room(22 + 3 * _BODY * LINE + (20 if part.tables else 0))  # no heading alone at the foot
     else:
         pen.room(min(_text_height(part), _OPENING))
-    pen.space(7)
+    pen.space(_ABOVE)
     pen.write(part.title, _HEADING, weight="bold", color=_ACCENT)
-    pen.space(2.5)
+    pen.space(_BELOW)
     pen.rule()
     pen.space(1)
     if part.verdict:
@@ -228,15 +229,15 @@ def _table(pen: Pen, table: GridTable) -> None:
         [unbroken(cell) if column in table.numbers else cell for column, cell in enumerate(row)]
         for row in table.rows
     ]
-    set_table(pen, table.head, rows, table.numbers)
+    set_table(pen, table.head, rows, table.numbers, bold=table.emphasised)
 
 
 def _signatures(pen: Pen, shown: Content) -> None:
     columns = _columns(shown)
     pen.room(_signatures_height(shown))
-    pen.space(7)
+    pen.space(_ABOVE)
     pen.write(shown.signature_title, _HEADING, weight="bold", color=_ACCENT)
-    pen.space(2.5)
+    pen.space(_BELOW)
     pen.rule()
     width = (INNER - _GAP) / 2
     for start in range(0, len(shown.signatories), columns):
