@@ -7,6 +7,7 @@ import pytest
 from scipy import integrate, special, stats
 
 from hbench.analysis.conformity.acceptance import conformity_checks
+from hbench.analysis.conformity.certified import certified_values, why_not_certified
 from hbench.analysis.conformity.decision import decide, probability_of_conformity
 from hbench.config.conformity.limits import parse_limits
 from hbench.errors import ConfigError
@@ -191,6 +192,36 @@ def test_a_pressure_is_that_on_the_driving_area(small):
         assert pressure.measurement.u95 == pytest.approx(force.measurement.u95 / area)
 
 
+def test_a_pressure_of_each_series_is_that_on_the_area_of_its_own_cylinder(small):
+    """Seals of two bores in one campaign: 60/30 mm beside the sample's."""
+    other = Specimen(np.pi / 4 * 0.06**2, np.pi / 4 * (0.06**2 - 0.03**2))
+    first, *others = small.curves
+    both = replace(small, curves=(replace(first, specimen=other, label="60 mm"), *others))
+    areas = {"extend": other.area_piston_m2, "retract": other.area_rod_m2}
+    in_n, in_bar = (
+        checks(both, {"quantity": "friction", "label": "60 mm", "max": limit})[0].measurement
+        for limit in ("1 kN", "9 bar")
+    )
+    assert in_bar.value == pytest.approx(in_n.value / areas[first.direction])
+    assert in_bar.u95 == pytest.approx(in_n.u95 / areas[first.direction])
+    certified, _ = certified_values(both, None)
+    of_other = [each for each in certified if each.measurement.label == "60 mm"]
+    forces = [each for each in of_other if each.quantity == "friction"]
+    assert forces
+    for each in forces:
+        expected = each.measurement.value / areas[first.direction]
+        assert each.pressure_pa == pytest.approx(expected)
+
+
+def test_a_campaign_of_two_sizes_of_cylinders_gets_no_certificate(small):
+    """The certificate would state the bore of the first as that of its item."""
+    first, *others = small.runs
+    plan = replace(first.run.plan, specimen=Specimen(3e-3, 2e-3))
+    mixed = replace(small, runs=(replace(first, run=replace(first.run, plan=plan)), *others))
+    assert not any("sizes" in reason for reason in why_not_certified(small))
+    assert any("2 sizes of cylinders" in reason for reason in why_not_certified(mixed))
+
+
 def test_the_headlines_pressure_is_what_the_chambers_and_the_load_cell_leave(small):
     """Of the driving side, less the other side's and the load's share of it."""
     specimen = small.runs[0].run.plan.specimen
@@ -218,7 +249,8 @@ def test_without_hydraulics_a_limit_in_bar_is_not_tested(small):
         plan = replace(screened.run.plan, specimen=Specimen(0.0, 0.0))
         return replace(screened, run=replace(screened.run, plan=plan))
 
-    drive = replace(small, runs=tuple(map(bare, small.runs)))
+    without = tuple(replace(curve, specimen=Specimen(0.0, 0.0)) for curve in small.curves)
+    drive = replace(small, runs=tuple(map(bare, small.runs)), curves=without)
     (check,) = checks(drive, {"quantity": "friction", "max": "1 bar"})
     assert check.decision == "NOT TESTED" and "area" in check.reason
     assert checks(drive, {"quantity": "friction", "max": "1 kN"})[0].measurement is not None

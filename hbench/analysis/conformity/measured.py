@@ -15,7 +15,6 @@ from hbench.records import (
     KINDS,
     Breakaway,
     Curve,
-    Direction,
     EfficiencyCurve,
     EfficiencyPoint,
     Leakage,
@@ -34,16 +33,15 @@ _SteadyCurve = TypeVar("_SteadyCurve", Curve, EfficiencyCurve)
 
 def measurements(results: Results, requirement: Requirement) -> tuple[Measurement, ...]:
     """Return the measured values that a requirement applies to, one for each series and speed."""
-    if requirement.is_pressure and not has_areas(results):
-        return ()
     return tuple(_MEASURED[requirement.quantity](results, requirement))
 
 
 def _friction(results: Results, requirement: Requirement) -> Iterable[Measurement]:
     for curve in _steady(results.curves, requirement):
-        for point in curve.points:
+        area = curve.specimen.driving_area_m2(curve.direction) or None
+        per = (area or 0.0) if requirement.is_pressure else 1.0
+        for point in curve.points if per else ():
             if near(abs(point.v_m_s), requirement.v_m_s):
-                per = _per(results, requirement, curve.direction)
                 u95 = point.u95_n or point.ci95_n
                 yield Measurement(
                     value=curve.against_motion * point.friction_n / per,
@@ -56,6 +54,7 @@ def _friction(results: Results, requirement: Requirement) -> Iterable[Measuremen
                     v_m_s=abs(point.v_m_s),
                     runs=point.runs,
                     without_instruments=point.sigma_instruments_n is None,
+                    area_m2=area,
                 )
 
 
@@ -92,7 +91,10 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
             if key not in longest or (each.dwell_s or 0.0) > (longest[key].dwell_s or 0.0):
                 longest[key] = each
     for each in longest.values():
-        per = _per(results, requirement, each.direction)
+        area = each.breakaway_n / each.breakaway_pa if each.breakaway_pa else None
+        per = (area or 0.0) if requirement.is_pressure else 1.0
+        if not per:
+            continue
         u95 = each.u95_n or each.ci95_n
         yield Measurement(
             value=each.breakaway_n / per,
@@ -105,6 +107,7 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
             dwell_s=each.dwell_s,
             runs=each.runs,
             without_instruments=each.u95_n is None,
+            area_m2=area,
         )
 
 
@@ -218,13 +221,5 @@ def near(value: float | None, stated: float | None) -> bool:
 
 
 def has_areas(results: Results) -> bool:
-    """Return whether the driving areas are known: a drive without hydraulics has none."""
-    specimen = results.runs[0].run.plan.specimen
-    return specimen.area_piston_m2 > 0 and specimen.area_rod_m2 > 0
-
-
-def _per(results: Results, requirement: Requirement, direction: Direction) -> float:
-    """Return the divisor of a force: 1, or the driving area [m^2] where a pressure is limited."""
-    if not requirement.is_pressure:
-        return 1.0
-    return results.runs[0].run.plan.specimen.driving_area_m2(direction)
+    """Return whether a driving area is known: a drive without hydraulics has none."""
+    return any(each.run.plan.specimen.area_piston_m2 > 0 for each in results.runs)
