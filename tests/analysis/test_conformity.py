@@ -9,7 +9,16 @@ from scipy import integrate, special, stats
 from hbench.analysis.conformity.acceptance import conformity_checks
 from hbench.analysis.conformity.certified import certified_values, why_not_certified
 from hbench.analysis.conformity.decision import decide, probability_of_conformity
+from hbench.analysis.summary.drift_uncertainty import with_drift
+from hbench.analysis.summary.run_clock import RunClock, campaign_place
+from hbench.analysis.uncertainty.budget import (
+    combined,
+    of_instruments,
+    of_trials,
+    with_instruments,
+)
 from hbench.config.conformity.limits import parse_limits
+from hbench.config.sensors import Instruments
 from hbench.errors import ConfigError
 from hbench.records import Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
@@ -33,6 +42,17 @@ def test_the_probability_is_that_of_students_distribution(value, dof):
     for requirement, low in ((HIGHEST, -np.inf), (BETWEEN, 80.0)):
         expected = spread.cdf((100 - value) / u) - spread.cdf((low - value) / u)
         assert probability_of_conformity(requirement, measured) == pytest.approx(expected, 1e-6)
+
+
+@pytest.mark.parametrize("dof", [2.0, 9.0])
+def test_a_factor_of_two_changes_no_probability(dof):
+    """``expansion: k_2`` states U = 2 u, whatever the degrees of freedom of u are."""
+    u, value = 4.0, 95.0
+    by_student = Measurement(value, u95=u * stats.t(dof).ppf(0.975), dof=dof, u=u)
+    by_two = Measurement(value, u95=2 * u, dof=dof, u=u)
+    expected = stats.t(dof).cdf((100 - value) / u)
+    for measured in (by_student, by_two):
+        assert probability_of_conformity(HIGHEST, measured) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(
@@ -165,6 +185,42 @@ def test_an_efficiency_of_three_trials_without_instruments_has_students_distribu
         point = points[check.measurement.value]
         expected = stats.t(2).cdf((point.efficiency - 0.75) / point.sigma_trials)
         assert check.probability == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize(("expansion", "drift_n"), [("t_95", 0.0), ("k_2", 0.0), ("t_95", 40.0)])
+def test_the_probability_has_the_combined_uncertainty_whatever_u_is(small, expansion, drift_n):
+    """U is 2 u, or contains a drift that is not in the trials' degrees of freedom."""
+    stated = {"tolerance": "0.1 %", "full_scale": "10 kN"}, {"tolerance": "0.1 %"}
+    force, pressure = stated[0], stated[1] | {"full_scale": "250 bar"}
+    instruments = Instruments.model_validate(
+        {"force": force, "pressure": pressure, "expansion": expansion}
+    )
+    curve = with_instruments(small.curves[0], instruments)
+    old = curve.points[0]
+    dofs = combined([of_trials(old.ci95_n, old.n), of_instruments(old)])
+    u = np.hypot(dofs.value, drift_n)
+    dof = dofs.dof * (u / dofs.value) ** 4
+    if drift_n:
+        drift = replace(small.drift, scale="absolute", change=drift_n, change_ci95=0.0, p=0.0)
+        clock = RunClock(
+            {run: float(run in old.runs) for p in curve.points for run in p.runs}, True
+        )
+        place = campaign_place([curve], clock)(old)
+        drift = replace(drift, change=drift_n / place, dof=9, separated=True)
+        (curve,) = with_drift([curve], drift, clock)
+        assert curve.points[0].sigma_drift_n == pytest.approx(drift_n)
+    curve = replace(curve, points=curve.points[:1])
+    value = abs(old.friction_n)
+    (check,) = checks(
+        replace(small, curves=(curve,)), {"quantity": "friction", "max": f"{value + u} N"}
+    )
+    assert check.probability == pytest.approx(stats.t(dof).cdf(1.0), abs=2e-4)
+    (certified,) = (
+        each
+        for each in certified_values(replace(small, curves=(curve,)), instruments)[0]
+        if each.quantity == "friction"
+    )
+    assert certified.k * u == pytest.approx(curve.points[0].u95_n)
 
 
 def test_a_leakage_of_three_holds_has_students_distribution(small):

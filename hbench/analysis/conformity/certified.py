@@ -101,6 +101,8 @@ def _factor(measured: Measurement, instruments: Instruments | None) -> float | N
         return None
     if instruments is not None and instruments.expansion == "k_2":
         return 2.0
+    if measured.u:
+        return measured.u95 / measured.u
     return student_factor(float("inf") if measured.dof is None else measured.dof)
 
 

@@ -11,6 +11,7 @@ from statistics import mean, stdev
 from typing import TypeVar
 
 from hbench.analysis.statistics.student import degrees_of_freedom, student_factor
+from hbench.analysis.uncertainty.budget import combined_n
 from hbench.records import (
     KINDS,
     Breakaway,
@@ -42,11 +43,12 @@ def _friction(results: Results, requirement: Requirement) -> Iterable[Measuremen
         per = (area or 0.0) if requirement.is_pressure else 1.0
         for point in curve.points if per else ():
             if near(abs(point.v_m_s), requirement.v_m_s):
-                u95 = point.u95_n or point.ci95_n
+                u95, u = point.u95_n or point.ci95_n, combined_n(point)
                 yield Measurement(
                     value=curve.against_motion * point.friction_n / per,
                     u95=None if u95 is None else u95 / per,
                     dof=point.u95_dof if point.u95_n else point.n - 1,
+                    u=None if u is None else u / per,
                     label=curve.label,
                     direction=curve.direction,
                     f_load_n=curve.f_load_n,
@@ -66,6 +68,7 @@ def _efficiency(results: Results, requirement: Requirement) -> Iterable[Measurem
                     value=point.efficiency,
                     u95=point.u95 or point.ci95,
                     dof=point.u95_dof if point.u95 else _trials_dof(point),
+                    u=point.sigma_combined if point.u95 else point.sigma_trials,
                     label=curve.label,
                     direction=curve.direction,
                     f_load_n=curve.f_load_n,
@@ -95,11 +98,12 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
         per = (area or 0.0) if requirement.is_pressure else 1.0
         if not per:
             continue
-        u95 = each.u95_n or each.ci95_n
+        u95, u = each.u95_n or each.ci95_n, combined_n(each)
         yield Measurement(
             value=each.breakaway_n / per,
             u95=None if u95 is None else u95 / per,
             dof=each.u95_dof if each.u95_n else each.n - 1,
+            u=None if u is None else u / per,
             label=each.series.label,
             direction=each.direction,
             f_load_n=each.series.f_load_n,
