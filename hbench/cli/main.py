@@ -32,7 +32,7 @@ from hbench.cli.commands import (
 )
 from hbench.cli.once import OnceCommand
 from hbench.cli.standard_streams import open_standard_streams
-from hbench.errors import DataError, HbenchError
+from hbench.errors import ConfigError, DataError, HbenchError
 from hbench.parallel.one_thread import ONE_THREAD
 from hbench.untrusted_text import printable
 
@@ -44,6 +44,8 @@ _REFUSED = frozenset(
     (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENAMETOOLONG, errno.ELOOP, errno.ENOTDIR)
 )
 _LONGEST_PATH = 100  # characters in a message
+
+_LAST_SECOND = 253_402_300_799  # of the year 9999, after 1970
 
 _NEW_OBJECTS = 200_000  # between two collections: at most some tens of megabytes
 
@@ -117,6 +119,26 @@ def _limit_garbage_collection() -> None:
     atexit.register(gc.freeze)
 
 
+def _check_source_date() -> None:
+    """Refuse a ``SOURCE_DATE_EPOCH`` that is no time: numpy and matplotlib read it as they load.
+
+    Raises ``ConfigError``.
+    """
+    text = os.environ.get("SOURCE_DATE_EPOCH")
+    if text is None:
+        return
+    try:
+        known = 0 <= int(text) <= _LAST_SECOND
+    except ValueError:
+        known = False
+    if not known:
+        raise ConfigError(
+            f"SOURCE_DATE_EPOCH is {text[:_LONGEST_PATH]!r}; it must be a whole number of seconds "
+            "after 1970",
+            "Correct this environment variable, or unset it.",
+        )
+
+
 def main() -> None:
     """Run the command line; exit with the codes of ``ExitCode``.
 
@@ -127,6 +149,7 @@ def main() -> None:
     _limit_threads()
     _limit_garbage_collection()
     try:
+        _check_source_date()
         app()
     except HbenchError as error:
         _end(error)

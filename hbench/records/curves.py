@@ -240,9 +240,9 @@ class EfficiencyPoint:
     sigma: float | None  # instruments, equations 6.16 to 6.19
     sigma_trials: float | None  # standard error of the trials' mean
     reason: str = ""
-    sigma_combined: float | None = None  # both
+    sigma_combined: float | None = None  # both, with a significant drift
     ci95: float | None = None  # half-width of Student's interval of the trials
-    u95: float | None = None  # expanded uncertainty of trials and instruments
+    u95: float | None = None  # expanded uncertainty: trials, instruments, a significant drift
     u95_dof: float | None = None  # its effective degrees of freedom; None: infinite
     u95_monte_carlo: float | None = None  # half-width of the interval of drawn errors (JCGM 101)
     sigma_as_printed: float | None = None  # 6.16 with tolerances as standard uncertainties

@@ -13,6 +13,7 @@ from hbench.report.campaign.fit_tables import (
     selection_words,
 )
 from hbench.report.campaign.reasons import aborted_words
+from hbench.report.fit_intervals import fit_interval_words
 from hbench.report.render.document import Section
 from hbench.report.render.word_tables import Table, titled
 
@@ -53,9 +54,8 @@ def fit_sections(results: Results) -> tuple[Section, ...]:
         subsections.append(part)
     if subsections:
         text = (
-            "Intervals are those of 95 % by the scatter of the points, without errors of the "
-            "instruments and drift. Do not use a parameter that is not determined: very different "
-            "values fit the measured points as well."
+            f"{fit_interval_words(results)} Do not use a parameter that is not determined: very "
+            "different values fit the measured points as well."
         )
         if any(determines_none(fit) for curve in of_points.curves for fit in curve.fits):
             text += (

@@ -7,8 +7,18 @@ import pytest
 from scipy import integrate, special, stats
 
 from hbench.analysis.conformity.acceptance import conformity_checks
+from hbench.analysis.conformity.certified import certified_values, why_not_certified
 from hbench.analysis.conformity.decision import decide, probability_of_conformity
+from hbench.analysis.summary.drift_uncertainty import with_drift
+from hbench.analysis.summary.run_clock import RunClock, campaign_place
+from hbench.analysis.uncertainty.budget import (
+    combined,
+    of_instruments,
+    of_trials,
+    with_instruments,
+)
 from hbench.config.conformity.limits import parse_limits
+from hbench.config.sensors import Instruments
 from hbench.errors import ConfigError
 from hbench.records import Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
@@ -32,6 +42,17 @@ def test_the_probability_is_that_of_students_distribution(value, dof):
     for requirement, low in ((HIGHEST, -np.inf), (BETWEEN, 80.0)):
         expected = spread.cdf((100 - value) / u) - spread.cdf((low - value) / u)
         assert probability_of_conformity(requirement, measured) == pytest.approx(expected, 1e-6)
+
+
+@pytest.mark.parametrize("dof", [2.0, 9.0])
+def test_a_factor_of_two_changes_no_probability(dof):
+    """``expansion: k_2`` states U = 2 u, whatever the degrees of freedom of u are."""
+    u, value = 4.0, 95.0
+    by_student = Measurement(value, u95=u * stats.t(dof).ppf(0.975), dof=dof, u=u)
+    by_two = Measurement(value, u95=2 * u, dof=dof, u=u)
+    expected = stats.t(dof).cdf((100 - value) / u)
+    for measured in (by_student, by_two):
+        assert probability_of_conformity(HIGHEST, measured) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(
@@ -166,6 +187,42 @@ def test_an_efficiency_of_three_trials_without_instruments_has_students_distribu
         assert check.probability == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize(("expansion", "drift_n"), [("t_95", 0.0), ("k_2", 0.0), ("t_95", 40.0)])
+def test_the_probability_has_the_combined_uncertainty_whatever_u_is(small, expansion, drift_n):
+    """U is 2 u, or contains a drift that is not in the trials' degrees of freedom."""
+    stated = {"tolerance": "0.1 %", "full_scale": "10 kN"}, {"tolerance": "0.1 %"}
+    force, pressure = stated[0], stated[1] | {"full_scale": "250 bar"}
+    instruments = Instruments.model_validate(
+        {"force": force, "pressure": pressure, "expansion": expansion}
+    )
+    curve = with_instruments(small.curves[0], instruments)
+    old = curve.points[0]
+    dofs = combined([of_trials(old.ci95_n, old.n), of_instruments(old)])
+    u = np.hypot(dofs.value, drift_n)
+    dof = dofs.dof * (u / dofs.value) ** 4
+    if drift_n:
+        drift = replace(small.drift, scale="absolute", change=drift_n, change_ci95=0.0, p=0.0)
+        clock = RunClock(
+            {run: float(run in old.runs) for p in curve.points for run in p.runs}, True
+        )
+        place = campaign_place([curve], clock)(old)
+        drift = replace(drift, change=drift_n / place, dof=9, separated=True)
+        (curve,) = with_drift([curve], drift, clock)
+        assert curve.points[0].sigma_drift_n == pytest.approx(drift_n)
+    curve = replace(curve, points=curve.points[:1])
+    value = abs(old.friction_n)
+    (check,) = checks(
+        replace(small, curves=(curve,)), {"quantity": "friction", "max": f"{value + u} N"}
+    )
+    assert check.probability == pytest.approx(stats.t(dof).cdf(1.0), abs=2e-4)
+    (certified,) = (
+        each
+        for each in certified_values(replace(small, curves=(curve,)), instruments)[0]
+        if each.quantity == "friction"
+    )
+    assert certified.k * u == pytest.approx(curve.points[0].u95_n)
+
+
 def test_a_leakage_of_three_holds_has_students_distribution(small):
     """The interval of three holds is 4.303 standard errors."""
     se = 2e-17
@@ -189,6 +246,36 @@ def test_a_pressure_is_that_on_the_driving_area(small):
         area = areas[force.measurement.direction]
         assert pressure.measurement.value == pytest.approx(force.measurement.value / area)
         assert pressure.measurement.u95 == pytest.approx(force.measurement.u95 / area)
+
+
+def test_a_pressure_of_each_series_is_that_on_the_area_of_its_own_cylinder(small):
+    """Seals of two bores in one campaign: 60/30 mm beside the sample's."""
+    other = Specimen(np.pi / 4 * 0.06**2, np.pi / 4 * (0.06**2 - 0.03**2))
+    first, *others = small.curves
+    both = replace(small, curves=(replace(first, specimen=other, label="60 mm"), *others))
+    areas = {"extend": other.area_piston_m2, "retract": other.area_rod_m2}
+    in_n, in_bar = (
+        checks(both, {"quantity": "friction", "label": "60 mm", "max": limit})[0].measurement
+        for limit in ("1 kN", "9 bar")
+    )
+    assert in_bar.value == pytest.approx(in_n.value / areas[first.direction])
+    assert in_bar.u95 == pytest.approx(in_n.u95 / areas[first.direction])
+    certified, _ = certified_values(both, None)
+    of_other = [each for each in certified if each.measurement.label == "60 mm"]
+    forces = [each for each in of_other if each.quantity == "friction"]
+    assert forces
+    for each in forces:
+        expected = each.measurement.value / areas[first.direction]
+        assert each.pressure_pa == pytest.approx(expected)
+
+
+def test_a_campaign_of_two_sizes_of_cylinders_gets_no_certificate(small):
+    """The certificate would state the bore of the first as that of its item."""
+    first, *others = small.runs
+    plan = replace(first.run.plan, specimen=Specimen(3e-3, 2e-3))
+    mixed = replace(small, runs=(replace(first, run=replace(first.run, plan=plan)), *others))
+    assert not any("sizes" in reason for reason in why_not_certified(small))
+    assert any("2 sizes of cylinders" in reason for reason in why_not_certified(mixed))
 
 
 def test_the_headlines_pressure_is_what_the_chambers_and_the_load_cell_leave(small):
@@ -218,7 +305,8 @@ def test_without_hydraulics_a_limit_in_bar_is_not_tested(small):
         plan = replace(screened.run.plan, specimen=Specimen(0.0, 0.0))
         return replace(screened, run=replace(screened.run, plan=plan))
 
-    drive = replace(small, runs=tuple(map(bare, small.runs)))
+    without = tuple(replace(curve, specimen=Specimen(0.0, 0.0)) for curve in small.curves)
+    drive = replace(small, runs=tuple(map(bare, small.runs)), curves=without)
     (check,) = checks(drive, {"quantity": "friction", "max": "1 bar"})
     assert check.decision == "NOT TESTED" and "area" in check.reason
     assert checks(drive, {"quantity": "friction", "max": "1 kN"})[0].measurement is not None

@@ -12,8 +12,10 @@ from hbench.analysis.fitting.joint import fitted
 from hbench.analysis.summary.drift import drift_checks, friction_drift
 from hbench.analysis.summary.drift_uncertainty import efficiency_with_drift, with_drift
 from hbench.analysis.summary.run_clock import RunClock
+from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.config.fitting import Fitting
+from hbench.config.sensors import Instruments
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 from hbench.records.numbers import NORMAL_95
 
@@ -176,15 +178,47 @@ def test_a_significant_drift_adds_the_deviation_at_the_points_time_to_its_interv
         )
         assert point.u95_n == pytest.approx(np.hypot(old.ci95_n, NORMAL_95 * point.sigma_drift_n))
         assert point.ci95_n == old.ci95_n
-    etas = efficiency_with_drift((efficiency_curve(before[0], None),), (curve,))
-    for eta, old, point in zip(
-        etas[0].points, efficiency_curve(before[0], None).points, curve.points, strict=True
-    ):
-        if old.u95 is not None:
-            away = NORMAL_95 * old.efficiency / abs(point.f_test_n) * abs(point.sigma_drift_n)
-            assert eta.u95 == pytest.approx(np.hypot(old.u95, away))
+        of_trials = np.std(old.trials_n, ddof=1) / np.sqrt(old.n)
+        whole = np.hypot(of_trials, point.sigma_drift_n)
+        assert point.u95_dof == pytest.approx((old.n - 1) * (whole / of_trials) ** 4)
     assert with_drift(before, replace(drift, p=0.06), clock) == before
     assert with_drift(before, None, clock) == before
+
+
+def test_a_significant_drift_widens_an_efficiency_with_and_without_instruments():
+    """Friction is a part of F_T: d(eta) = -F_a / F_T^2 d(F_T) where the hydraulics drive."""
+    rng = np.random.default_rng(2)
+    runs = campaign(passes(), lambda v, t: level(v) - 0.5 * t + rng.standard_normal())
+    clock, drift, f_load_n = RunClock.of(runs, times(runs)), drift_of(runs), 4000.0
+    (bare,) = curves(runs)
+
+    def loaded(point):
+        f_test_n = f_load_n + point.friction_n
+        return replace(
+            point,
+            f_test_n=f_test_n,
+            trials_f_test_n=tuple(f_load_n + trial for trial in point.trials_n),
+            f_applied_n=f_load_n,
+            p_tp_pa=f_test_n / bare.specimen.area_piston_m2,
+            p_tr_pa=0.0,
+        )
+
+    before = replace(bare, points=tuple(map(loaded, bare.points)))
+    stated = {
+        "force": {"tolerance": "0.2 %", "full_scale": "5 kN"},
+        "pressure": {"tolerance": "0.2 %", "full_scale": "100 bar"},
+    }
+    for instruments in (None, Instruments.model_validate(stated)):
+        (curve,) = with_drift([with_instruments(before, instruments)], drift, clock)
+        old = efficiency_curve(before, instruments)
+        (new,) = efficiency_with_drift([old], [curve])
+        for was, now, point in zip(old.points, new.points, curve.points, strict=True):
+            away = f_load_n / point.f_test_n**2 * abs(point.sigma_drift_n)
+            u, half = was.sigma_trials, was.ci95
+            if instruments is not None:
+                u, half = was.sigma_combined, was.u95
+            assert now.u95 == pytest.approx(np.hypot(half, NORMAL_95 * away)) and now.u95 > half
+            assert now.sigma_combined == pytest.approx(np.hypot(u, away))
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from typing import Literal
 from hbench.analysis.conformity.measured import measurements
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.sensors import Instruments
-from hbench.records import Results
+from hbench.records import Results, Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.conformity.certified import Certified
 from hbench.records.rod_pressure import series_key
@@ -30,7 +30,7 @@ def certified_values(
     instruments are in the uncertainty only where ``instruments`` are known. An efficiency without
     load is no value of a cylinder in operation, and is not among them.
     """
-    forces = [_force(results, "friction", each, instruments) for each in _all(results, "friction")]
+    forces = [_force("friction", each, instruments) for each in _all(results, "friction")]
     kept = _fewer(forces, results.headline.v_m_s, {_point(each) for each in decided})
     speeds = {_point(each.measurement) for each in kept}
     efficiencies = [
@@ -38,9 +38,7 @@ def certified_values(
         for each in _all(results, "efficiency")
         if (_point(each) in speeds or not forces) and each.f_load_n != 0
     ]
-    breakaways = (
-        _force(results, "breakaway", each, instruments) for each in _all(results, "breakaway")
-    )
+    breakaways = (_force("breakaway", each, instruments) for each in _all(results, "breakaway"))
     values = (*kept, *efficiencies, *breakaways, *_leaks(results))
     return values, len(kept) == len(forces)
 
@@ -67,7 +65,15 @@ def why_not_certified(results: Results) -> tuple[str, ...]:
         reasons.append("the quality of the data is 'poor'")
     if not any(run.accepted for run in results.runs):
         reasons.append("no run was accepted")
+    sizes = {(each.area_piston_m2, each.area_rod_m2) for each in _cylinders(results)}
+    if len(sizes) > 1:
+        reasons.append(f"its runs are of {len(sizes)} sizes of cylinders, and a certificate of one")
     return tuple(reasons)
+
+
+def _cylinders(results: Results) -> Iterator[Specimen]:
+    for each in results.runs:
+        yield each.run.plan.specimen
 
 
 def _all(
@@ -77,15 +83,12 @@ def _all(
 
 
 def _force(
-    results: Results,
     quantity: Literal["friction", "breakaway"],
     measured: Measurement,
     instruments: Instruments | None,
 ) -> Certified:
     """Return a force, also as the pressure on the driving area where that is known."""
-    specimen = results.runs[0].run.plan.specimen
-    extends = measured.direction == "extend"
-    area = specimen.area_piston_m2 if extends else specimen.area_rod_m2
+    area = measured.area_m2
     certified = Certified(quantity, measured, _factor(measured, instruments))
     if not area:
         return certified
@@ -98,6 +101,8 @@ def _factor(measured: Measurement, instruments: Instruments | None) -> float | N
         return None
     if instruments is not None and instruments.expansion == "k_2":
         return 2.0
+    if measured.u:
+        return measured.u95 / measured.u
     return student_factor(float("inf") if measured.dof is None else measured.dof)
 
 

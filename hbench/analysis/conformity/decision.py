@@ -82,6 +82,6 @@ def probability_of_conformity(requirement: Requirement, measured: Measurement) -
     if measured.u95 == 0:
         return float(low <= measured.value <= high)
     dof = 1e9 if measured.dof is None else measured.dof
-    u = measured.u95 / student_factor(dof)
+    u = measured.u or measured.u95 / student_factor(dof)
     below, above = (stdtr(dof, (limit - measured.value) / u) for limit in (low, high))
     return float(above - below)

@@ -11,11 +11,11 @@ from statistics import mean, stdev
 from typing import TypeVar
 
 from hbench.analysis.statistics.student import degrees_of_freedom, student_factor
+from hbench.analysis.uncertainty.budget import combined_n
 from hbench.records import (
     KINDS,
     Breakaway,
     Curve,
-    Direction,
     EfficiencyCurve,
     EfficiencyPoint,
     Leakage,
@@ -34,21 +34,21 @@ _SteadyCurve = TypeVar("_SteadyCurve", Curve, EfficiencyCurve)
 
 def measurements(results: Results, requirement: Requirement) -> tuple[Measurement, ...]:
     """Return the measured values that a requirement applies to, one for each series and speed."""
-    if requirement.is_pressure and not has_areas(results):
-        return ()
     return tuple(_MEASURED[requirement.quantity](results, requirement))
 
 
 def _friction(results: Results, requirement: Requirement) -> Iterable[Measurement]:
     for curve in _steady(results.curves, requirement):
-        for point in curve.points:
+        area = curve.specimen.driving_area_m2(curve.direction) or None
+        per = (area or 0.0) if requirement.is_pressure else 1.0
+        for point in curve.points if per else ():
             if near(abs(point.v_m_s), requirement.v_m_s):
-                per = _per(results, requirement, curve.direction)
-                u95 = point.u95_n or point.ci95_n
+                u95, u = point.u95_n or point.ci95_n, combined_n(point)
                 yield Measurement(
                     value=curve.against_motion * point.friction_n / per,
                     u95=None if u95 is None else u95 / per,
                     dof=point.u95_dof if point.u95_n else point.n - 1,
+                    u=None if u is None else u / per,
                     label=curve.label,
                     direction=curve.direction,
                     f_load_n=curve.f_load_n,
@@ -56,6 +56,7 @@ def _friction(results: Results, requirement: Requirement) -> Iterable[Measuremen
                     v_m_s=abs(point.v_m_s),
                     runs=point.runs,
                     without_instruments=point.sigma_instruments_n is None,
+                    area_m2=area,
                 )
 
 
@@ -67,6 +68,7 @@ def _efficiency(results: Results, requirement: Requirement) -> Iterable[Measurem
                     value=point.efficiency,
                     u95=point.u95 or point.ci95,
                     dof=point.u95_dof if point.u95 else _trials_dof(point),
+                    u=point.sigma_combined if point.u95 else point.sigma_trials,
                     label=curve.label,
                     direction=curve.direction,
                     f_load_n=curve.f_load_n,
@@ -92,12 +94,16 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
             if key not in longest or (each.dwell_s or 0.0) > (longest[key].dwell_s or 0.0):
                 longest[key] = each
     for each in longest.values():
-        per = _per(results, requirement, each.direction)
-        u95 = each.u95_n or each.ci95_n
+        area = each.breakaway_n / each.breakaway_pa if each.breakaway_pa else None
+        per = (area or 0.0) if requirement.is_pressure else 1.0
+        if not per:
+            continue
+        u95, u = each.u95_n or each.ci95_n, combined_n(each)
         yield Measurement(
             value=each.breakaway_n / per,
             u95=None if u95 is None else u95 / per,
             dof=each.u95_dof if each.u95_n else each.n - 1,
+            u=None if u is None else u / per,
             label=each.series.label,
             direction=each.direction,
             f_load_n=each.series.f_load_n,
@@ -105,6 +111,7 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
             dwell_s=each.dwell_s,
             runs=each.runs,
             without_instruments=each.u95_n is None,
+            area_m2=area,
         )
 
 
@@ -218,13 +225,5 @@ def near(value: float | None, stated: float | None) -> bool:
 
 
 def has_areas(results: Results) -> bool:
-    """Return whether the driving areas are known: a drive without hydraulics has none."""
-    specimen = results.runs[0].run.plan.specimen
-    return specimen.area_piston_m2 > 0 and specimen.area_rod_m2 > 0
-
-
-def _per(results: Results, requirement: Requirement, direction: Direction) -> float:
-    """Return the divisor of a force: 1, or the driving area [m^2] where a pressure is limited."""
-    if not requirement.is_pressure:
-        return 1.0
-    return results.runs[0].run.plan.specimen.driving_area_m2(direction)
+    """Return whether a driving area is known: a drive without hydraulics has none."""
+    return any(each.run.plan.specimen.area_piston_m2 > 0 for each in results.runs)

@@ -24,7 +24,7 @@ from hbench.analysis.screening.friction_channels import (
     missing_friction_channels,
     test_force,
 )
-from hbench.analysis.screening.push_peak import first_peak
+from hbench.analysis.screening.push_peak import first_peak, peak_n
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.config.sensors import Instruments
@@ -100,13 +100,8 @@ def _peak(run: Run) -> _Peak | None:
     at = peak.at
     line = slice(max(at + 1 - peak.samples, 0), at + 1)
 
-    def end_of_line(values: np.ndarray | None) -> float:
-        if values is None:
-            return np.nan
-        return float(np.polynomial.Polynomial.fit(run.t_s[line], values[line], 1)(run.t_s[at]))
-
     return _Peak(
-        friction_n=end_of_line(friction) if at else float(friction[0]),
+        friction_n=peak_n(run.t_s, friction, peak) if at else float(friction[0]),
         displacement_m=sign * float(run.x_m[at] - run.x_m[0]),
         v_m_s=sign * float(np.polyfit(run.t_s[line], run.x_m[line], 1)[0]) if at else 0.0,
         f_test_n=float(f_test[at]),

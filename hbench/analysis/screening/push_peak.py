@@ -13,6 +13,8 @@ _FALL_NOISE = 8.0  # or so many standard deviations of the noise, if that is mor
 _HIGH = 0.7  # of the largest friction: humps below it are those of the loop as the push begins
 _SAMPLES = 5  # of a straight line at least, ...
 _NOISE = 0.01  # ... and so many that the noise of its end is this part of the largest friction
+_SMALL_NOISE = 0.005  # of the largest friction: the largest of such values is hardly too large
+_HALF_SAMPLES = 3  # of a line through every other sample, at least
 
 
 class Peak(NamedTuple):
@@ -20,6 +22,8 @@ class Peak(NamedTuple):
 
     at: int
     samples: int
+    fallen: int = 0  # the sample at which friction has fallen
+    noise_n: float = 0.0  # standard deviation of the line's end
 
 
 def first_peak(friction_n: np.ndarray) -> Peak | None:
@@ -32,13 +36,41 @@ def first_peak(friction_n: np.ndarray) -> Peak | None:
     """
     if not _pushes(friction_n):
         return None
-    samples, limit = _samples_and_fall(friction_n)
+    samples, limit, noise_n = _samples_and_fall(friction_n)
     friction = _ends_of_lines(friction_n, samples)
     highest = np.maximum.accumulate(friction)
     fallen = (highest - friction > limit) & (highest >= _HIGH * friction.max())
     if not fallen.any():
         return None
-    return Peak(int(np.argmax(friction[: np.argmax(fallen)])), samples)
+    end = int(np.argmax(fallen))
+    return Peak(int(np.argmax(friction[:end])), samples, end, noise_n)
+
+
+def peak_n(t_s: np.ndarray, friction_n: np.ndarray, peak: Peak) -> float:
+    """Return friction [N] at the first maximum of friction (n,) [N] at t_s (n,) [s].
+
+    The largest of noisy values is too large in the mean. Where noise matters, the moment is that
+    of every other sample and the value that of the samples between, whose noise is independent;
+    the result is the mean of both choices.
+    """
+    if peak.noise_n <= _SMALL_NOISE * friction_n.max():
+        return _end_of_line(t_s, friction_n, float(t_s[peak.at]), peak.samples)
+    half = max(peak.samples // 2, _HALF_SAMPLES)
+    values = []
+    even, odd = slice(0, None, 2), slice(1, None, 2)
+    for chosen, others in ((even, odd), (odd, even)):
+        ends = _ends_of_lines(friction_n[chosen], half)
+        rising = t_s[chosen] < t_s[peak.fallen]
+        at_s = float(t_s[chosen][rising][np.argmax(ends[rising])])
+        values.append(_end_of_line(t_s[others], friction_n[others], at_s, half))
+    return float(np.mean(values))
+
+
+def _end_of_line(t_s: np.ndarray, y: np.ndarray, at_s: float, m: int) -> float:
+    """Return at ``at_s`` the straight line through the last m of y (n,) up to it, at least two."""
+    last = max(int(np.searchsorted(t_s, at_s, side="right")), 2)
+    line = slice(max(last - m, 0), last)
+    return float(np.polyval(np.polyfit(t_s[line] - at_s, y[line], 1), 0.0))
 
 
 def least_fall(friction_n: np.ndarray) -> float:
@@ -47,20 +79,26 @@ def least_fall(friction_n: np.ndarray) -> float:
     1 % of the largest friction, or eight standard deviations of the noise of a line's end, if that
     is more. NaN without friction against the push.
     """
-    return _samples_and_fall(friction_n)[1] if _pushes(friction_n) else float("nan")
+    return _samples_and_fall(friction_n).fall_n if _pushes(friction_n) else float("nan")
 
 
 def _pushes(friction_n: np.ndarray) -> bool:
     return len(friction_n) >= 4 and float(friction_n.max()) > 0.0
 
 
-def _samples_and_fall(friction_n: np.ndarray) -> tuple[int, float]:
-    """Return the samples of a line, and the fall [N] that counts."""
+class _Line(NamedTuple):
+    samples: int
+    fall_n: float  # that counts
+    noise_n: float  # of its end
+
+
+def _samples_and_fall(friction_n: np.ndarray) -> _Line:
     noise = noise_of_differences(np.diff(friction_n, 2), 2)  # second ones: the push is a ramp
     samples = int(np.ceil((2 * noise / (_NOISE * friction_n.max())) ** 2))
     samples = min(max(samples, _SAMPLES), len(friction_n) // 2)
     most = float(_ends_of_lines(friction_n, samples).max())
-    return samples, max(_FALL * most, _FALL_NOISE * 2 * noise / float(np.sqrt(samples)))
+    of_end = 2 * noise / float(np.sqrt(samples))
+    return _Line(samples, max(_FALL * most, _FALL_NOISE * of_end), of_end)
 
 
 def _ends_of_lines(y: np.ndarray, m: int) -> np.ndarray:

@@ -15,6 +15,10 @@ from hbench.analysis.screening.friction_channels import (
     test_force,
 )
 from hbench.analysis.screening.log_steps import friction_step, rounding_errors
+from hbench.analysis.screening.oscillation import (
+    oscillation_of_position,
+    oscillation_of_velocity,
+)
 from hbench.analysis.screening.saturation import (
     saturated_sensors,
     saturated_valves,
@@ -217,18 +221,12 @@ def _steadiness(
             f"limit {1e3 * limit:.2f} mm/s"
         )
     # Noise widens the limit of the ripple: it is computed only where that matters.
-    if means and exceeds(means.v_ripple_m_s or 0.0, rules.ripple_limit(v_ref)):
-        yield from _ripple(run, window, rules)
-    known = np.zeros(0) if run.v_m_s is None else run.v_m_s[window]
-    known = known[np.isfinite(known)]
-    if len(known) > 1:
-        swing = float(np.std(known, ddof=1))
-        limit = max(rules.speed_oscillation, rules.speed_oscillation_relative * abs(v_ref))
-        if exceeds(swing, limit):
-            yield (
-                f"not_steady: the controller's velocity oscillates by {1e3 * swing:.2f} mm/s "
-                f"(standard deviation); limit {1e3 * limit:.2f} mm/s"
-            )
+    beyond = means and exceeds(means.v_ripple_m_s or 0.0, rules.ripple_limit(v_ref))
+    varies = list(_ripple(run, window, rules)) if beyond else []
+    yield from varies
+    yield from oscillation_of_velocity(run, window, rules)
+    if not varies:
+        yield from oscillation_of_position(run, window, rules)
     if means is None or means.friction_n is None:
         return
     f_applied = run.channel("f_applied_n")[window]

@@ -25,7 +25,7 @@ _LEVEL = 0.9999  # of the chi-square law; with correlated speeds, noise exceeds 
 
 
 class Ripple(NamedTuple):
-    """Standard deviation of the speed over 0.1 s means."""
+    """Standard deviation of the speed between means over blocks of time, 0.1 s by default."""
 
     total_m_s: float
     noise_m_s: float  # upper limit of the contribution of noise
@@ -50,8 +50,10 @@ def speeds_over_tenths(t_s: np.ndarray, x_m: np.ndarray) -> BlockSpeeds:
     return block_speeds(t_s, x_m, BLOCK_S)
 
 
-def speed_ripple(t_s: np.ndarray, x_m: np.ndarray, largest_noise_m: float = np.inf) -> Ripple:
-    """Return the standard deviation of the 0.1 s speeds and the upper limit of its noise.
+def speed_ripple(
+    t_s: np.ndarray, x_m: np.ndarray, largest_noise_m: float = np.inf, block_s: float = BLOCK_S
+) -> Ripple:
+    """Return the standard deviation of the speeds over blocks and the upper limit of its noise.
 
     The position's noise is that within these samples, at most ``largest_noise_m``: a fast
     oscillation looks like noise.
@@ -60,7 +62,7 @@ def speed_ripple(t_s: np.ndarray, x_m: np.ndarray, largest_noise_m: float = np.i
     has about k/1.5 degrees of freedom (sum of the squared correlations).
     """
     noise_m = min(position_noise(t_s, x_m), largest_noise_m)
-    speeds = block_speeds(t_s, x_m, BLOCK_S, noise_m)
+    speeds = block_speeds(t_s, x_m, block_s, noise_m)
     k = len(speeds.v_m_s)
     if k < 2:
         return Ripple(0.0, 0.0)

@@ -10,6 +10,12 @@ from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.statistics.intervals import too_wide
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.summary.run_clock import RunClock, campaign_place
+from hbench.analysis.uncertainty.budget import (
+    StandardUncertainty,
+    combined,
+    combined_n,
+    finite_or_none,
+)
 from hbench.records import Curve, CurvePoint, Drift, EfficiencyCurve, EfficiencyPoint, Fit
 from hbench.records.numbers import NORMAL_95
 
@@ -29,7 +35,7 @@ def with_drift(
     drift within a point is part of the scatter of its trials. u_i has the same cause in all points:
     it shifts the parameters of a fit with the Jacobian J by J^+ (t_i - t) sqrt(d^2 + se^2), which
     widens their intervals in the same way, and so can make them not determined. ``weights`` are
-    those of the fits.
+    those of the fits. The drift has infinite degrees of freedom in those of U95_i (G.2b).
 
     Where only the order of the runs is known, which may be that of file names, a drift that is not
     separated from speed adds nothing: it would be extrapolated from neighbours to a whole campaign.
@@ -64,10 +70,22 @@ def efficiency_with_drift(
     """
 
     def widened(point: EfficiencyPoint, measured: CurvePoint) -> EfficiencyPoint:
-        if point.efficiency is None or point.u95 is None or not measured.sigma_drift_n:
+        known = point.sigma_combined is not None
+        before, u, dof = (
+            (point.u95, point.sigma_combined, point.u95_dof)
+            if known
+            else (point.ci95, point.sigma_trials, measured.n - 1)
+        )
+        if before is None or u is None or not measured.sigma_drift_n:
             return point
         sigma = efficiency_drift(point, measured)
-        return replace(point, u95=float(np.hypot(point.u95, NORMAL_95 * sigma)))
+        whole = _with_part(u, dof, sigma)
+        return replace(
+            point,
+            sigma_combined=whole.value,
+            u95=float(np.hypot(before, NORMAL_95 * sigma)),
+            u95_dof=finite_or_none(whole.dof),
+        )
 
     return tuple(
         replace(eta, points=tuple(map(widened, eta.points, curve.points)))
@@ -83,9 +101,24 @@ def efficiency_drift(point: EfficiencyPoint, measured: CurvePoint) -> float:
 
 
 def _wider(point: CurvePoint, sigma_n: float) -> CurvePoint:
-    before = point.ci95_n if point.u95_n is None else point.u95_n
-    u95 = None if before is None else float(np.hypot(before, NORMAL_95 * sigma_n))
-    return replace(point, sigma_drift_n=sigma_n, u95_n=u95)
+    u = combined_n(point)
+    if u is None or point.ci95_n is None:
+        return replace(point, sigma_drift_n=sigma_n)
+    before, dof = (
+        (point.ci95_n, point.n - 1.0) if point.u95_n is None else (point.u95_n, point.u95_dof)
+    )
+    return replace(
+        point,
+        sigma_drift_n=sigma_n,
+        u95_n=float(np.hypot(before, NORMAL_95 * sigma_n)),
+        u95_dof=finite_or_none(_with_part(u, dof, sigma_n).dof),
+    )
+
+
+def _with_part(u: float, dof: float | None, drift: float) -> StandardUncertainty:
+    """Return an uncertainty ``u`` and a drift combined; the drift's dof are infinite."""
+    parts = StandardUncertainty(u, np.inf if dof is None else dof), StandardUncertainty(drift)
+    return combined(parts)
 
 
 def _wider_fit(fit: Fit, curve: Curve, deviations_n: np.ndarray, weights: str) -> Fit:

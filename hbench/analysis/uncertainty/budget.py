@@ -139,6 +139,19 @@ def of_trials(ci95: float, n: int) -> StandardUncertainty:
     return StandardUncertainty(ci95 / student_factor(n - 1), n - 1)
 
 
+def combined_n(point: CurvePoint | Breakaway) -> float | None:
+    """Return the combined standard uncertainty [N] of a friction, of all parts that are known.
+
+    None with fewer than two trials.
+    """
+    if point.ci95_n is None:
+        return None
+    parts = [of_trials(point.ci95_n, point.n).value, point.sigma_instruments_n]
+    if isinstance(point, CurvePoint):
+        parts += [point.sigma_drift_n, point.sigma_temperature_n]
+    return float(np.hypot.reduce([part or 0.0 for part in parts]))
+
+
 def finite_or_none(dof: float) -> float | None:
     """Return degrees of freedom, None where they are infinite."""
     return float(dof) if np.isfinite(dof) else None

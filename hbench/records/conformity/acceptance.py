@@ -80,6 +80,8 @@ class Measurement:
     dwell_s: float | None = None
     runs: tuple[str, ...] = ()
     without_instruments: bool = False  # u95 does not contain their errors, which are not known
+    u: float | None = None  # combined standard uncertainty; None: u95 over Student's factor
+    area_m2: float | None = None  # that the oil drives; None: not a force, or not known
     # Of a leak: the smallest step of the logged pressures, and the set loads of its holds.
     step_pa: float | None = None
     lowest_load_n: float | None = None

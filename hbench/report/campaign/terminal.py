@@ -18,6 +18,7 @@ from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.campaign.table_columns import BALANCE, OF_DIRECTIONS
 from hbench.report.drift import drift_reserve, drift_words
+from hbench.report.fit_intervals import fit_interval_words
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.next_step import next_step_words
 from hbench.report.oil_words import temperature_words
@@ -67,6 +68,7 @@ def summary_text(results: Results, decision: str = "") -> str:
         notes.insert(0, f"oil: {said.removesuffix('.')}")
     fits = [line for each in _fit_tables(curves) for line in ("", *table_lines(each))]
     lines += [*fits, *(line for words in _joint_words(results) for line in wrapped(words))]
+    lines += wrapped(f"fits: {fit_interval_words(results)}") if fits else []
     table = ["", *lines] if results.curves else []
     moving = [line for words in motion_lines(results.motions) for line in wrapped(words)]
     bands = [line for each in _band_tables(results) for line in ("", *table_lines(each))]

@@ -5,13 +5,15 @@ is never rewritten: when a run is repeated, the log of the previous attempt is k
 ``runs/<id>~1.dat`` (then ``~2`` and so on).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from hbench.errors import DataError
 from hbench.records import Outcome, RunPlan
 from hbench.store.campaign import journal
 from hbench.store.campaign.checksums import sha256
@@ -20,6 +22,18 @@ from hbench.store.campaign.journal import Stop
 from hbench.store.dsp_logs.dsp_log import format_words
 from hbench.store.files.atomic import append, rename, truncate, write_atomic
 from hbench.store.files.bounded_read import check_inside
+
+
+@contextmanager
+def _to_be_resumed() -> Iterator[None]:
+    """Add to the hint of a disk that refuses that the campaign can be continued."""
+    try:
+        yield
+    except DataError as error:
+        if not isinstance(error.__cause__, OSError):
+            raise
+        hint = f"{error.hint} Then continue with --resume."
+        raise DataError(error.message, hint) from error.__cause__
 
 
 class CampaignWriter:
@@ -50,12 +64,14 @@ class CampaignWriter:
         truncate(path, journal.intact_length(data))
         return cls(folder)
 
+    @_to_be_resumed()
     def start_run(self, plan: RunPlan, at: datetime, after_rejection: str = "") -> None:
         """Append the start part of a run; ``after_rejection`` is the reason for a repetition."""
         text = journal.start_text(plan, at, after_rejection=after_rejection)
         append(self._journal, text.encode())
         self._started = plan
 
+    @_to_be_resumed()
     def finish_run(
         self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
     ) -> None:
