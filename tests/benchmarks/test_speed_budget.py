@@ -54,7 +54,7 @@ def start_up() -> Iterator[Row]:
     ours = [*HBENCH, "--help"]
     yield Row("start-up: --help", ours, "python -c pass", python("-c", "pass"), 20.0, 4)
     yield Row("start-up: --help", ours, "import pandas", python("-c", "import pandas"), 0.5, 4)
-    yield Row("start-up: run --help", [*HBENCH, "run", "--help"], "hbench --help", ours, 1.3, 4)
+    yield Row("start-up: run --help", [*HBENCH, "run", "--help"], "hbench --help", ours, 1.3, 12)
 
 
 def campaign(schedule: str, folder: Path) -> Iterator[Row]:
