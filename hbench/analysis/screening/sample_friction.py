@@ -127,8 +127,8 @@ def _rests(
     ``still`` (n,) is true in the middle of windows without motion, of ``half`` samples to each
     side; ``level`` and ``slope`` (n,) are the lines through the windows. Before and after the
     windows that are all rest, the piston rests as long as the ``smooth`` position is within
-    ``within_m`` of the line through the nearest of these. How far it is from it there is the way
-    of the last 60 ms, so that none is lost.
+    ``within_m`` of the line through the nearest of these. Its distance from the line at the
+    outermost sample is the travel of the outermost 60 ms, so that no travel is lost.
     """
     at_rest, step, last = np.zeros(len(still), bool), slope.copy(), len(still) - 1
     edges = np.flatnonzero(np.diff(still, prepend=False, append=False))
