@@ -2,9 +2,10 @@
 
 from hbench.records import CampaignDifferences
 from hbench.records.numbers import SIGNIFICANCE
-from hbench.report.comparison.cells import P_TRIALS
+from hbench.report.comparison.cells import MAY_BE_DRIFT, P_TRIALS
 from hbench.report.comparison.tables import has_drift_column, hidden_curves, unseparated
 from hbench.report.comparison.verdict import drift_words
+from hbench.sentences import capital
 
 _READ_U = (
     ("U", "Expanded uncertainty for a coverage probability of 95 %: of the trials, the instruments "
@@ -20,10 +21,10 @@ _MEAN = (
 _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
      "trials do not exclude. Where it exceeds the difference less U, the verdict on friction and "
-     "on efficiency is “may be drift”."),
+     f"on efficiency is “{MAY_BE_DRIFT}”."),
 )  # fmt: skip
 _UNKNOWN_DRIFT = (
-    ("May come from a drift", "The part of a drift within the campaigns in this difference is not "
+    (capital(MAY_BE_DRIFT), "The part of a drift within the campaigns in this difference is not "
      "known, as with runs without times, and no plan of the runs excludes it."),
 )  # fmt: skip
 SET_UP = (
