@@ -9,11 +9,9 @@ from math import factorial
 from typing import Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
-from hbench.analysis.screening.sample_friction import REST_S, STILL
 from hbench.errors import DataError
-from hbench.motion.noise import robust_sigma
+from hbench.motion.standstill import samples_of, standstill
 from hbench.reconcile.measured.weak import EVEN, Window, sampling, window
 from hbench.records import Run
 from hbench.records.diagnosis import REST_M_S
@@ -110,19 +108,12 @@ class Session:
 
     @cached_property
     def velocity_m_s(self) -> np.ndarray:
-        """Velocity (n,) of the position, at rest that of a longer time.
-
-        There its noise would relax the bristles of a friction law, since the mean of |v| is not 0.
-        """
-        x, dt_s = self.channels["x_m"], self.window.dt_s
-        short, long = (max(_FEWEST, _odd(duration / dt_s)) for duration in (_VELOCITY_S, REST_S))
-        own = 1 - _weights(_SMOOTHED, _ORDER, 0, _SMOOTHED // 2)[_SMOOTHED // 2]
-        noise = robust_sigma(x - self.smooth("x_m", _ORDER)) / np.sqrt(own)
-        return np.where(
-            _range(x, self.edges, long) > STILL * noise,
-            _filtered(x, self.edges, short, _ORDER, 1, dt_s),
-            _filtered(x, self.edges, long, 1, 1, dt_s),
-        )
+        """Velocity (n,) of the position, at rest that of a longer time."""
+        x, edges, dt_s = self.channels["x_m"], self.edges, self.window.dt_s
+        short = samples_of(_VELOCITY_S, dt_s, _FEWEST)
+        rests = [standstill(x[start:stop], dt_s) for start, stop in pairwise(edges)]
+        at_rest, resting = (np.concatenate(each) for each in zip(*rests, strict=True))
+        return np.where(at_rest, resting, _filtered(x, edges, short, _ORDER, 1, dt_s))
 
     @cached_property
     def oscillating(self) -> np.ndarray:
@@ -280,20 +271,6 @@ def _sustained(found: np.ndarray) -> np.ndarray:
     for start, stop in edges.reshape(-1, 2):
         kept[start:stop] = stop - start >= _SUSTAINED
     return kept
-
-
-def _odd(samples: float) -> int:
-    return 2 * round(samples / 2) + 1
-
-
-def _range(y: np.ndarray, edges: np.ndarray, samples: int) -> np.ndarray:
-    """Return the range (n,) of the samples that ``_filtered`` uses; infinite in shorter runs."""
-    found = np.full_like(y, np.inf)
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
-        if stop - start >= samples:
-            inner = np.ptp(sliding_window_view(y[start:stop], samples), axis=1)
-            found[start:stop] = np.pad(inner, samples // 2, mode="edge")
-    return found
 
 
 def _weights(samples: int, order: int, derivative: int, at: int) -> np.ndarray:
