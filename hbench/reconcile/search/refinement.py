@@ -98,7 +98,7 @@ class EffectRefinement(CandidateEvaluator):
         """Return whether the refitted model without one of its effects is clearly worse.
 
         It loses over 5 nats, and leaves a gap outside the fit in the balances of this effect, which
-        the effect reduces.
+        the effect reduces. Levels of friction do not count there as far as they may wander.
         """
         others = tuple(each for each in names if each != name)
         without = self.without(model, [name], others)
@@ -107,7 +107,8 @@ class EffectRefinement(CandidateEvaluator):
         out = np.setdiff1d(np.arange(len(model.gap_map.points)), self.train)
         if not len(out):
             return True
-        before, after = (one.gap_map.gap(EFFECTS[name].balances, out) for one in (without, model))
+        gaps = (each.gap_map.without_levels() for each in (without, model))
+        before, after = (each.gap(EFFECTS[name].balances, out) for each in gaps)
         return before > max(after, 1.0)
 
     def without_superfluous(
