@@ -5,9 +5,12 @@ The slope over a short time contains the position's noise. The mean of |v| of su
 static friction and a sigma_1 that does not exist.
 """
 
+from math import sqrt
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from hbench.motion.local_polynomials import local_polynomials, noise_share, odd_samples
 from hbench.motion.noise import noise_over_motion, resolution, robust_sigma
 
 _REST_S, _STILL = 0.3, 8.0  # at rest the position stays within so many deviations for so long
@@ -23,26 +26,19 @@ def standstill(x_m: np.ndarray, dt_s: float) -> tuple[np.ndarray, np.ndarray]:
     position's noise; its velocity is the slope over this time. The samples before and after belong
     to it whose position is still that of the rest, within its noise.
     """
-    from scipy.signal import savgol_coeffs, savgol_filter  # slow import
-
-    window = samples_of(_SMOOTH_S, dt_s, _FEWEST)
-    long = samples_of(_REST_S, dt_s, window)
+    window = odd_samples(_SMOOTH_S, dt_s, _FEWEST)
+    long = odd_samples(_REST_S, dt_s, window)
     if len(x_m) < long:
         return np.zeros(len(x_m), bool), np.zeros(len(x_m))
-    smooth = savgol_filter(x_m, window, _ORDER)
+    whole = np.array([0, len(x_m)])
+    smooth = local_polynomials(x_m, whole, window, _ORDER, 0, 1.0)
+    level, step = (local_polynomials(x_m, whole, long, 1, order, 1.0) for order in (0, 1))
     noise_m = _noise(x_m, smooth)
-    kept = savgol_coeffs(window, _ORDER)[window // 2]  # of white noise's variance, in a value
-    level, slope = (savgol_filter(x_m, long, 1, deriv=order) for order in (0, 1))
     still = np.ptp(sliding_window_view(x_m, long), axis=1) <= _STILL * noise_m
     still = np.pad(still, long // 2, mode="edge")
-    within_m = _ALIKE * noise_m * float(np.sqrt(kept))
-    at_rest, step = _rests(still, long // 2, smooth, level, slope, within_m)
+    within_m = _ALIKE * noise_m * sqrt(noise_share(window, _ORDER))
+    at_rest, step = _rests(still, long // 2, smooth, level, step, within_m)
     return at_rest, step / dt_s
-
-
-def samples_of(duration_s: float, dt_s: float, fewest: int) -> int:
-    """Return the odd number of samples that is next to a duration, ``fewest`` at least."""
-    return max(fewest, 2 * round(duration_s / dt_s / 2) + 1)
 
 
 def _noise(x_m: np.ndarray, smooth: np.ndarray) -> float:

@@ -17,7 +17,8 @@ from hbench.analysis.screening.friction_channels import (
     missing_friction_channels,
 )
 from hbench.errors import DataError
-from hbench.motion.standstill import samples_of, standstill
+from hbench.motion.local_polynomials import local_polynomials, odd_samples
+from hbench.motion.standstill import standstill
 from hbench.records import Run
 from hbench.records.identification import MEMORY_M
 from hbench.sentences import listed
@@ -50,14 +51,12 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
 
     Raises ``DataError`` if a channel or a record is missing.
     """
-    from scipy.signal import savgol_filter  # slow import
-
     missing = missing_friction_channels(run)
     if missing:
         raise DataError(f"run {run.plan.run}: friction needs {listed(missing)}")
     steps = np.diff(run.t_s)
     dt = float(np.median(steps)) if len(steps) else np.inf
-    window = samples_of(_WINDOW_S, dt, _FEWEST)
+    window = odd_samples(_WINDOW_S, dt, _FEWEST)
     if len(run.t_s) < window:
         raise DataError(f"run {run.plan.run}: has {len(run.t_s)} samples; limit {window}")
     if np.abs(steps - dt).max() > 0.01 * dt:
@@ -66,7 +65,8 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
             f"{steps.max():.4g} s)",
             f"Without gaps, write 'resample: {0.5 / dt:.2g} Hz' in the import map.",
         )
-    v, a = (savgol_filter(run.x_m, window, _ORDER, deriv=order, delta=dt) for order in (1, 2))
+    whole = np.array([0, len(run.x_m)])
+    v, a = (local_polynomials(run.x_m, whole, window, _ORDER, order, dt) for order in (1, 2))
     at_rest, resting = standstill(run.x_m, dt)
     v, a = np.where(at_rest, resting, v), np.where(at_rest, 0.0, a)
     return LoggedMotion(

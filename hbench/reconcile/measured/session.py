@@ -5,13 +5,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
-from math import factorial
 from typing import Any
 
 import numpy as np
 
 from hbench.errors import DataError
-from hbench.motion.standstill import samples_of, standstill
+from hbench.motion.local_polynomials import local_polynomials, odd_samples
+from hbench.motion.standstill import standstill
 from hbench.reconcile.measured.weak import EVEN, Window, sampling, window
 from hbench.records import Run
 from hbench.records.diagnosis import REST_M_S
@@ -84,7 +84,10 @@ class Session:
         signals = {name: self.channels[name] for name in names} | {VELOCITY: self.velocity_m_s}
         edges, dt_s = self.edges, self.window.dt_s
         return {
-            name: [y, *(_filtered(y, edges, _FEWEST, _ORDER, order, dt_s) for order in (1, 2))]
+            name: [
+                y,
+                *(local_polynomials(y, edges, _FEWEST, _ORDER, order, dt_s) for order in (1, 2)),
+            ]
             for name, y in signals.items()
         }
 
@@ -110,10 +113,10 @@ class Session:
     def velocity_m_s(self) -> np.ndarray:
         """Velocity (n,) of the position, at rest that of a longer time."""
         x, edges, dt_s = self.channels["x_m"], self.edges, self.window.dt_s
-        short = samples_of(_VELOCITY_S, dt_s, _FEWEST)
+        short = odd_samples(_VELOCITY_S, dt_s, _FEWEST)
         rests = [standstill(x[start:stop], dt_s) for start, stop in pairwise(edges)]
         at_rest, resting = (np.concatenate(each) for each in zip(*rests, strict=True))
-        return np.where(at_rest, resting, _filtered(x, edges, short, _ORDER, 1, dt_s))
+        return np.where(at_rest, resting, local_polynomials(x, edges, short, _ORDER, 1, dt_s))
 
     @cached_property
     def oscillating(self) -> np.ndarray:
@@ -160,7 +163,9 @@ class Session:
 
     def smooth(self, name: str, order: int) -> np.ndarray:
         """Return a channel (n,) as a polynomial through seven samples."""
-        return _filtered(self.channels[name], self.edges, _SMOOTHED, order, 0, self.window.dt_s)
+        return local_polynomials(
+            self.channels[name], self.edges, _SMOOTHED, order, 0, self.window.dt_s
+        )
 
 
 def averaged(run: Run) -> Run:
@@ -271,33 +276,3 @@ def _sustained(found: np.ndarray) -> np.ndarray:
     for start, stop in edges.reshape(-1, 2):
         kept[start:stop] = stop - start >= _SUSTAINED
     return kept
-
-
-def _weights(samples: int, order: int, derivative: int, at: int) -> np.ndarray:
-    """Return the weights (samples,) of a polynomial's derivative at one of its samples."""
-    powers = np.vander(np.arange(samples) - at, order + 1, increasing=True)
-    return np.linalg.pinv(powers)[derivative] * factorial(derivative)
-
-
-def _filtered(
-    y: np.ndarray, edges: np.ndarray, samples: int, order: int, derivative: int, dt_s: float
-) -> np.ndarray:
-    """Filter each run by a polynomial through some samples (Savitzky and Golay).
-
-    All runs at once; near its ends a run has the values of its first and last polynomial.
-    """
-    rows = np.array([_weights(samples, order, derivative, at) for at in range(samples)])
-    rows /= dt_s**derivative
-    half, out = samples // 2, np.empty_like(y)
-    if len(y) >= samples:
-        out[half : len(y) - half] = np.correlate(y, rows[half], "valid")
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
-        part = y[start:stop]
-        if len(part) >= samples:
-            out[start : start + half] = rows[:half] @ part[:samples]
-            out[stop - half : stop] = rows[half + 1 :] @ part[-samples:]
-        elif derivative:
-            out[start:stop] = np.gradient(part, dt_s) if len(part) > 1 else 0.0
-        else:
-            out[start:stop] = part
-    return out
