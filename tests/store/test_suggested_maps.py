@@ -575,6 +575,24 @@ def test_a_command_is_that_of_the_valve(logs):
     assert '# u_t_v: {column: cmd_pct, unit: V, scale: "???"}' in suggest_map(logs).text
 
 
+def test_further_pressures_and_commands_may_be_those_of_a_load_cylinder(logs):
+    run = there_and_back(0.05, 500.0)
+    for name in ("p Druckseite [bar]", "p Gegenseite [bar]", "Y1 [%]", "Y2 [%]", "Y3 [%]"):
+        run[name] = 20 + np.sign(run["f_applied_n"])
+    pd.DataFrame(run).to_csv(logs / "1.csv", index=False)
+    text = suggest_map(logs).text
+    assert "further columns: p Druckseite [bar], p Gegenseite [bar]" in text.replace("\n  # ", " ")
+    for name in ("p_lp_pa", "p_lr_pa"):
+        assert f'# {name}: {{column: "???", unit: bar}}' in text
+    for name in ("u_l1_v", "u_l2_v"):
+        assert f'# {name}: {{column: "???", unit: V, scale: "???"}}' in text
+    pd.DataFrame(run).drop(columns=["p Gegenseite [bar]", "Y3 [%]"]).to_csv(
+        logs / "1.csv", index=False
+    )
+    text = suggest_map(logs).text
+    assert "p_lp_pa" not in text and "u_l1_v" not in text
+
+
 def test_triangles_of_speed_have_no_constant_speed_and_triangles_of_position_have(logs):
     """The top of a triangle of speed is 10 % wide, and longer than min_stroke."""
     t = np.arange(0, 24, 0.01)
