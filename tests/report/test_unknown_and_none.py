@@ -407,6 +407,25 @@ def test_an_agreement_by_a_value_that_is_far_off_asks_to_check_it(
     assert (asked in text) is bool(told) and told in text
 
 
+@pytest.mark.parametrize(
+    ("value", "bound", "soft"), [(0.223, "lower", True), (4.48, "upper", False), (0.3, None, False)]
+)
+def test_an_agreement_by_a_friction_value_at_its_bound_asks_to_go_on_from_it(
+    compared, value, bound, soft
+):
+    """A seal ten times as soft as the guess: its stiffness may be further off than the bound."""
+    path = "friction.test.bristle_stiffness"
+    factor = FitParameter(value, None, (0.9 * value, 1.1 * value), bound, "1")
+    none = replace(
+        compared, verdict="none", rest=(), refitted={path: factor}, refit_priors={path: 0.5}
+    )
+    text = ordinary_spaces(verdict_words(none))
+    assert ("no reason to inspect" in text) is (bound is None)
+    assert ("bristle stiffness, test cylinder" in text) is (bound is not None)
+    assert ("Reconcile again with the refitted model.yaml" in text) is (bound is not None)
+    assert ("over a longer distance than in the model" in text) is soft
+
+
 def test_late_commands_say_what_a_bandwidth_at_its_bound_says(compared):
     factor = FitParameter(1.57, None, (1.01, 1.57), "upper", "1")
     none = replace(
