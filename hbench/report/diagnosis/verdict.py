@@ -106,7 +106,14 @@ def _parts(effect: AddedEffect) -> str:
     parts = parts_present(effect)
     if set(parts) == {"test", "load"}:
         return "all valves" if of_valves(effect.name) else "both cylinders"
-    return listed([coefficient_words(name, effect.name) for name in parts])
+    whole = [side for side in ("test", "load") if {f"{side}_piston", f"{side}_rod"} <= set(parts)]
+    if len(whole) == 2:
+        return "both cylinders"
+    others = [name for name in parts if name.partition("_")[0] not in whole]
+    return listed(
+        [f"both sides of {side} cylinder" for side in whole]
+        + [coefficient_words(name, effect.name) for name in others]
+    )
 
 
 def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
