@@ -593,6 +593,26 @@ def test_further_pressures_and_commands_may_be_those_of_a_load_cylinder(logs):
     assert "p_lp_pa" not in text and "u_l1_v" not in text
 
 
+def test_a_series_of_another_motion_has_its_own_kind_and_cut(logs):
+    """Six strokes of a file each, and four files of triangles of speed, in one folder."""
+    t = np.arange(0, 12, 0.01)
+    for trial in range(1, 7):
+        x = 100 + 50 * np.clip(t - 2, 0, 3)
+        pd.DataFrame({"t [s]": t, "x [mm]": x, "pA [bar]": 20 + t, "pB [bar]": 10 + t}).to_csv(
+            logs / f"stroke_{trial}.csv", index=False
+        )
+    for trial in range(1, 5):
+        x = 200 + np.cumsum(80 - np.abs((80 * t) % 320 - 160)) * 0.01
+        pd.DataFrame({"t [s]": t, "x [mm]": x, "pA [bar]": 20 + t, "pB [bar]": 10 + t}).to_csv(
+            logs / f"sweep_{trial}.csv", index=False
+        )
+    rules = parse_yaml(suggest_map(logs).text)
+    assert (rules["kind"], rules["cut"]) == ("steady", "none")
+    stroke, sweep = rules["series"]
+    assert "kind" not in stroke and "cut" not in stroke
+    assert (sweep["kind"], sweep["cut"]) == ("triangle", "none")
+
+
 def test_triangles_of_speed_have_no_constant_speed_and_triangles_of_position_have(logs):
     """The top of a triangle of speed is 10 % wide, and longer than min_stroke."""
     t = np.arange(0, 24, 0.01)
