@@ -231,6 +231,9 @@ def _compared(session: Session, model: BalanceModel) -> np.ndarray:
         has[:, BALANCES.index("kinematics")] = False
     if model.par.supply.has_pump:  # its flow is compared with that of the valves
         has[:, BALANCES.index("supply")] &= has[:, 0]
+    measured = session.measured
+    of_load = measured["p_lp_pa"] & measured["p_lr_pa"]  # that cylinder draws from the supply too
+    has[:, BALANCES.index("supply")] &= ~of_load | (measured["u_l1_v"] & measured["u_l2_v"])
     return has
 
 
@@ -341,4 +344,7 @@ def _supply(p_s: np.ndarray, means: AlongLog, session: Session, par: PlantParame
 
 def channels_missing(run: Run, balance: str) -> tuple[str, ...]:
     """Return the channels of a balance that a run does not have."""
-    return tuple(name for name in CHANNELS_OF[balance] if getattr(run, name) is None)
+    needed = CHANNELS_OF[balance]
+    if balance == "supply" and all(getattr(run, name) is not None for name in CHAMBERS[2:]):
+        needed += COMMANDS[1:]
+    return tuple(name for name in needed if getattr(run, name) is None)
