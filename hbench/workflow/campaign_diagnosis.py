@@ -23,7 +23,8 @@ _NO_BENCH = (
 )
 _ORDER_ASSUMED = (
     "The runs have no start times: they are taken in the order in which they were imported. If "
-    "they were measured in another order, warming oil and drifting sensors are not found as such."
+    "they were measured in another order, warming oil and drifting sensors are not found as such. "
+    "Logs whose times are dates (t_s with 'unit: date-time' in the import map) give start times."
 )
 
 

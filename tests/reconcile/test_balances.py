@@ -162,6 +162,15 @@ def test_a_supply_pressure_that_is_a_known_constant_is_not_compared(known):
     assert seen == dict.fromkeys(BALANCES, True) | {"supply": False}
 
 
+@pytest.mark.parametrize(("name", "flow"), [("p_tp_pa", "flow_tp"), ("p_tr_pa", "flow_tr")])
+def test_a_chamber_open_to_the_air_is_fed_by_no_valve(known, name, flow):
+    """The map states 0 bar. What a valve of the model would draw for it is not drawn."""
+    run, _ = made_up()
+    found = residuals(replace(run, **{name: np.zeros(len(run.t_s))}), known)
+    seen = dict(zip(BALANCES, np.isfinite(found.values).any(axis=0).tolist(), strict=True))
+    assert seen == dict.fromkeys(BALANCES, True) | {flow: False, "supply": False}
+
+
 def test_uneven_samples_are_refused(known):
     run, _ = made_up()
     t = run.t_s.copy()

@@ -33,6 +33,8 @@ def run(*lacking):
         (("p_s_pa",), FLOW | {"supply_droop"}, FRICTION | {"load_cell_gain"}, ""),
         (("p_lp_pa", "p_lr_pa"), set(), FLOW | FRICTION | ON_THE_TEST_SIDE | {"supply_droop"}, ""),
         (("u_t_v",), FLOW, FRICTION | ON_THE_TEST_SIDE | {"supply_droop"}, "flow_tp"),
+        (("u_l1_v", "u_l2_v"), {"supply_droop"}, FLOW | FRICTION, "supply"),
+        (("u_l1_v", "u_l2_v", "p_lp_pa", "p_lr_pa"), set(), FLOW | FRICTION | {"supply_droop"}, ""),
         (("v_m_s",), {"velocity_filter_lag"}, FLOW | FRICTION, "kinematics"),
     ],
 )

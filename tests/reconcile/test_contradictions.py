@@ -235,6 +235,19 @@ def test_a_position_that_counts_from_the_other_end_is_refused(runs, model):
     assert error.hint.startswith("x_m is 0 at the retracted end")
 
 
+def test_pressures_of_the_other_cylinder_are_refused_with_their_exchange(runs, model):
+    exchanged = [
+        replace(
+            run, p_tp_pa=run.p_lp_pa, p_tr_pa=run.p_lr_pa, p_lp_pa=run.p_tp_pa, p_lr_pa=run.p_tr_pa
+        )
+        for run in runs
+    ]
+    error = refused(exchanged, model)
+    assert error.message.startswith("friction of both cylinders has the direction of the motion")
+    assert "exchange the pressures of both cylinders" in error.hint
+    assert "p_tp_pa with p_lp_pa" in error.hint
+
+
 def test_a_command_of_another_scale_is_refused_and_a_wrong_guess_of_the_gain_is_not(runs, model):
     moving = moving_windows(sessions(runs), model)
     share = np.median(moving.by_law_m3_s[:2] / moving.needed_m3_s[:2])
@@ -264,6 +277,29 @@ def test_a_force_of_another_unit_is_refused(runs, model):
     error = refused(in_lbf, model)
     assert error.message.startswith("test_cylinder: f_applied_n is 0.2")
     assert "unit or scale of f_applied_n" in error.hint
+
+
+@pytest.mark.parametrize("part", ["test", "load"])
+def test_a_cylinder_of_the_next_preferred_bore_is_refused_with_the_bore_that_fits(
+    runs, model, part
+):
+    """50 mm in the place of 40 mm, with a rod in proportion: the ratio of the areas is right."""
+    own = getattr(model.par, part)
+    larger = own._replace(
+        area_piston_m2=1.25**2 * own.area_piston_m2, area_rod_m2=1.25**2 * own.area_rod_m2
+    )
+    error = refused(runs, replace(model, par=model.par._replace(**{part: larger})))
+    assert error.message.startswith(f"{part}_cylinder: f_applied_n is 0.6")
+    bore_mm = 1e3 * np.sqrt(4 * own.area_piston_m2 / np.pi)
+    said = float(error.hint.split("a bore of ")[1].split(" mm")[0])
+    assert said == pytest.approx(bore_mm, rel=0.02)
+    assert "unit or scale of f_applied_n" in error.hint
+
+
+def test_a_load_cell_that_shows_a_fifth_more_is_left_to_the_search(runs, model):
+    refuse_contradictions(
+        sessions([replace(run, f_applied_n=1.2 * run.f_applied_n) for run in runs]), model
+    )
 
 
 def test_another_supply_pressure_is_refused(runs, model):

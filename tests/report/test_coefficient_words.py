@@ -85,6 +85,23 @@ def test_two_effects_that_are_both_present_are_both_inspected(named):
     )
 
 
+def test_the_sides_of_a_cylinder_are_named_together(named):
+    def words(*sides):
+        parameters = {side: FitParameter(0.5, 0.05, (0.4, 0.6), None, "N/bar") for side in sides}
+        seals = replace(added("seal_pressure_friction", 50.0), parameters=parameters)
+        return verdict_words(replace(named, effects=(*named.effects, seals), practice=()))
+
+    seals, every = "seal pressure friction", ("test_piston", "test_rod", "load_piston", "load_rod")
+    assert f"{seals} (both cylinders)" in words(*every)
+    assert f"{seals} (both sides of load cylinder)" in words(*every[2:])
+    assert f"{seals} (both sides of load cylinder and rod side of test cylinder)" in words(
+        *every[1:]
+    )
+    assert f"{seals} (piston side of test cylinder and rod side of load cylinder)" in words(
+        every[0], every[3]
+    )
+
+
 def test_a_coefficient_of_a_power_law_has_the_value_where_its_unit_holds(named):
     """A leak is a flow there; of other laws the coefficient's unit applies there alone."""
     (effect,) = named.effects

@@ -141,6 +141,30 @@ def test_three_deviations_are_all_in_the_verdict_and_their_common_part_is_inspec
     assert both in ordinary_spaces(summary(found))
 
 
+@pytest.mark.parametrize(
+    ("score", "explained", "size", "is_hint"),
+    [
+        (40.0, 0.6, 0.11, True),  # a tenth of a typical size
+        (4.0, 0.6, 0.11, False),  # by chance
+        (40.0, 0.1, 0.11, False),  # explains little
+        (40.0, 0.6, 0.0, False),  # within the tolerances
+    ],
+)
+def test_an_effect_that_is_too_small_to_be_named_is_a_hint_in_the_verdict(
+    compared, score, explained, size, is_hint
+):
+    air = replace(
+        compared.ranking[0], name="entrained_air", score=score, threshold=5.0,
+        explained=explained, size=size,
+    )  # fmt: skip
+    lead = ordinary_spaces(verdict_words(replace(compared, ranking=(air,))))
+    words = (
+        "A hint: entrained air, too small to be named, would explain 60 % of the deviation of the "
+        "quantities that it changes."
+    )
+    assert (words in lead) is is_hint and ("A hint" in lead) is is_hint
+
+
 def test_deviations_barely_above_their_limits_and_their_common_place_are_in_the_verdict(compared):
     first = replace(compared.where[0], deviation=13.0, material=12.0)
     second = replace(first, name="force_load", deviation=14.0)
@@ -152,6 +176,12 @@ def test_deviations_barely_above_their_limits_and_their_common_place_are_in_the_
     lead = verdict_words(replace(compared, where=gaps, rest=gaps, regions=places))
     assert "That is only about 8 and 20 % above the limits that matter." in lead
     assert "While retracting they deviate by 66 and 66 N RMS." in lead
+    barely = (replace(first, deviation=12.06), second)
+    lead = verdict_words(replace(compared, where=barely, rest=barely))
+    assert "That is at most about 20 % above the limits that matter." in lead
+    barely = (barely[0], replace(second, deviation=12.1))
+    lead = verdict_words(replace(compared, where=barely, rest=barely))
+    assert "That is less than 1 % above the limits that matter." in lead
     far = (first, replace(second, deviation=24.0))
     assert "above the limits" not in verdict_words(replace(compared, where=far, rest=far))
 
@@ -405,6 +435,25 @@ def test_an_agreement_by_a_value_that_is_far_off_asks_to_check_it(
     asked = "Check these values of the model file"
     assert ("no reason to inspect" in text) is not bool(told)
     assert (asked in text) is bool(told) and told in text
+
+
+@pytest.mark.parametrize(
+    ("value", "bound", "soft"), [(0.223, "lower", True), (4.48, "upper", False), (0.3, None, False)]
+)
+def test_an_agreement_by_a_friction_value_at_its_bound_asks_to_go_on_from_it(
+    compared, value, bound, soft
+):
+    """A seal ten times as soft as the guess: its stiffness may be further off than the bound."""
+    path = "friction.test.bristle_stiffness"
+    factor = FitParameter(value, None, (0.9 * value, 1.1 * value), bound, "1")
+    none = replace(
+        compared, verdict="none", rest=(), refitted={path: factor}, refit_priors={path: 0.5}
+    )
+    text = ordinary_spaces(verdict_words(none))
+    assert ("no reason to inspect" in text) is (bound is None)
+    assert ("bristle stiffness, test cylinder" in text) is (bound is not None)
+    assert ("Reconcile again with the refitted model.yaml" in text) is (bound is not None)
+    assert ("over a longer distance than in the model" in text) is soft
 
 
 def test_late_commands_say_what_a_bandwidth_at_its_bound_says(compared):

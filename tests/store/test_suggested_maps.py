@@ -575,6 +575,44 @@ def test_a_command_is_that_of_the_valve(logs):
     assert '# u_t_v: {column: cmd_pct, unit: V, scale: "???"}' in suggest_map(logs).text
 
 
+def test_further_pressures_and_commands_may_be_those_of_a_load_cylinder(logs):
+    run = there_and_back(0.05, 500.0)
+    for name in ("p Druckseite [bar]", "p Gegenseite [bar]", "Y1 [%]", "Y2 [%]", "Y3 [%]"):
+        run[name] = 20 + np.sign(run["f_applied_n"])
+    pd.DataFrame(run).to_csv(logs / "1.csv", index=False)
+    text = suggest_map(logs).text
+    assert "further columns: p Druckseite [bar], p Gegenseite [bar]" in text.replace("\n  # ", " ")
+    for name in ("p_lp_pa", "p_lr_pa"):
+        assert f'# {name}: {{column: "???", unit: bar}}' in text
+    for name in ("u_l1_v", "u_l2_v"):
+        assert f'# {name}: {{column: "???", unit: V, scale: "???"}}' in text
+    pd.DataFrame(run).drop(columns=["p Gegenseite [bar]", "Y3 [%]"]).to_csv(
+        logs / "1.csv", index=False
+    )
+    text = suggest_map(logs).text
+    assert "p_lp_pa" not in text and "u_l1_v" not in text
+
+
+def test_a_series_of_another_motion_has_its_own_kind_and_cut(logs):
+    """Six strokes of a file each, and four files of triangles of speed, in one folder."""
+    t = np.arange(0, 12, 0.01)
+    for trial in range(1, 7):
+        x = 100 + 50 * np.clip(t - 2, 0, 3)
+        pd.DataFrame({"t [s]": t, "x [mm]": x, "pA [bar]": 20 + t, "pB [bar]": 10 + t}).to_csv(
+            logs / f"stroke_{trial}.csv", index=False
+        )
+    for trial in range(1, 5):
+        x = 200 + np.cumsum(80 - np.abs((80 * t) % 320 - 160)) * 0.01
+        pd.DataFrame({"t [s]": t, "x [mm]": x, "pA [bar]": 20 + t, "pB [bar]": 10 + t}).to_csv(
+            logs / f"sweep_{trial}.csv", index=False
+        )
+    rules = parse_yaml(suggest_map(logs).text)
+    assert (rules["kind"], rules["cut"]) == ("steady", "none")
+    stroke, sweep = rules["series"]
+    assert "kind" not in stroke and "cut" not in stroke
+    assert (sweep["kind"], sweep["cut"]) == ("triangle", "none")
+
+
 def test_triangles_of_speed_have_no_constant_speed_and_triangles_of_position_have(logs):
     """The top of a triangle of speed is 10 % wide, and longer than min_stroke."""
     t = np.arange(0, 24, 0.01)

@@ -219,18 +219,19 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
 
 def _compared(session: Session, model: BalanceModel) -> np.ndarray:
     """Return which balances (r, 8) the channels of each run determine."""
+    measured = session.measured
     has = np.column_stack(
-        [
-            np.all([session.measured[name] for name in CHANNELS_OF[each]], axis=0)
-            for each in BALANCES
-        ]
+        [np.all([measured[name] for name in CHANNELS_OF[each]], axis=0) for each in BALANCES]
     )
-    if is_constant(session.channels["p_s_pa"]):  # of the map in all runs, not measured
-        has[:, BALANCES.index("supply")] = False
+    constant = [is_constant(session.channels[name]) for name in ("p_s_pa", *CHAMBERS[:2])]
+    has[:, BALANCES.index("supply")] &= not any(constant)  # of the map in all runs, not measured
+    has[:, :2] &= ~np.array(constant[1:])  # open to the air: the valve feeds no such chamber
     if model.velocity_lag_s is None:
         has[:, BALANCES.index("kinematics")] = False
     if model.par.supply.has_pump:  # its flow is compared with that of the valves
         has[:, BALANCES.index("supply")] &= has[:, 0]
+    of_load = measured["p_lp_pa"] & measured["p_lr_pa"]  # that cylinder draws from the supply too
+    has[:, BALANCES.index("supply")] &= ~of_load | (measured["u_l1_v"] & measured["u_l2_v"])
     return has
 
 
@@ -341,4 +342,7 @@ def _supply(p_s: np.ndarray, means: AlongLog, session: Session, par: PlantParame
 
 def channels_missing(run: Run, balance: str) -> tuple[str, ...]:
     """Return the channels of a balance that a run does not have."""
-    return tuple(name for name in CHANNELS_OF[balance] if getattr(run, name) is None)
+    needed = CHANNELS_OF[balance]
+    if balance == "supply" and all(getattr(run, name) is not None for name in CHAMBERS[2:]):
+        needed += COMMANDS[1:]
+    return tuple(name for name in needed if getattr(run, name) is None)

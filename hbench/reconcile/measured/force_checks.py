@@ -1,9 +1,10 @@
 """Forces that contradict pressures and motion.
 
-- **Friction** that drives both cylinders: the position counts from the other end. An error of the
-  load cell raises the friction of one cylinder and lowers that of the other.
-- **Scale.** The areas by the fit are both several times those of the model file, or a part of them:
-  the force has another unit.
+- **Friction** that drives both cylinders: the position counts from the other end, or the pressures
+  of both cylinders are exchanged. An error of the load cell raises the friction of one cylinder and
+  lowers that of the other.
+- **Scale.** The areas by the fit are both larger than those of the model file by more than a load
+  cell's gain may be off, or smaller: the force has another unit, or the cylinder is another one.
 - **Areas.** The applied force is A_p P_p - A_r P_r less friction (2.12) and inertia, at the load
   cylinder plus friction. A fit of the areas with friction, a mass and an offset gives their ratio.
   Friction is dry, viscous and in proportion to each pressure, so strokes in both directions are
@@ -14,7 +15,7 @@
   areas come out negative, the pressures are exchanged, or the force has the wrong sign.
 """
 
-from math import pi, sqrt
+from math import log, pi, sqrt
 
 import numpy as np
 
@@ -29,7 +30,8 @@ from hbench.records import Specimen
 _AREAS = 0.08  # relative error of the areas' ratio; 11 % or more to the next rod of ISO 3320
 _LEAST_SHARE = 0.5  # of the piston's area by the fit
 _LEAST_OWN = 0.05  # part of a pressure that neither friction nor the other pressure explains
-_SCALE = 2.0  # times both areas
+_SCALE = 1.25  # times both areas: half the step to the next preferred bore of ISO 3320, 1.6 times
+_OTHER_SCALE = 3.0  # no cylinder is confused with one whose areas are so much larger
 _SAME_SIZE = 0.002  # of a diameter
 _CLEAR = 3.0  # times the force that the fit leaves: what a wrong area must explain, at least
 _VISIBLE = 0.01  # of the applied force: load cells have such errors
@@ -59,7 +61,8 @@ def refuse_driving_friction(moving: Moving, par: PlantParameters) -> None:
         raise DataError(
             f"friction of both cylinders has the direction of the motion (at least "
             f"{-levels[0]:.3g} N at the test cylinder and {-levels[1]:.3g} N at the load cylinder)",
-            TURNED_HINT,
+            f"{TURNED_HINT} If x_m is right, exchange the pressures of both cylinders there: "
+            "p_tp_pa with p_lp_pa and p_tr_pa with p_lr_pa.",
         )
 
 
@@ -95,12 +98,10 @@ def refuse_areas(
     if piston < -SIGMAS * se[0] and rod < -SIGMAS * se[1] and -rod * size[1] * own[1] > clear:
         raise _negative_areas(name, piston, rod, rod_m2 / piston_m2)
     sure = piston > SIGMAS * se[0] and rod > SIGMAS * se[1]
-    if sure and rod * size[1] * own[1] > clear and not 1 / _SCALE < sqrt(piston * rod) < _SCALE:
-        raise DataError(
-            f"{name}: f_applied_n is {sqrt(piston * rod):.2g} times the forces of the pressures "
-            f"(areas by a fit: {100 * piston:.0f} and {100 * rod:.0f} % of the model file's)",
-            "Correct the unit or scale of f_applied_n, or of the pressures, in the import map.",
-        )
+    if sure and rod * size[1] * own[1] > clear:
+        away = abs(log(piston * rod)) / 2 - SIGMAS * np.hypot(se[0] / piston, se[1] / rod) / 2
+        if away > log(_SCALE):
+            raise _other_scale(name, cylinder, piston, rod, stated)
     if min(own) < _LEAST_OWN:
         return  # friction may follow the pressures
     if piston < max(_LEAST_SHARE, SIGMAS * se[0]):
@@ -118,6 +119,25 @@ def refuse_areas(
             "Correct the cylinder's diameters in the model file, or the scale of a pressure in the "
             "import map.",
         )
+
+
+def _other_scale(
+    name: str, cylinder: CylinderParameters, piston: float, rod: float, stated: Specimen | None
+) -> DataError:
+    """Return the error for areas by the fit, in shares of the model file's, that are both off."""
+    scale = sqrt(piston * rod)
+    map_hint = "the unit or scale of f_applied_n, or of the pressures, in the import map"
+    bore, rod_mm = _diameters_mm(piston * cylinder.area_piston_m2, rod * cylinder.area_rod_m2)
+    is_cylinder = 1 / _OTHER_SCALE < scale < _OTHER_SCALE
+    return DataError(
+        f"{name}: f_applied_n is {scale:.2g} times the forces of the pressures (areas by a fit: "
+        f"{100 * piston:.0f} and {100 * rod:.0f} % of the model file's)"
+        f"{_other_sizes(cylinder, stated)}",
+        f"Correct the cylinder's diameters in the model file (a bore of {bore:.3g} mm and a rod of "
+        f"{rod_mm:.3g} mm would fit), or {map_hint}."
+        if is_cylinder
+        else f"Correct {map_hint}.",
+    )
 
 
 def _negative_areas(name: str, piston: float, rod: float, ratio: float) -> DataError:

@@ -32,6 +32,7 @@ _DEAD_VOLUMES = {
 }  # values of the model file, by the balance of their chamber
 _MASSES = "moving_mass."  # values of the model file that weighing gives
 _CATALOGUED = ("valve.", "oil.", "supply.")  # values that data sheets state
+_FRICTION = "friction."  # first guesses
 _DOUBTFUL = 1.5  # assumed standard deviations
 _MOST_FACTORS = 3  # refitted values in a sentence
 
@@ -208,10 +209,10 @@ def refit_words(diagnosis: Diagnosis) -> str:
 def doubtful_values(diagnosis: Diagnosis) -> str:
     """Return the values of the model that the refit moves far beyond their assumed accuracy.
 
-    Empty without any. Volumes and masses are known from drawings and by weighing; of valves, oil
-    and supply a value counts that is at its bound. Where the commands are late, the valves'
-    bandwidth does not count: both delay the flow. If such a value is right in the model file, the
-    refit has changed it in place of an effect that the model does not contain.
+    Empty without any. Volumes and masses are known from drawings and by weighing; of valves, oil,
+    supply and friction a value counts that is at its bound. Where the commands are late, the
+    valves' bandwidth does not count: both delay the flow. If such a value is right in the model
+    file, the refit has changed it in place of an effect that the model does not contain.
     Where flows to chambers are unexplained, these are the dead volumes there, which are then a hint
     from one assumed standard deviation.
     """
@@ -224,13 +225,41 @@ def doubtful_values(diagnosis: Diagnosis) -> str:
         for path, factor in _changed_values(diagnosis).items()
         if _is_doubtful(diagnosis, path)
     ]
+    friction = _friction_at_bound(diagnosis)
     if not parts:
-        return ""
-    return (
+        return friction
+    checks = (
         "Check these values of the model file by drawings, data sheets or weighing. The refit "
         f"multiplies them by a factor: {'; '.join(parts)}. If the file is right, an effect is "
         "missing in the model."
     )
+    return " ".join(filter(None, (checks, friction)))
+
+
+def _friction_at_bound(diagnosis: Diagnosis) -> str:
+    """Return the values of the friction laws whose refit ends at a bound.
+
+    They are first guesses, so that only a value counts which may be further off than its bound.
+    """
+    at_bound = {
+        path: factor
+        for path, factor in _changed_values(diagnosis).items()
+        if path.startswith(_FRICTION) and factor.at_bound is not None
+    }
+    if not at_bound:
+        return ""
+    parts = [f"{value_words(path)} {parameter_text(f)}" for path, f in at_bound.items()]
+    soft = [path for path, factor in at_bound.items() if _is_soft(path, factor)]
+    long = " Friction builds up over a longer distance than in the model." if soft else ""
+    return (
+        "The refit ends at the bound of the factor of these values of the model file, which may be "
+        f"further off: {'; '.join(parts)}.{long} Reconcile again with the refitted model.yaml as "
+        "the model."
+    )
+
+
+def _is_soft(path: str, factor: FitParameter) -> bool:
+    return path.endswith(".bristle_stiffness") and factor.at_bound == "lower"
 
 
 def _is_doubtful(diagnosis: Diagnosis, path: str) -> bool:

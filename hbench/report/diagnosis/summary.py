@@ -38,7 +38,7 @@ from hbench.report.diagnosis.words.candidate import (
     absorbed_words,
     best_candidate,
     closeness,
-    hint,
+    is_hint,
 )
 from hbench.report.diagnosis.words.change import (
     READINGS,
@@ -283,7 +283,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, _model_to_use(diagnosis)
     yield _WORSE, worse_words(diagnosis)
-    yield _CLOSEST, best_candidate(diagnosis) if hint(diagnosis) else ""
+    yield _CLOSEST, best_candidate(diagnosis) if is_hint(diagnosis) else ""
     yield _CLOSEST, absorbed_words(diagnosis)
     yield _REFIT, refit_words(diagnosis)
     yield _DETECTABLE, detectable(diagnosis)

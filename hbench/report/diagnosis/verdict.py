@@ -16,6 +16,7 @@ from hbench.report.diagnosis.words.agreement import (
     largest_deviation_words,
     total_words,
 )
+from hbench.report.diagnosis.words.candidate import too_small_hint
 from hbench.report.diagnosis.words.change import (
     alternatives,
     friction_words,
@@ -106,7 +107,14 @@ def _parts(effect: AddedEffect) -> str:
     parts = parts_present(effect)
     if set(parts) == {"test", "load"}:
         return "all valves" if of_valves(effect.name) else "both cylinders"
-    return listed([coefficient_words(name, effect.name) for name in parts])
+    whole = [side for side in ("test", "load") if {f"{side}_piston", f"{side}_rod"} <= set(parts)]
+    if len(whole) == 2:
+        return "both cylinders"
+    others = [name for name in parts if name.partition("_")[0] not in whole]
+    return listed(
+        [f"both sides of {side} cylinder" for side in whole]
+        + [coefficient_words(name, effect.name) for name in others]
+    )
 
 
 def _of_strokes(diagnosis: Diagnosis) -> Iterator[str]:
@@ -283,3 +291,4 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         if diagnosis.next_experiment
         else narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
     )
+    yield too_small_hint(diagnosis)

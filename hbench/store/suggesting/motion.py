@@ -32,6 +32,11 @@ class Motion:
     has_constant_speed: bool
     reverses: bool  # without constant speed: the files are kept whole
 
+    @property
+    def kind(self) -> str:
+        """Kind of the runs in an import map."""
+        return "triangle" if self.reverses else "steady"
+
 
 def motion_of(
     files: Sequence[Mapping[str, np.ndarray]], steady: Sequence[Sequence[Plateau]]

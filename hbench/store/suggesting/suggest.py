@@ -27,16 +27,12 @@ from hbench.store.suggesting.map_yaml.map_text import map_text
 from hbench.store.suggesting.map_yaml.suggested_map import (
     SuggestedMap,
     SuggestedSeries,
+    usual_motion,
 )
 from hbench.store.suggesting.motion import motion_of
 from hbench.store.suggesting.name_fields import numbers_of
 from hbench.store.suggesting.quantities import meaning
-from hbench.store.suggesting.samples import (
-    SampleColumn,
-    SampleFile,
-    read_sample,
-    sample_columns,
-)
+from hbench.store.suggesting.samples import SampleColumn, SampleFile, read_sample, sample_columns
 from hbench.store.suggesting.time_base import TimeChoice, choose_time
 from hbench.units import parse_unit
 
@@ -167,13 +163,14 @@ def _suggested_map(
     series = []
     for pattern in alike:
         own = [i for i, file in enumerate(files) if file.name in pattern.names]
-        of_series = force_balance([channels[i] for i in own], [steady[i] for i in own])
+        moved = [channels[i] for i in own], [steady[i] for i in own]
         values = {
             f: tuple(dict.fromkeys(f.values[i] for i in own))
             for f in factors
             if f.name not in pattern.factors
         }
-        series.append(SuggestedSeries(pattern, of_series.bore_m, factors=values))
+        bore_m, motion = force_balance(*moved).bore_m, motion_of(*moved)
+        series.append(SuggestedSeries(pattern, bore_m, factors=values, motion=motion))
     return SuggestedMap(
         folder=folder.resolve().name,
         files=tuple(file.name for file in files),
@@ -184,7 +181,7 @@ def _suggested_map(
         choices=choices,
         units_in_file=files[0].units,
         columns=columns,
-        motion=motion_of(channels, steady),
+        motion=usual_motion(motion_of(channels, steady), series),
         series=tuple(series),
         unread=_unread(files, columns),
         left_out=duplicates(columns, choices),

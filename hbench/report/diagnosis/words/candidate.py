@@ -123,15 +123,20 @@ def _not_named(best: Candidate) -> list[str]:
     return reasons
 
 
-def hint(diagnosis: Diagnosis) -> str:
-    """Return the known effect that explains a part of the deviation; empty for none."""
+def is_hint(diagnosis: Diagnosis) -> bool:
+    """Return whether the best candidate explains a part of the deviation, by more than chance."""
     if not diagnosis.ranking:
+        return False
+    best = diagnosis.ranking[0]
+    return best.size > 0.0 and set(too_small(best)) <= {"size"}
+
+
+def too_small_hint(diagnosis: Diagnosis) -> str:
+    """State that the best candidate explains a part and is too small to be named; else empty."""
+    if not (is_hint(diagnosis) and too_small(diagnosis.ranking[0])):
         return ""
     best = diagnosis.ranking[0]
-    if best.score <= best.threshold or best.explained < LEAST_EXPLAINED or best.size == 0.0:
-        return ""
-    small = ", too small to be named," if best.size < LEAST_SIZE else ""
     return (
-        f"A hint: {in_words(best.name)}{small} would explain {share(best.explained)} of the "
-        "deviation in the quantities that it changes."
+        f"A hint: {in_words(best.name)}, too small to be named, would explain "
+        f"{share(best.explained)} of the deviation of the quantities that it changes."
     )

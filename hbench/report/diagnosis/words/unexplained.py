@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from math import isfinite
 
+import numpy as np
+
 from hbench.records import Diagnosis, Gap
 from hbench.records.diagnosis import SIGNIFICANT_P
 from hbench.report.diagnosis.names import (
@@ -75,9 +77,15 @@ def limits_words(diagnosis: Diagnosis) -> str:
     ):
         return ""
     excess = [100 * (gap.deviation / gap.material - 1) for gap in gaps]
-    percents = listed([f"{float(f'{percent:.1g}'):.0f}" for percent in excess])
     limits = "limits that matter" if gaps[1:] else "limit that matters"
-    return f"That is only about {percents} % above the {limits}."
+    percents = [f"{float(f'{percent:.1g}'):.0f}" for percent in excess]
+    if max(excess) < 1:
+        size = "less than 1 %"
+    elif min(excess) < 1:
+        size = f"at most about {percents[int(np.argmax(excess))]} %"
+    else:
+        size = f"only about {listed(percents)} %"
+    return f"That is {size} above the {limits}."
 
 
 def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:

@@ -11,6 +11,7 @@ from hbench.store.importing.plausibility import ATMOSPHERE, is_absolute_pressure
 from hbench.store.suggesting.choice import SURE, Choice
 from hbench.store.suggesting.map_yaml.commented_yaml import comment_lines, entry, line, scalar
 from hbench.store.suggesting.map_yaml.suggested_map import SuggestedMap
+from hbench.store.suggesting.quantities import Quantity
 from hbench.store.suggesting.time_base import TimeChoice
 from hbench.units import parse_unit
 from hbench.untrusted_text import printable
@@ -25,6 +26,14 @@ _SIDES = {
     "p_tr_pa": "rod side; ",
     "f_drive_n": "force of the drive, positive when it extends; ",
 }
+_OF_LOAD: tuple[tuple[Quantity, str, dict[str, str]], ...] = (
+    ("pressure", "unit: bar", {"p_lp_pa": "piston side", "p_lr_pa": "rod side"}),
+    (
+        "valve",
+        f"unit: V, scale: {_ASKED}",
+        {"u_l1_v": "valve on the rod side", "u_l2_v": "valve on the piston side"},
+    ),
+)
 _SPLIT = "if it contains several runs, write each to a file (hbench/store/README.md)"
 
 
@@ -81,6 +90,30 @@ def _missing(suggested: SuggestedMap) -> Iterator[str]:
                 f"  # {channel}: {{column: {_ASKED}, unit: {units}}}",
                 f"not found: {what}; see also constants",
             )
+    yield from _load_cylinder(suggested)
+
+
+def _load_cylinder(suggested: SuggestedMap) -> Iterator[str]:
+    """Yield channels of a load cylinder where further columns may be these."""
+    used = {choice.column.key for choice in suggested.choices.values()}
+    out = {name for names in suggested.left_out.values() for name in names}
+    for quantity, unit, channels in _OF_LOAD:
+        asked = [name for name in channels if name not in suggested.choices]
+        free = [
+            column.name
+            for column in suggested.columns
+            if column.meaning.quantity == quantity
+            and not (column.meaning.is_reference or column.key in used or column.name in out)
+        ]
+        of_test = quantity == "valve" and "u_t_v" not in suggested.choices  # is among the free
+        if not asked or len(free) - of_test < len(asked):
+            continue
+        columns = f"for hbench reconcile; further columns: {', '.join(free)}"
+        for name, where in channels.items():
+            if name in asked:
+                why = f"{where} of a load cylinder"
+                text = f"  # {name}: {{column: {_ASKED}, {unit}}}"
+                yield from entry(text, f"{why}, {columns}" if name == asked[0] else why)
 
 
 def _valve(suggested: SuggestedMap) -> Iterator[str]:

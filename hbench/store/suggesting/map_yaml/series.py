@@ -25,6 +25,9 @@ def series_lines(suggested: SuggestedMap) -> Iterator[str]:
                 yield line(f"    {name}_unit: {unit}", f"{GUESS}: no unit in the names")
             elif unit != {"speed": "mm/s", "load": "N", "pressure": "bar"}[name]:
                 yield line(f"    {name}_unit: {unit}", f"{SURE}: in the names")
+        if motion := suggested.other_motion(series):
+            yield from entry(f"    kind: {motion.kind}", f"{GUESS}: {motion.reason}")
+            yield f"    cut: {motion.cut}"
         yield from _factors(series)
         if suggested.is_driven:
             continue

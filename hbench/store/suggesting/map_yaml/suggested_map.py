@@ -25,6 +25,21 @@ class SuggestedSeries:
     fault: str = ""  # why the map can't read them
     # Factors with their values in the files that were read.
     factors: Mapping[ColumnFactor, tuple[float, ...]] = field(default_factory=dict)
+    motion: Motion | None = None
+
+
+def usual_motion(of_all: Motion | None, series: Sequence[SuggestedSeries]) -> Motion | None:
+    """Return the motion of all files if it is that of each series, else of the largest series."""
+    known = [each for each in series if each.motion is not None]
+    if of_all is None or all(_alike(each.motion, of_all) for each in known):
+        return of_all
+    return max(known, key=lambda each: len(each.pattern.names)).motion
+
+
+def _alike(one: Motion | None, other: Motion | None) -> bool:
+    if one is None or other is None:
+        return True
+    return (one.kind, one.cut) == (other.kind, other.cut)
 
 
 @dataclass(frozen=True)
@@ -40,10 +55,14 @@ class SuggestedMap:
     choices: Mapping[str, Choice]
     units_in_file: Mapping[int | str, str]
     columns: Sequence[SampleColumn]
-    motion: Motion | None
+    motion: Motion | None  # of all files, or of the series with most files where they differ
     series: tuple[SuggestedSeries, ...]
     unread: Mapping[str, str]  # columns that are no numbers: name, and file with the first fault
     left_out: Mapping[str, tuple[str, ...]]  # other columns of a chosen channel
+
+    def other_motion(self, series: SuggestedSeries) -> Motion | None:
+        """Return the motion of a series whose kind or cut is not that of the map."""
+        return None if _alike(series.motion, self.motion) else series.motion
 
     @property
     def is_rotary(self) -> bool:
