@@ -142,7 +142,7 @@ _NUMBERS = {
     "Steps": "Settled friction is the mean of the second half of a level; the overshoot is the "
     "largest excess of friction over it, where it exceeds the noise.",
     "Leakage": "From the decay of both chambers' pressures with all valves closed, V/β dp/dt less "
-    "the flow displaced by the piston; conditional on the bench file's effective bulk modulus and "
+    "the flow displaced by the piston; conditional on the stated effective bulk modulus and "
     "volumes. Leaks are proportional to the pressure, or to a power of it where the holds show "
     "one.",
     "Over the distance": "The distance is that of all logs and of the ways back to the next start. "

@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.reasons import CAUSES, code_of, reason_counts
+from hbench.report.campaign.reasons import cause_of, code_of, reason_counts
 from hbench.report.campaign.table_columns import (
     HERSEY,
     OF_DIRECTIONS,
@@ -275,7 +275,7 @@ def rejected_table(results: Results) -> Table:
 def cause_table(results: Results) -> Table:
     """Return the reasons for rejection with their runs, and the cause to look for."""
     rows = [
-        (code.replace("_", " ").capitalize(), str(count), CAUSES.get(code, ""))
+        (code.replace("_", " ").capitalize(), str(count), cause_of(results, code))
         for code, count in reason_counts(results).most_common()
     ]
     head = ("Reason", "Runs", "Look for")
