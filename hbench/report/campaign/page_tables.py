@@ -17,6 +17,7 @@ from hbench.report.campaign.reasons import cause_of, code_of, reason_counts
 from hbench.report.campaign.table_columns import (
     HERSEY,
     OF_DIRECTIONS,
+    OF_LOAD,
     OIL,
     ROD_SIDE,
     SIGMAS,
@@ -29,6 +30,7 @@ from hbench.report.campaign.table_columns import (
 from hbench.report.render.numbers import (
     NONE,
     number,
+    short,
     significant,
     span,
     with_interval,
@@ -243,6 +245,7 @@ def balance_table(results: Results) -> Table:
     rows = [
         (
             balance.label,
+            "" if balance.f_load_n is None else short(balance.f_load_n),
             span([1e3 * v for v in balance.speeds_m_s]),
             with_interval(balance.coulomb_n, balance.coulomb_ci95_n),
             with_interval(balance.viscous_n_s_m, balance.viscous_ci95_n_s_m),
@@ -252,7 +255,7 @@ def balance_table(results: Results) -> Table:
         for balance in results.motion_balances
     ]
     head = (
-        *("Label", "Speeds (mm/s)", "Coulomb (N)", "Viscous (N s/m)", "Offset (N)"),
+        *("Label", OF_LOAD, "Speeds (mm/s)", "Coulomb (N)", "Viscous (N s/m)", "Offset (N)"),
         "Asymmetry (N s/m)",
     )
     return table(head, rows)
