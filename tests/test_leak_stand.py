@@ -8,6 +8,7 @@ from scipy.integrate import cumulative_trapezoid, solve_ivp
 
 from hbench.analysis.conformity.acceptance import conformity_checks
 from hbench.config.conformity.limits import parse_limits
+from hbench.report.campaign.method import method_section
 from hbench.report.campaign.page_tables import cause_table
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
@@ -98,6 +99,11 @@ def test_a_limit_in_litres_per_minute_is_decided_by_imported_holds(tmp_path):
     requirements = [each.requirement for each in parse_limits({"limits": limits}, "").limits]
     checks = conformity_checks(results, requirements, "guard_band", None)
     assert [check.decision for check in checks] == ["PASS", "FAIL"]
+
+
+def test_methods_of_instruments_that_nobody_stated_are_not_listed(tmp_path):
+    facts = dict(method_section(campaign(tmp_path)).facts)
+    assert "Leakage" in facts and "Instruments" not in facts
 
 
 def test_without_volumes_or_stroke_the_note_names_the_key_of_the_map(tmp_path):

@@ -27,6 +27,7 @@ def method_section(results: Results) -> Section:
         "Oil temperature": results.oil_temperature is not None,
         "Reduction to a reference temperature": reduction is not None,
         "Hersey number": any(p.hersey_m is not None for c in results.curves for p in c.points),
+        "Instruments": _has_instruments(results),
         "Working speed": "steady_curve" in analyses,
         "Friction": bool(results.curves),
         "Breakaway": "ramp_curve" in analyses or "tustin" in laws or bool(motions.breakaways),
@@ -54,6 +55,14 @@ def method_section(results: Results) -> Section:
         facts=tuple(facts.items()),
         anchor="method",
         folded=True,
+    )
+
+
+def _has_instruments(results: Results) -> bool:
+    """Return whether the tolerances of the instruments are known, so that they are part of U."""
+    points = [point for curve in results.curves for point in curve.points]
+    return any(point.sigma_instruments_n is not None for point in points) or any(
+        each.u95_n is not None for each in results.motions.breakaways
     )
 
 
