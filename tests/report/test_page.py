@@ -862,3 +862,12 @@ def test_a_page_without_steady_runs_states_whether_any_was_made(small):
     assert friction_of(bare).startswith("No steady run was accepted.")
     ramps = replace(bare, runs=tuple(of_kind(run, "ramp") for run in small.runs))
     assert friction_of(ramps).startswith("No steady run was made.")
+
+
+def test_largest_parts_of_the_uncertainty_are_named_only_where_they_are_known(small):
+    (check,) = (each for each in small.quality.checks if each.name == "instruments")
+    poor = replace(check, grade=small.quality.grade, value=0.5)
+    quality = replace(small.quality, checks=(poor,))
+    assert "largest parts of the uncertainty (load cell)" in next_step(quality, "load cell")
+    unknown = next_step(quality, "")
+    assert "largest parts" not in unknown and "sensors of pressure and force" in unknown

@@ -62,10 +62,7 @@ def point_table(results: Results) -> Table:
         (
             *who(curve),
             number(1e3 * point.v_m_s, 2),
-            Cell(
-                with_interval(point.friction_n, point.ci95_n),
-                "" if point.ci95_n is not None else "no interval",
-            ),
+            with_interval(point.friction_n, point.ci95_n),  # the next column has the trials
             str(point.n),
             "" if point.u95_n is None else significant(point.u95_n, 2),
             number(point.f_test_n),
