@@ -131,3 +131,12 @@ def test_holds_rejected_for_creep_are_not_blamed_on_the_controller(tmp_path):
     (row,) = cause_table(results).rows
     assert row[0].text == "Off reference" and row[1].text == "5"
     assert "screening.rest_travel" in row[2].text and "controller" not in row[2].text
+
+
+def test_campaigns_without_friction_are_not_compared(tmp_path):
+    for name in "ab":
+        (tmp_path / name).mkdir()
+        campaign(tmp_path / name, more=CHAMBERS + SLOW if name == "a" else SLOW)
+    done = hbench("compare", tmp_path / "a" / "campaign", tmp_path / "b" / "campaign")
+    assert done.returncode == 4 and "have no curves to compare" in done.stderr
+    assert "For leakage" in done.stderr
