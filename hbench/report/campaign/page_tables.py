@@ -101,7 +101,7 @@ def efficiency_table(results: Results) -> Table:
         "Velocity (mm/s)",
         "Efficiency (%)",
         *SIGMAS[:2],
-        "s.e. of trials (%)",
+        "s.e. of trials (% points)",
         SIGMAS[2],
     )
     return table((*WHO, *head, "Remark"), rows, [f"{capital(common)}."] if common else ())
@@ -189,8 +189,8 @@ def budget_table(results: Results) -> Table:
                 Cell(_share(NORMAL_95 * u) if u else NONE),
             )
         )
-    head = (*WHO, "Speeds", "Mean efficiency (%)", "u (%)", "U = 1.96 u (%)")
-    return _with_parts(head, rows, parts, "%")
+    head = (*WHO, "Speeds", "Mean efficiency (%)", "u (% points)", "U = 1.96 u (% points)")
+    return _with_parts(head, rows, parts, "% points")
 
 
 def band_table(results: Results) -> Table:

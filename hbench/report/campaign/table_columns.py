@@ -12,7 +12,11 @@ ROD_SIDE = "P_Lr (bar)"
 LOAD_CELL = "Load cell F_applied (N)"
 OF_LOAD = "Load (N)"  # of benches that may have none
 OIL, HERSEY = "Oil (°C)", "η|v|/p (nm)"
-SIGMAS = ("σ of instruments (%)", "σ by eq. 6.16 of the source (%)", "U of both (%)")
+SIGMAS = (  # of efficiencies
+    "σ of instruments (% points)",
+    "σ by eq. 6.16 of the source (% points)",
+    "U of both (% points)",
+)
 WHO = ("Label", "Kind", "Direction", "Load F_L (N)", ROD_SIDE)
 BALANCE = "Coulomb and viscous friction from both directions"
 OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
