@@ -610,3 +610,13 @@ def test_a_piston_that_rests_is_held(logs, step_s, max_gap):
     rules = parse_yaml(suggest_map(logs).text)
     assert rules["kind"] == "hold" and not {"cut", "min_stroke"} & set(rules)
     assert rules.get("screening", {}).get("max_gap") == max_gap
+
+
+def test_times_of_day_ask_for_their_date(logs):
+    for trial in (1, 2):
+        rows = [
+            f"10:0{trial}:0{s // 10}.{s % 10};{5 * s};{20 + s % 2};3;{s % 3}" for s in range(90)
+        ]
+        head = "Zeit;x [mm];p_A [bar];p_B [bar];F [N]"
+        (logs / f"50mm_s_{trial}.csv").write_text("\n".join([head, *rows, ""]))
+    assert "times of day; for the order of the runs add test: {date:" in suggest_map(logs).text
