@@ -67,6 +67,7 @@ UNITS: dict[str, Unit] = {
     "kN": _unit(1e3, **_NEWTON),
     "kgf": _unit(9.80665, **_NEWTON),
     "lbf": _unit(4.4482216152605, **_NEWTON),
+    "kip": _unit(4448.2216152605, **_NEWTON),
     "Pa": _unit(1.0, **_PASCAL),
     "kPa": _unit(1e3, **_PASCAL),
     "MPa": _unit(1e6, **_PASCAL),

@@ -157,6 +157,7 @@ def test_laws_of_a_bench_without_hydraulics_are_tried_on_files_left_out(tmp_path
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
     workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", clock)
     found = workflow.identify(tmp_path / "out", lambda progress: None)
+    assert not any("bench file" in note for note in found.notes)  # there is none
     lugre = next(law for law in found.laws if law.law == "lugre")
     assert lugre.held_out_runs == ("0003", "0006")
     assert lugre.held_out_n < 0.1 * (COULOMB_N + VISCOUS_N_S_M * 0.1)

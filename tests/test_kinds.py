@@ -154,6 +154,14 @@ def test_each_kind_is_screened_analysed_and_drawn(kind, campaign, results):
     assert few or any(name.startswith(KINDS[kind].figure) for name in drawn)
 
 
+def test_runs_are_counted_in_words_that_agree_with_their_number():
+    one = [kind.counted(1) for kind in KINDS.values()]
+    two = [kind.counted(2) for kind in KINDS.values()]
+    assert one[:1] + two[:1] == ["1 steady", "2 steady"]
+    assert {"1 hold", "1 zero check", "1 steps", "1 ramp"} <= set(one)
+    assert {"2 holds", "2 zero checks", "2 steps", "2 ramps", "2 breakaways"} <= set(two)
+
+
 def test_the_results_of_all_kinds_fit_their_schema(campaign, results):
     document = json.loads((campaign.folder / "results" / "results.json").read_text())
     assert {run["kind"] for run in document["runs"]} == set(KINDS)

@@ -38,7 +38,14 @@ _SHARED_STROKES = (
     "parameters assume independent points: they are too narrow"
 )
 _UNKNOWN_MASS = "the test side's mass is not known: friction of moving runs includes its inertia"
-_NO_BENCH = "leakage needs a bench file: volumes and bulk modulus are not known"
+_NO_CHAMBERS = (
+    "leakage needs volumes and bulk modulus: add 'chambers' to the import map, or a bench file "
+    "bench.yaml beside runs.csv, and import again"
+)
+_NO_STROKE = (
+    "leakage needs the stroke: add 'stroke' to the cylinder in the import map, or a column "
+    "stroke_m to runs.csv, and import again"
+)
 _MANY_RUNS = 100  # the fits of fewer take less time than a fork
 _WITH_INERTIA = {"ramp_curve", "hysteresis", "step_levels"}  # analyses that subtract m_T a
 
@@ -113,7 +120,6 @@ def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting
         notes=(
             *(note for product in products.values() for note in product.notes),
             *([_UNKNOWN_MASS] if setup.test_mass_kg is None and accepted & _WITH_INERTIA else []),
-            *([_NO_BENCH] if setup.bench is None and "leakage" in accepted else []),
         ),
     )
 
@@ -147,9 +153,14 @@ def _step_levels(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisPro
 
 
 def _leakage(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
-    if settings.setup.bench is None:
-        return AnalysisProducts()
-    return AnalysisProducts(leakages=chamber_leakage(runs, settings.setup.bench))
+    holds, chambers = [run for run in runs if run.accepted], settings.setup.chambers
+    notes = []
+    if holds and chambers is None:
+        notes.append(_NO_CHAMBERS)
+    if any(run.run.plan.specimen.stroke_m is None for run in holds):
+        notes.append(_NO_STROKE)
+    leakages = () if chambers is None else chamber_leakage(holds, chambers)
+    return AnalysisProducts(leakages=leakages, notes=tuple(notes))
 
 
 def _breakaways(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:

@@ -158,7 +158,9 @@ def main() -> None:
             raise
         path = os.fsdecode(error.filename)
         path = path if len(path) <= _LONGEST_PATH else f"{path[:_LONGEST_PATH]}..."
-        _end(DataError(f"{path}: {error.strerror}", "Check the path and its permissions."))
+        long = error.errno == errno.ENAMETOOLONG
+        hint = "Choose a shorter name." if long else "Check the path and its permissions."
+        _end(DataError(f"{path}: {error.strerror}", hint))
 
 
 def _end(error: HbenchError) -> NoReturn:

@@ -1,15 +1,38 @@
-"""What the analysis of foreign logs needs besides them: screening limits and instruments."""
+"""What the analysis of foreign logs needs besides them: screening limits, instruments, chambers."""
 
 from typing import Any
 
 from pydantic import Field, field_validator
 
 from hbench.config import quantity as q
+from hbench.config.bench import Bench
 from hbench.config.files.loading import validate
 from hbench.config.identity import Identified
 from hbench.config.oil.record import OilRecord
+from hbench.config.quantity import ConfigSection
 from hbench.config.schedule import Screening
 from hbench.config.sensors import Instruments
+
+
+class Chambers(ConfigSection):
+    """Effective bulk modulus of the oil, and the volumes that remain at the ends of the stroke.
+
+    A dead volume includes everything up to the closed valves: ports, pipes and hoses.
+    """
+
+    bulk_modulus: q.BulkModulus
+    dead_volume_piston: q.Volume
+    dead_volume_rod: q.Volume = 0.0  # of a plunger there is none
+
+    @classmethod
+    def of(cls, bench: Bench) -> "Chambers":
+        """Return the chambers that a bench file states."""
+        cylinder = bench.test_cylinder
+        return cls.model_construct(
+            bulk_modulus=bench.oil.bulk_modulus,
+            dead_volume_piston=cylinder.dead_volume_piston,
+            dead_volume_rod=cylinder.dead_volume_rod,
+        )
 
 
 class CampaignSettings(Identified):
@@ -18,6 +41,7 @@ class CampaignSettings(Identified):
     instruments: Instruments | None = None  # tolerances, for the expanded uncertainty
     oil: OilRecord = OilRecord()
     moving_mass: q.Mass | None = None  # of the test side: piston, rod and what they carry
+    chambers: Chambers | None = None  # for the leakage of holds
     # Anything else that identifies the test, printed in the report: oil, temperature, ...
     details: dict[str, str] = Field(default={}, max_length=30)
     screening: Screening = Screening()

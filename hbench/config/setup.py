@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from hbench.config.bench import Bench
-from hbench.config.campaign_settings import CampaignSettings
+from hbench.config.campaign_settings import CampaignSettings, Chambers
 from hbench.config.oil.record import OilRecord
 from hbench.config.sensors import Instruments
 
@@ -22,12 +22,13 @@ ANYWHERE = Reach()
 
 @dataclass(frozen=True)
 class Setup:
-    """Instruments, moving mass and oil of a campaign; None where they are not known."""
+    """Instruments, moving mass, oil and chambers of a campaign; None where they are not known."""
 
     bench: Bench | None  # None: imported without a bench file
     instruments: Instruments | None
     test_mass_kg: float | None  # of the test side: piston, rod and what they carry
     oil: OilRecord = OilRecord()
+    chambers: Chambers | None = None
 
     @property
     def reach(self) -> Reach:
@@ -42,7 +43,8 @@ class Setup:
     def of(cls, bench: Bench | None, rules: CampaignSettings | None) -> "Setup":
         """Return the set-up of a bench file, or else that of an import map or a settings file."""
         if bench is not None:
-            return cls(bench, bench.instruments, bench.moving_mass.test, bench.oil)
+            mass_kg = bench.moving_mass.test
+            return cls(bench, bench.instruments, mass_kg, bench.oil, Chambers.of(bench))
         if rules is not None:
-            return cls(None, rules.instruments, rules.moving_mass, rules.oil)
+            return cls(None, rules.instruments, rules.moving_mass, rules.oil, rules.chambers)
         return cls(None, None, None)

@@ -70,6 +70,11 @@ class ExperimentKind:
     has_fast_changes: bool = False  # excites valves, masses and filters
     is_reconciled: bool = True  # `hbench reconcile` uses the runs
 
+    def counted(self, count: int) -> str:
+        """Write a number of runs among those of other kinds, such as ``2 zero checks``."""
+        is_noun = not (self.has_constant_speed or self.display_name.endswith("s"))
+        return f"{count} {self.display_name}{'s' * (is_noun and count != 1)}"
+
     @property
     def has_constant_speed(self) -> bool:
         """A run has one velocity, at which its steady window is averaged."""

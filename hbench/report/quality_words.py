@@ -94,6 +94,5 @@ STEPS = {
     "cylinder, for a zero offset, and for a wrong diameter",
     "constant_force": "look for a force that is not measured, such as the weight of an upright "
     "piston and rod, for a zero offset, and for absolute pressures",
-    "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
-    "and state the new tolerances in the {file}",
+    "instruments": "calibrate the sensors {sensors}, and state the new tolerances in the {file}",
 }

@@ -65,9 +65,14 @@ def compare(
     )
     curves, mean_of_curves = with_drift_effects(curves, both, clocks, tolerance)
     bands = band_differences(*both, instruments, same_instruments, tolerance)
+    if not (results_a.curves or results_b.curves):
+        raise DataError(
+            f"{a} and {b} have no curves to compare",
+            "hbench compare compares friction. For leakage and breakaway use hbench accept.",
+        )
     if not curves:
         raise DataError(
-            f"{a} and {b} have no curves in common:{_apart(notes) or ' neither has curves'}",
+            f"{a} and {b} have no curves in common:{_apart(notes)}",
             "Measure both at the same kind, direction, load and rod-side pressure; imported series "
             "need the same label or factors.",
         )

@@ -17,10 +17,8 @@ from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
 _ADD = "Measure the schedule configs/dynamics.yaml, which `hbench init DIR` writes."
-_NOTES = (
-    "The load cylinder's friction is not identified: the model uses the bench file's.",
-    "The models have no scatter from stroke to stroke and no sensor noise.",
-)
+_LOAD_SIDE = "The load cylinder's friction is not identified: the model uses the bench file's."
+_NO_NOISE = "The models have no scatter from stroke to stroke and no sensor noise."
 
 
 def identify(folder: Path, report: Report) -> Identification:
@@ -54,7 +52,8 @@ def identify(folder: Path, report: Report) -> Identification:
         raise DataError(f"{folder}: no friction law can be identified. {reasons}", _ADD)
     ramps = compare_fits(results.curves)
     measured = [run for run, _ in usable if identification_use(run.plan) == "verification"]
-    not_verified = _not_verified(measured, has_bench=campaign.bench() is not None)
+    has_bench = campaign.bench() is not None
+    not_verified = _not_verified(measured, has_bench=has_bench)
     if not_verified:
         verified, scatter = VerifiedLaws(laws, ()), {}
     else:
@@ -70,7 +69,7 @@ def identify(folder: Path, report: Report) -> Identification:
         not_verified=not_verified,
         followed=verified.followed,
         left_out=left_out,
-        notes=(*_NOTES, *campaign.warnings),
+        notes=(*([_LOAD_SIDE] if has_bench else []), _NO_NOISE, *campaign.warnings),
         steady=laws_along_curves(steady, laws),
     )
 

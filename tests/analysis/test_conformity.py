@@ -269,6 +269,20 @@ def test_a_pressure_of_each_series_is_that_on_the_area_of_its_own_cylinder(small
         assert each.pressure_pa == pytest.approx(expected)
 
 
+def test_the_way_back_of_a_plunger_is_not_passed_over_by_a_limit_in_bar(small):
+    """A weight moves it, so that no oil drives it."""
+    area = small.curves[0].specimen.area_piston_m2
+    curves = [replace(each, specimen=Specimen(area, 0.0)) for each in small.curves]
+    plunger = replace(small, curves=tuple(curves))
+    limit = {"quantity": "friction", "max": "9 bar"}
+    *driven, back = checks(plunger, limit)
+    assert {check.measurement.direction for check in driven} == {"extend"}
+    assert (back.decision, back.measurement) == ("NOT TESTED", None)
+    assert "retracting plunger" in back.reason
+    for other in (limit | {"direction": "extend"}, limit | {"max": "9 kN"}):
+        assert all(check.measurement for check in checks(plunger, other))
+
+
 def test_a_campaign_of_two_sizes_of_cylinders_gets_no_certificate(small):
     """The certificate would state the bore of the first as that of its item."""
     first, *others = small.runs
@@ -353,6 +367,7 @@ def test_a_drift_that_is_extrapolated_from_the_order_of_files_is_not_tested(smal
     drift = replace(small.drift, basis="order", separated=False)
     (check,) = checks(replace(small, drift=drift), {"quantity": "drift", "max": "10 %"})
     assert (check.decision, check.measurement) == ("NOT TESTED", None)
+    assert "order of their files does not separate a drift from speed" in check.reason
 
 
 def test_the_ripple_is_that_of_screening(small):

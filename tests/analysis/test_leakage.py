@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from hbench.analysis.curves import leakage
 from hbench.analysis.curves.leakage import LEAK_NAMES, chamber_leakage
 from hbench.analysis.screening.screen import screen
+from hbench.config.campaign_settings import Chambers
 from hbench.config.schedule import Screening
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen
 
@@ -71,7 +72,7 @@ def holds(bench, seed, starts=STARTS_BAR, trials=3, **options):
 
 
 def found_in(screened, bench):
-    (found,) = chamber_leakage(screened, bench)
+    (found,) = chamber_leakage(screened, Chambers.of(bench))
     return {one.name: one for one in found.coefficients}, found
 
 
@@ -179,8 +180,8 @@ def test_holds_at_one_load_do_not_tell_three_leaks_apart_and_say_so(stiff):
 
 
 def test_one_hold_has_no_interval_and_a_rejected_one_is_not_used(stiff):
-    runs = holds(stiff, 7, trials=1)
-    assert chamber_leakage([replace(run, reasons=("aborted: x",)) for run in runs], stiff) == ()
+    runs, chambers = holds(stiff, 7, trials=1), Chambers.of(stiff)
+    assert chamber_leakage([replace(run, reasons=("aborted: x",)) for run in runs], chambers) == ()
     leaks, found = found_in(runs[:1], stiff)
     assert all(one.ci95 is None for one in leaks.values()) and "no interval" in found.message
 

@@ -1,12 +1,14 @@
 """Coulomb and viscous friction from both directions, where no law is fitted."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hbench.analysis.curves.motion_balance import motion_balances
 from hbench.records import Fit
+from hbench.report.campaign.page_tables import balance_table
 
 SPEEDS = np.array([0.05, 0.1, 0.2])
 COULOMB_N, VISCOUS_N_S_M = 180.0, 900.0
@@ -49,3 +51,13 @@ def test_there_is_none_beside_a_fitted_law_and_none_of_a_single_direction(curves
     assert motion_balances(curves[:1]) == ()
     other = replace(curves[1], p_lr_ref_pa=60e5)
     assert motion_balances([curves[0], other]) == ()
+
+
+def test_the_table_has_the_load_of_each_series_where_there_is_one(curves):
+    light = motion_balances(curves)
+    heavy = motion_balances([replace(curve, f_load_n=12000.0) for curve in curves])
+    table = balance_table(SimpleNamespace(motion_balances=(*light, *heavy)))
+    at = table.head.index("Load (N)")
+    assert [row[at].text for row in table.rows] == ["500", "12000"]
+    none = tuple(replace(each, f_load_n=None) for each in light)
+    assert "Load (N)" not in balance_table(SimpleNamespace(motion_balances=none)).head

@@ -27,6 +27,7 @@ from hbench.analysis.rounding import distinct, exceeds, is_constant, merged, ran
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.statistics.intervals import covariance, covariance_over_runs, has_effect
 from hbench.analysis.uncertainty.efficiency import SteadyForces, driving_side, efficiency_curve
+from hbench.config.campaign_settings import Chambers
 from hbench.config.fitting import Fitting
 from hbench.config.schedule import Screening
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen
@@ -244,7 +245,7 @@ def test_which_leaks_are_distinguished(bench, loads, plunger, still, seed):
             x = shake(0.15 + 0 * t)
             p_r = None if plunger else p_r
             runs.append(ScreenedRun(Run(plan, shake(t), x, p_tp_pa=p_p, p_tr_pa=p_r), (), None))
-        (found,) = chamber_leakage(runs, bench)
+        (found,) = chamber_leakage(runs, Chambers.of(bench))
         return [one.value is None for one in found.coefficients]
 
     assert found(lambda values: shaken(values, rng.integers(9**9))) == found(np.asarray)

@@ -193,3 +193,19 @@ def test_an_acceleration_that_the_board_refuses_is_refused_in_the_bench_file():
     data["controllers"]["acceleration"] = "0.005 m/s^2"
     with pytest.raises(HbenchError, match=r"controllers\.acceleration"):
         parse_bench(data, "bench.yaml")
+
+
+@pytest.mark.parametrize(
+    ("bore", "rod", "stroke", "words"),
+    [
+        (10, 6, 100, "take the nearest one, then edit the files"),
+        (63, 36, 3000, "take the nearest one, then edit the files"),
+        (50, 0, 250, "a rod on both sides"),
+        (50, 50, 250, "a rod on both sides"),
+    ],
+)
+def test_a_size_that_is_refused_has_a_next_step(tmp_path, bore, rod, stroke, words):
+    size = ("--bore", bore, "--rod", rod, "--stroke", stroke, "--supply", 210)
+    done = hbench("init", tmp_path / "b", *size)
+    assert done.returncode == 2 and words in " ".join(done.stderr.split())
+    assert not (tmp_path / "b").exists()

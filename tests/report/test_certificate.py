@@ -240,14 +240,14 @@ def test_the_method_states_the_rate_of_the_force_and_the_bulk_modulus(certificat
             "en",
             (
                 "rising force (200–400 N/s) pushes",
-                "bench file (700 bar), air in the oil and hoses included. It is assumed to be lam",
+                "bulk modulus (700 bar), air in the oil and hoses included. It is assumed to be ",
             ),
         ),
         (
             "de",
             (
                 "Kraft (200–400 N/s) den",
-                "Kompressionsmodul der Prüfstandsdatei (700 bar), einschließlich Luft im Öl und "
+                "Kompressionsmodul (700 bar), einschließlich Luft im Öl und "
                 "Schläuchen. Sie wird als laminar angenommen",
             ),
         ),

@@ -16,6 +16,7 @@ from hbench.records.fleet.campaign_names import distinct_names
 from hbench.records.fleet.campaigns import FleetNumber
 from hbench.report.fleet.charts import chart_table, step_table
 from hbench.report.fleet.figures import draw_fleet
+from hbench.report.fleet.names import range_words
 from hbench.report.fleet.overview import fleet_tiles, overview_table
 from hbench.report.fleet.page import fleet_document, fleet_page
 from hbench.report.fleet.terminal import fleet_text
@@ -504,3 +505,8 @@ def test_a_terminals_columns_are_aligned_where_signs_are_spelled_out(found):
 
 def test_no_line_of_a_fleet_is_wider_than_a_terminal(found):
     assert max(map(len, fleet_text(found).splitlines())) <= 80
+
+
+def test_one_campaign_has_no_smallest_and_largest():
+    assert range_words(1) == "one campaign"
+    assert range_words(2) == "smallest to largest of 2 campaigns"

@@ -652,7 +652,10 @@ def test_numbers_read_as_people_write_them():
 
 def test_the_parts_of_an_efficiencys_uncertainty_have_columns_the_largest_first(page):
     text = Parsed(page).text
-    head = r"Piston-side pressure \(%\) Load cell \(%\) Rod-side pressure \(%\) Trials \(%\)"
+    head = " ".join(
+        rf"{part} \(% points\)"
+        for part in ("Piston-side pressure", "Load cell", "Rod-side pressure", "Trials")
+    )
     assert re.search(head, text)
     assert re.search(r"1\.5 1\.0 0\.5\d* 0\.2\d", text)
 
@@ -663,7 +666,7 @@ def test_the_uncertainty_of_a_mean_efficiency_has_two_digits_or_one_trial_as_its
     def cell(u):
         curve = replace(first, mean=replace(first.mean, sigma_combined=u))
         table = budget_table(replace(small, efficiency=(curve, *others)))
-        found = table.rows[0][table.head.index("u (%)")]
+        found = table.rows[0][table.head.index("u (% points)")]
         return found.text, found.flag
 
     assert cell(0.00919) == ("0.92", "") and cell(0.0212) == ("2.1", "")
@@ -817,7 +820,7 @@ def test_a_remark_that_all_efficiencies_share_is_above_their_table(small):
 
     items, head = appendix(["no sigma: unknown"] * 20)
     assert items == ("No sigma: unknown.",) and "Remark" not in head
-    assert not {"σ of instruments (%)", "U of both (%)"} & set(head)
+    assert not {"σ of instruments (% points)", "U of both (% points)"} & set(head)
     items, head = appendix(["no sigma: unknown", *[""] * 20])
     assert not items and "Remark" in head
 
@@ -862,3 +865,12 @@ def test_a_page_without_steady_runs_states_whether_any_was_made(small):
     assert friction_of(bare).startswith("No steady run was accepted.")
     ramps = replace(bare, runs=tuple(of_kind(run, "ramp") for run in small.runs))
     assert friction_of(ramps).startswith("No steady run was made.")
+
+
+def test_largest_parts_of_the_uncertainty_are_named_only_where_they_are_known(small):
+    (check,) = (each for each in small.quality.checks if each.name == "instruments")
+    poor = replace(check, grade=small.quality.grade, value=0.5)
+    quality = replace(small.quality, checks=(poor,))
+    assert "largest parts of the uncertainty (load cell)" in next_step(quality, "load cell")
+    unknown = next_step(quality, "")
+    assert "largest parts" not in unknown and "sensors of pressure and force" in unknown

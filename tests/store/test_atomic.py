@@ -101,3 +101,10 @@ def test_a_file_in_the_way_is_no_lack_of_space(tmp_path, inside):
         )
     assert "in the way" in error.value.hint
     assert (tmp_path / "taken").read_text() == "kept"
+
+
+def test_a_name_that_is_too_long_is_no_lack_of_space(tmp_path):
+    with pytest.raises(DataError) as refused:
+        atomic.write_atomic(tmp_path / f"{'x' * 300}.pdf", b"")
+    assert "File name too long" in refused.value.message
+    assert refused.value.hint == "Choose a shorter name."

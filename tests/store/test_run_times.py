@@ -76,6 +76,22 @@ def test_a_clock_that_was_not_set_leaves_the_order_alone_and_is_reported(campaig
     ],
 )
 def test_dates_in_foreign_logs_are_the_start_times_of_their_runs(tmp_path, at, stamps, expected):
+    assert starts_of(tmp_path, at, stamps) == expected
+
+
+def test_times_of_day_are_on_the_date_that_the_map_states(tmp_path, at):
+    stamps = "10:00:0{}", "9:00:0{}", "11:30:0{}"
+    expected = {"0001": 3600.0, "0002": 0.0, "0003": 9000.0}
+    for number, (date, known) in enumerate((("2024-05-03", expected), ("3 May", {}))):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        assert starts_of(folder, at, stamps, {"date": date}) == known
+    origins = {entry.origin["start"] for entry in load_campaign(tmp_path / "0/out").entries}
+    assert "2024-05-03T09:00:00+00:00" in origins
+
+
+def starts_of(tmp_path, at, stamps, test=None):
+    """Return the start times of imported files whose first columns are ``stamps``."""
     (tmp_path / "logs").mkdir()
     for number, stamp in enumerate(stamps, start=1):
         rows = [f"{stamp.format(second)};{5 * second}" for second in range(6)]
@@ -88,10 +104,11 @@ def test_dates_in_foreign_logs_are_the_start_times_of_their_runs(tmp_path, at, s
             "x_m": {"column": "x", "unit": "mm"},
         },
         "series": [{"label": "", "files": "{trial}.csv", "cylinder": {"piston_diameter": "25 mm"}}],
+        "test": test or {},
     }
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
     import_folder(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", {}, at(0))
-    assert load_campaign(tmp_path / "out").start_times_s() == expected
+    return load_campaign(tmp_path / "out").start_times_s()
 
 
 T = np.arange(0, 2, 0.01)

@@ -632,3 +632,29 @@ def test_triangles_of_speed_have_no_constant_speed_and_triangles_of_position_hav
     kinds = {name: parse_yaml(suggest_map(logs / name).text) for name in ("position", "speed")}
     assert (kinds["position"]["kind"], kinds["position"]["cut"]) == ("steady", "reversals")
     assert (kinds["speed"]["kind"], kinds["speed"]["cut"]) == ("triangle", "none")
+
+
+@pytest.mark.parametrize(("step_s", "max_gap"), [(0.02, None), (1.0, "2 s")])
+def test_a_piston_that_rests_is_held(logs, step_s, max_gap):
+    """The noise of the position is no stroke; a logger of a long hold may be slow."""
+    t = np.arange(0, 300, step_s)
+    rng = np.random.default_rng(2)
+    for bar in (100, 150):
+        x = 200 + rng.normal(0, 0.002, len(t))
+        p = bar * np.exp(-t / 2000) + rng.normal(0, 0.02, len(t))
+        columns = {"t [s]": t, "x [mm]": x, "p_A [bar]": p, "p_B [bar]": 20 + 0 * p}
+        columns["F [N]"] = 300 * p + rng.normal(0, 3, len(t))
+        pd.DataFrame(columns).to_csv(logs / f"hold_{bar}bar.csv", index=False)
+    rules = parse_yaml(suggest_map(logs).text)
+    assert rules["kind"] == "hold" and not {"cut", "min_stroke"} & set(rules)
+    assert rules.get("screening", {}).get("max_gap") == max_gap
+
+
+def test_times_of_day_ask_for_their_date(logs):
+    for trial in (1, 2):
+        rows = [
+            f"10:0{trial}:0{s // 10}.{s % 10};{5 * s};{20 + s % 2};3;{s % 3}" for s in range(90)
+        ]
+        head = "Zeit;x [mm];p_A [bar];p_B [bar];F [N]"
+        (logs / f"50mm_s_{trial}.csv").write_text("\n".join([head, *rows, ""]))
+    assert "times of day; for the order of the runs add test: {date:" in suggest_map(logs).text

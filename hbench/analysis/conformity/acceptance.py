@@ -10,9 +10,10 @@ from hbench.analysis.conformity.measured import (
     leaks_measured,
     measurements,
     near,
+    undriven_directions,
 )
 from hbench.analysis.conformity.rejected import rejected_points
-from hbench.records import Results
+from hbench.records import DIRECTION_WORDS, Results
 from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule
 from hbench.records.rod_pressure import SeriesKey, series_key
 from hbench.units import from_si
@@ -58,6 +59,11 @@ def _checks(
             worst[key] = check
     yield from worst.values()
     missing = list(rejected_points(results, requirement))
+    for direction in undriven_directions(results, requirement):
+        missing.append(
+            f"no oil drives the {DIRECTION_WORDS[direction]} plunger: limit its friction in N, and "
+            "give the limit in bar 'direction: extend'"
+        )
     if not worst and not missing:
         missing = [_why_not(results, requirement)]
     for reason in missing:
@@ -70,6 +76,11 @@ def _why_not(results: Results, requirement: Requirement) -> str:
         highest = max(leakage.highest_pa(requirement.leak) for leakage in leakages)
         if requirement.pressure_pa and requirement.pressure_pa > (1 + TOLERANCE) * highest:
             return f"the holds reached {from_si(highest, 'bar'):.3g} bar"
+    if requirement.quantity == "drift" and results.drift is not None:
+        return (
+            "the times of the runs are not known, and the order of their files does not separate a "
+            "drift from speed: map a column of date-times as t_s if the files have one"
+        )
     if requirement.is_pressure and not has_areas(results):
         return "the driving area, on which a pressure is limited, is not known"
     anywhere = replace(

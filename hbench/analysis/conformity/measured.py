@@ -25,7 +25,7 @@ from hbench.records import (
 )
 from hbench.records.conformity.acceptance import LimitQuantity, Measurement, Requirement
 from hbench.records.rod_pressure import series_key
-from hbench.records.runs import Series
+from hbench.records.runs import Direction, Series
 
 TOLERANCE = 0.05  # relative difference from the stated speed, load or pressure
 _UNSTEADY = "not_steady"  # reason for rejection
@@ -222,6 +222,19 @@ def near(value: float | None, stated: float | None) -> bool:
     if stated is None:
         return True
     return value is not None and abs(value - stated) <= TOLERANCE * abs(stated)
+
+
+def undriven_directions(results: Results, requirement: Requirement) -> tuple[Direction, ...]:
+    """Return the directions of measured series that have no driving area for a limit in bar."""
+    if not (requirement.is_pressure and requirement.quantity == "friction"):
+        return ()
+    directions = (
+        curve.direction
+        for curve in _steady(results.curves, requirement)
+        if curve.specimen.area_piston_m2 and not curve.specimen.driving_area_m2(curve.direction)
+        if any(near(abs(point.v_m_s), requirement.v_m_s) for point in curve.points)
+    )
+    return tuple(dict.fromkeys(directions))
 
 
 def has_areas(results: Results) -> bool:

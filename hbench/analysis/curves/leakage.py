@@ -24,7 +24,10 @@ conversions are averaged; for a constant channel nothing is added.
 Two assumed errors are added as squares. Oil that warms or cools at ``TEMPERATURE_RATE_K_S`` acts
 as a drift of the pressures by beta times its expansion. Pressures determine only C beta / V: a bulk
 modulus with a relative error ``BULK_MODULUS_ERROR`` gives C that error. The dead volumes of the
-bench file are taken as exact.
+bench file or map are taken as exact.
+
+A side that is open to the air has no balance. Holds with one open side alone do not distinguish
+what leaks across the piston from what leaks out of the closed side.
 """
 
 from collections import defaultdict
@@ -37,7 +40,7 @@ import numpy as np
 from hbench.analysis.rounding import ROUNDING, distinct
 from hbench.analysis.statistics.intervals import covariance_over_runs, has_effect, parts_in
 from hbench.analysis.statistics.student import student_factor
-from hbench.config.bench import Bench
+from hbench.config.campaign_settings import Chambers
 from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun
 from hbench.records.motions import BULK_MODULUS_ERROR, OIL_EXPANSION_1_K, TEMPERATURE_RATE_K_S
 from hbench.sentences import listed
@@ -52,27 +55,27 @@ _EXPONENTS = (0.3, 1.5)  # searched; an orifice has 0.5, a laminar gap 1
 _TRACE = 30  # parts of a hold, for its course over time
 
 
-def chamber_leakage(screened: Iterable[ScreenedRun], bench: Bench) -> tuple[Leakage, ...]:
-    """Return the leaks from the accepted holds of each label."""
+def chamber_leakage(screened: Iterable[ScreenedRun], chambers: Chambers) -> tuple[Leakage, ...]:
+    """Return the leaks from the accepted holds of each label whose cylinder has a known stroke."""
     groups: dict[tuple[str, str], list[Run]] = defaultdict(list)
     for verdict in screened:
-        if verdict.accepted:
+        if verdict.accepted and verdict.run.plan.specimen.stroke_m is not None:
             groups[verdict.run.plan.kind, verdict.run.plan.label].append(verdict.run)
-    return tuple(_leakage(label, runs, bench) for (_, label), runs in groups.items())
+    return tuple(_leakage(label, runs, chambers) for (_, label), runs in groups.items())
 
 
-def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
-    beta, steps = bench.oil.bulk_modulus, _steps(runs, bench)
-    holds = [_hold(run, bench) for run in runs]
+def _leakage(label: str, runs: Sequence[Run], chambers: Chambers) -> Leakage:
+    beta, steps = chambers.bulk_modulus, _steps(runs, chambers)
+    holds = [_hold(run, chambers) for run in runs]
     moved = np.concatenate([hold.moved for hold in holds])
     number = np.repeat(np.arange(len(holds)), [len(hold.moved) for hold in holds])
     p_0 = float(np.sqrt(np.mean(np.concatenate([hold.pressures.ravel() for hold in holds]) ** 2)))
-    laminar = _solved(_matrix(holds, 1.0, p_0), moved, number, runs, bench)
+    laminar = _solved(_matrix(holds, 1.0, p_0), moved, number, runs, chambers)
     found, exponent, exponent_ci95 = laminar, 1.0, None
     if p_0 > 0 and not laminar.unknown.any() and (abs(laminar.value) > laminar.half).any():
         n, half = _exponent(holds, moved, number, p_0)
         if abs(n - 1.0) > half:
-            found = _solved(_matrix(holds, n, p_0), moved, number, runs, bench)
+            found = _solved(_matrix(holds, n, p_0), moved, number, runs, chambers)
             exponent, exponent_ci95 = n, half
     coefficients, messages, none = [], [], []
     for i, name in enumerate(LEAK_NAMES):
@@ -99,7 +102,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     if len(runs) < 2:
         messages.append("no interval: there is only one hold")
     messages.append(
-        f"conditional on the bench file's effective bulk modulus ({beta / 1e5:.4g} bar) and dead "
+        f"conditional on the stated effective bulk modulus ({beta / 1e5:.0f} bar) and dead "
         "volumes: pressures determine only the leaks times beta / V. U contains an error of "
         f"{100 * BULK_MODULUS_ERROR:.0f} % of this modulus and a change of the oil temperature at "
         f"{60 * TEMPERATURE_RATE_K_S:g} K/min, both assumed"
@@ -132,7 +135,11 @@ class _Solution(NamedTuple):
 
 
 def _solved(
-    matrix: np.ndarray, moved: np.ndarray, number: np.ndarray, runs: Sequence[Run], bench: Bench
+    matrix: np.ndarray,
+    moved: np.ndarray,
+    number: np.ndarray,
+    runs: Sequence[Run],
+    chambers: Chambers,
 ) -> _Solution:
     """Solve for the leaks by least squares; ``matrix`` (n, 3) are the derivatives of ``moved``."""
     scale = np.sqrt(np.sum(matrix**2, axis=0))
@@ -147,9 +154,9 @@ def _solved(
     covariance, dof = covariance_over_runs(jacobian, moved - jacobian @ solution, number)
     t = np.array([student_factor(each) if each > 0 else np.nan for each in dof.tolist()])
     se = np.sqrt(np.diag(covariance)) / scale
-    rounding = _drift_error(inverse, runs, bench, _steps(runs, bench), 0.0) / scale
-    rate_pa_s = bench.oil.bulk_modulus * OIL_EXPANSION_1_K * TEMPERATURE_RATE_K_S
-    warming = _drift_error(inverse, runs, bench, (0.0, 0.0), rate_pa_s) / scale
+    rounding = _drift_error(inverse, runs, chambers, _steps(runs, chambers), 0.0) / scale
+    rate_pa_s = chambers.bulk_modulus * OIL_EXPANSION_1_K * TEMPERATURE_RATE_K_S
+    warming = _drift_error(inverse, runs, chambers, (0.0, 0.0), rate_pa_s) / scale
     value = solution / scale
     assumed = np.hypot(warming, BULK_MODULUS_ERROR * value)
     half = np.hypot(np.fmax(t * se, rounding), assumed)
@@ -178,12 +185,12 @@ def _exponent(
     return n, float(half) if np.isfinite(half) else np.inf
 
 
-def _steps(runs: Sequence[Run], bench: Bench) -> list[float]:
+def _steps(runs: Sequence[Run], chambers: Chambers) -> list[float]:
     """Return the smallest step [Pa] of each side's logged pressure; 0: it is constant."""
     smallest = [0.0, 0.0]
     for run in runs:
-        _, chambers = _chambers(run, bench)
-        for side, (p, _) in enumerate(chambers):
+        _, sides = _chambers(run, chambers)
+        for side, (p, _) in enumerate(sides):
             steps = np.diff(distinct(p))
             if len(steps):
                 smallest[side] = min(smallest[side] or np.inf, float(steps.min()))
@@ -193,7 +200,7 @@ def _steps(runs: Sequence[Run], bench: Bench) -> list[float]:
 def _drift_error(
     inverse: np.ndarray,
     runs: Sequence[Run],
-    bench: Bench,
+    chambers: Chambers,
     steps_pa: Sequence[float],
     rate_pa_s: float,
 ) -> np.ndarray:
@@ -204,8 +211,8 @@ def _drift_error(
     """
     drifts = []
     for run in runs:
-        settled, chambers = _chambers(run, bench)
-        for side, (_, compliance) in enumerate(chambers):
+        settled, sides = _chambers(run, chambers)
+        for side, (_, compliance) in enumerate(sides):
             t = run.t_s[settled]
             slope = steps_pa[side] / (t[-1] - t[0]) + rate_pa_s
             drifts.append(compliance * slope * (t - t.mean()))
@@ -217,17 +224,22 @@ def _drift_error(
 
 
 def _chambers(
-    run: Run, bench: Bench
+    run: Run, chambers: Chambers
 ) -> tuple[np.ndarray, tuple[tuple[np.ndarray, float], tuple[np.ndarray, float]]]:
     """Return the settled samples (n,), and each side's pressures there and V / beta."""
-    cylinder, beta = bench.test_cylinder, bench.oil.bulk_modulus
+    cylinder, beta = run.plan.specimen, chambers.bulk_modulus
     settled = run.t_s - run.t_s[0] >= _SETTLE_S - ROUNDING
     middle = run.x_m[settled].mean()
-    v_p = cylinder.dead_volume_piston + cylinder.area_piston_m2 * middle
-    v_r = cylinder.dead_volume_rod + cylinder.area_rod_m2 * (cylinder.stroke - middle)
+    v_p = chambers.dead_volume_piston + cylinder.area_piston_m2 * middle
+    v_r = chambers.dead_volume_rod + cylinder.area_rod_m2 * ((cylinder.stroke_m or 0.0) - middle)
     p_p = run.channel("p_tp_pa")
     p_r = np.zeros(len(run.t_s)) if _is_plunger(run) else run.channel("p_tr_pa")
     return settled, ((p_p[settled], v_p / beta), (p_r[settled], v_r / beta))
+
+
+def _is_vented(pressure_pa: np.ndarray) -> bool:
+    """Return whether a side is open to the air: it is at 0 bar in all samples, as by a constant."""
+    return not np.any(pressure_pa)
 
 
 def _is_plunger(run: Run) -> bool:
@@ -241,6 +253,7 @@ class _Hold:
 
     t_s: np.ndarray  # (m,)
     pressures: np.ndarray  # (m, 3), in the order of LEAK_NAMES; 0 without a rod side
+    closed: tuple[bool, bool]  # piston and rod side
     moved: np.ndarray  # (2 m,) [m^3], without each side's mean
     decay: Decay
 
@@ -257,19 +270,29 @@ def _matrix(holds: Sequence[_Hold], exponent: float, p_0: float) -> np.ndarray:
         across, out_p, out_r = cumulative_trapezoid(p, hold.t_s, axis=0, initial=0).T
         none = np.zeros(len(hold.t_s))
         sides = [[-across, -out_p, none], [across, none, -out_r]]
-        parts += [(c - c.mean(axis=0)) for c in map(np.column_stack, sides)]
+        parts += [
+            kept * (c - c.mean(axis=0))
+            for c, kept in zip(map(np.column_stack, sides), hold.closed, strict=True)
+        ]
     return np.concatenate(parts)
 
 
-def _hold(run: Run, bench: Bench) -> _Hold:
-    cylinder, plan = bench.test_cylinder, run.plan
-    settled, ((p_p, compliance_p), (p_r, compliance_r)) = _chambers(run, bench)
+def _hold(run: Run, chambers: Chambers) -> _Hold:
+    plan, cylinder = run.plan, run.plan.specimen
+    settled, ((p_p, compliance_p), (p_r, compliance_r)) = _chambers(run, chambers)
     t, x = run.t_s[settled], run.x_m[settled]
     moved_p = compliance_p * p_p + cylinder.area_piston_m2 * x
     moved_r = compliance_r * p_r - cylinder.area_rod_m2 * x
-    across = p_p - p_r
+    across, none = p_p - p_r, np.zeros(len(t))
     if _is_plunger(run):
-        across = moved_r = np.zeros(len(t))
+        across = moved_r = none
+    closed = (
+        not _is_vented(p_p),
+        not _is_vented(p_r),
+    )  # an open side keeps no oil: it has no balance
+    moved_p, moved_r = (
+        m if kept else none for m, kept in zip((moved_p, moved_r), closed, strict=True)
+    )
 
     def slope(y: np.ndarray) -> float:
         return float(np.polynomial.polynomial.polyfit(t - t[0], y, 1)[1])
@@ -289,4 +312,4 @@ def _hold(run: Run, bench: Bench) -> _Hold:
         trace=tuple(zip(t_mean.tolist(), (-lost_p).tolist(), (-lost_r).tolist(), strict=True)),
     )
     moved = np.concatenate([moved_p - moved_p.mean(), moved_r - moved_r.mean()])
-    return _Hold(t, np.column_stack([across, p_p, p_r]), moved, decay)
+    return _Hold(t, np.column_stack([across, p_p, p_r]), closed, moved, decay)

@@ -31,6 +31,10 @@ _FILES = (
 )
 # In SI; the example's physics is no guide to others.
 _LEAST_LOAD = 0.05  # of the force on the rod side: a smaller load is lost in the friction
+_OTHER_RODS = (
+    "For a rod on both sides edit the files of another size: piston_diameter is the root of "
+    "bore^2 - rod^2, and rod_diameter 0 mm."
+)
 _RANGES = {
     "bore": (0.016, 0.3),
     "rod": (0.003, 0.28),
@@ -113,16 +117,18 @@ def _size(**given: str | None) -> "Size | None":
         if not low <= si[name] <= high:
             limits = " to ".join(f"{from_si(limit, unit):g}" for limit in (low, high))
             other = "10 MPa" if unit == "bar" else "2 in"
+            hint = f"A number without a unit is in {unit}; write for example '{other}' for another."
+            nearest = "For a size beyond the limits take the nearest one, then edit the files."
             raise ConfigError(
                 f"--{name}: is {from_si(si[name], unit):.4g} {unit}; limits {limits} {unit}",
-                f"A number without a unit is in {unit}; write for example '{other}' for another.",
+                f"{hint} {_OTHER_RODS if name == 'rod' and not si[name] else nearest}",
             )
     if not 0.1 * si["bore"] <= si["rod"] <= 0.95 * si["bore"]:
         rod_mm, bore_mm = 1e3 * si["rod"], 1e3 * si["bore"]
         raise ConfigError(
             f"--rod: is {rod_mm:.4g} mm; limits {0.1 * bore_mm:.4g} to {0.95 * bore_mm:.4g} mm "
             f"(10 to 95 % of --bore, {bore_mm:.4g} mm)",
-            "Give the diameter of the rod; it must be smaller than the bore.",
+            f"Give the diameter of the rod. {_OTHER_RODS}",
         )
     size = Size(si["bore"], si["rod"], si["stroke"], si["supply"])
     load_n, least_n = min(size.moved_n, size.held_n), _LEAST_LOAD * size.rod_force_n

@@ -27,6 +27,7 @@ def method_section(results: Results) -> Section:
         "Oil temperature": results.oil_temperature is not None,
         "Reduction to a reference temperature": reduction is not None,
         "Hersey number": any(p.hersey_m is not None for c in results.curves for p in c.points),
+        "Instruments": _has_instruments(results),
         "Working speed": "steady_curve" in analyses,
         "Friction": bool(results.curves),
         "Breakaway": "ramp_curve" in analyses or "tustin" in laws or bool(motions.breakaways),
@@ -54,6 +55,14 @@ def method_section(results: Results) -> Section:
         facts=tuple(facts.items()),
         anchor="method",
         folded=True,
+    )
+
+
+def _has_instruments(results: Results) -> bool:
+    """Return whether the tolerances of the instruments are known, so that they are part of U."""
+    points = [point for curve in results.curves for point in curve.points]
+    return any(point.sigma_instruments_n is not None for point in points) or any(
+        each.u95_n is not None for each in results.motions.breakaways
     )
 
 
@@ -142,7 +151,7 @@ _NUMBERS = {
     "Steps": "Settled friction is the mean of the second half of a level; the overshoot is the "
     "largest excess of friction over it, where it exceeds the noise.",
     "Leakage": "From the decay of both chambers' pressures with all valves closed, V/β dp/dt less "
-    "the flow displaced by the piston; conditional on the bench file's effective bulk modulus and "
+    "the flow displaced by the piston; conditional on the stated effective bulk modulus and "
     "volumes. Leaks are proportional to the pressure, or to a power of it where the holds show "
     "one.",
     "Over the distance": "The distance is that of all logs and of the ways back to the next start. "

@@ -153,9 +153,15 @@ def _friction(results: Results, drawings: tuple[Drawing, ...], led: bool) -> Ite
     if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
         others = any(run.accepted for run in results.runs)
         steady = any(KINDS[run.run.plan.kind].has_constant_speed for run in results.runs)
-        none = (
-            f"No steady run was {'accepted' if steady else 'made'}. "
+        follow = results.curves or any(vars(results.motions).values())
+        where = (
             "Results of the other runs follow below."
+            if follow
+            else "The notes of the analysis, under Instruments and settings, state what the other "
+            "runs need."
+        )
+        none = (
+            f"No steady run was {'accepted' if steady else 'made'}. {where}"
             if others
             else "No run was accepted, so there is no friction to show."
         )

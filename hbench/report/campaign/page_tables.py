@@ -13,10 +13,11 @@ from hbench.records import (
 )
 from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.reasons import CAUSES, code_of, reason_counts
+from hbench.report.campaign.reasons import cause_of, code_of, reason_counts
 from hbench.report.campaign.table_columns import (
     HERSEY,
     OF_DIRECTIONS,
+    OF_LOAD,
     OIL,
     ROD_SIDE,
     SIGMAS,
@@ -29,6 +30,7 @@ from hbench.report.campaign.table_columns import (
 from hbench.report.render.numbers import (
     NONE,
     number,
+    short,
     significant,
     span,
     with_interval,
@@ -60,10 +62,7 @@ def point_table(results: Results) -> Table:
         (
             *who(curve),
             number(1e3 * point.v_m_s, 2),
-            Cell(
-                with_interval(point.friction_n, point.ci95_n),
-                "" if point.ci95_n is not None else "no interval",
-            ),
+            with_interval(point.friction_n, point.ci95_n),  # the next column has the trials
             str(point.n),
             "" if point.u95_n is None else significant(point.u95_n, 2),
             number(point.f_test_n),
@@ -102,7 +101,7 @@ def efficiency_table(results: Results) -> Table:
         "Velocity (mm/s)",
         "Efficiency (%)",
         *SIGMAS[:2],
-        "s.e. of trials (%)",
+        "s.e. of trials (% points)",
         SIGMAS[2],
     )
     return table((*WHO, *head, "Remark"), rows, [f"{capital(common)}."] if common else ())
@@ -190,8 +189,8 @@ def budget_table(results: Results) -> Table:
                 Cell(_share(NORMAL_95 * u) if u else NONE),
             )
         )
-    head = (*WHO, "Speeds", "Mean efficiency (%)", "u (%)", "U = 1.96 u (%)")
-    return _with_parts(head, rows, parts, "%")
+    head = (*WHO, "Speeds", "Mean efficiency (%)", "u (% points)", "U = 1.96 u (% points)")
+    return _with_parts(head, rows, parts, "% points")
 
 
 def band_table(results: Results) -> Table:
@@ -243,6 +242,7 @@ def balance_table(results: Results) -> Table:
     rows = [
         (
             balance.label,
+            "" if balance.f_load_n is None else short(balance.f_load_n),
             span([1e3 * v for v in balance.speeds_m_s]),
             with_interval(balance.coulomb_n, balance.coulomb_ci95_n),
             with_interval(balance.viscous_n_s_m, balance.viscous_ci95_n_s_m),
@@ -252,7 +252,7 @@ def balance_table(results: Results) -> Table:
         for balance in results.motion_balances
     ]
     head = (
-        *("Label", "Speeds (mm/s)", "Coulomb (N)", "Viscous (N s/m)", "Offset (N)"),
+        *("Label", OF_LOAD, "Speeds (mm/s)", "Coulomb (N)", "Viscous (N s/m)", "Offset (N)"),
         "Asymmetry (N s/m)",
     )
     return table(head, rows)
@@ -275,7 +275,7 @@ def rejected_table(results: Results) -> Table:
 def cause_table(results: Results) -> Table:
     """Return the reasons for rejection with their runs, and the cause to look for."""
     rows = [
-        (code.replace("_", " ").capitalize(), str(count), CAUSES.get(code, ""))
+        (code.replace("_", " ").capitalize(), str(count), cause_of(results, code))
         for code, count in reason_counts(results).most_common()
     ]
     head = ("Reason", "Runs", "Look for")

@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from hbench.records import Results, ScreenedRun
+from hbench.records import KINDS, Results, ScreenedRun
 
 # What to look for, by the code of the reason.
 CAUSES = {
@@ -14,7 +14,8 @@ CAUSES = {
     "changed": "a log edited or damaged after its run, to be restored",
     "copy": "a file copied under another name: give the file of each trial",
     "missing_channel": "a sensor that is not logged, or not named in the map",
-    "gapped": "a connection too slow for the log (--baud), or a logger that loses samples",
+    "gapped": "a connection too slow for the log (--baud), or a logger that loses samples; for one "
+    "that samples slowly state a larger screening.max_gap",
     "sensor_saturated": "a sensor whose range is too small, a broken wire, or a wrong zero",
     "too_short": "too little travel or acceleration for this speed",
     "incomplete": "too little travel, or too small a force, for the motion to end as planned",
@@ -25,6 +26,10 @@ CAUSES = {
     "off_reference": "gains of the velocity controller (hbench design), or a low supply pressure",
     "not_steady": "air in the oil, stick-slip, or gains of the controllers that are too high",
 }
+_AT_REST = {  # of runs with closed valves
+    "off_reference": "valves that leak or are not closed, or a load that moves the piston; where "
+    "the leakage itself moves it, state a larger screening.rest_travel",
+}
 _ABORTED, _UNFINISHED = "aborted", "unfinished"  # codes of the reasons
 _NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."
 _OF_COMPLETED = "All numbers on this page are those of the completed runs."
@@ -34,6 +39,14 @@ def reason_counts(results: Results) -> Counter[str]:
     """Count the runs of each reason's code; a run with two reasons counts under both."""
     codes = (dict.fromkeys(map(code_of, run.reasons)) for run in results.runs)
     return Counter(code for run_codes in codes for code in run_codes)
+
+
+def cause_of(results: Results, code: str) -> str:
+    """Return what to look for where runs were rejected for a reason; empty: nothing is known."""
+    rejected = [run for run in results.runs if code in map(code_of, run.reasons)]
+    if code in _AT_REST and all(KINDS[run.run.plan.kind].is_at_rest for run in rejected):
+        return _AT_REST[code]
+    return CAUSES.get(code, "")
 
 
 def code_of(reason: str) -> str:

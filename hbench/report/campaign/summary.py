@@ -37,7 +37,7 @@ from hbench.report.render.numbers import (
 )
 from hbench.report.render.word_tables import Cell, Table
 from hbench.report.zero_words import zero_reserve
-from hbench.sentences import listed
+from hbench.sentences import listed, plural
 from hbench.units import from_si
 
 _ONE_TRIAL = (
@@ -303,9 +303,13 @@ def _trials(estimate: HeadlineNumber | None) -> str:
 
 def _measured(results: Results) -> str:
     """Return runs, speeds, loads and directions in a sentence."""
-    kinds = Counter(KINDS[run.run.plan.kind].display_name for run in results.runs)
-    counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"
-    runs = f"{len(results.runs)} runs ({counts})" if len(kinds) != 1 else f"{counts} runs"
+    kinds = Counter(KINDS[run.run.plan.kind] for run in results.runs)
+    counts = ", ".join(kind.counted(count) for kind, count in kinds.items()) or "none"
+    of_all = f"{len(results.runs)} {plural(len(results.runs), 'run', 'runs')}"
+    runs = f"{of_all} ({counts})"
+    if len(kinds) == 1:
+        (kind,) = kinds
+        runs = of_all.replace(" ", f" {kind.display_name} ")
     made, phrases = _not_accepted(results), []
     curves = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
     points = [point for curve in curves for point in curve.points]

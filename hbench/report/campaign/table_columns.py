@@ -10,14 +10,19 @@ from hbench.units import from_si
 
 ROD_SIDE = "P_Lr (bar)"
 LOAD_CELL = "Load cell F_applied (N)"
+OF_LOAD = "Load (N)"  # of benches that may have none
 OIL, HERSEY = "Oil (°C)", "η|v|/p (nm)"
-SIGMAS = ("σ of instruments (%)", "σ by eq. 6.16 of the source (%)", "U of both (%)")
+SIGMAS = (  # of efficiencies
+    "σ of instruments (% points)",
+    "σ by eq. 6.16 of the source (% points)",
+    "U of both (% points)",
+)
 WHO = ("Label", "Kind", "Direction", "Load F_L (N)", ROD_SIDE)
 BALANCE = "Coulomb and viscous friction from both directions"
 OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
 _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
 _WHERE_GIVEN = (
-    *("Label", "Kind", ROD_SIDE, LOAD_CELL, "Remark", "At (mm/s)"),
+    *("Label", "Kind", ROD_SIDE, LOAD_CELL, OF_LOAD, "Remark", "At (mm/s)"),
     *("Trials alone (N)", "U (N)", "Energy of a cycle (J)"),
     *("Friction ± U (N)", "Friction ± U (bar)", "Breakaway ± U (N)", "Breakaway ± U (bar)"),
     *("Efficiency ± U (%)", OIL, HERSEY, "ν", *SIGMAS),

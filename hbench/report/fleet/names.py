@@ -52,6 +52,8 @@ def short_title(quantity: Quantity) -> str:
 
 def range_words(campaigns: int) -> str:
     """Return what the low and the high end of a spread of so many campaigns are."""
+    if campaigns == 1:
+        return "one campaign"
     if campaigns < FEWEST_CAMPAIGNS:
         return f"smallest to largest of {campaigns} campaigns"
     return "5 to 95 % of the campaigns"

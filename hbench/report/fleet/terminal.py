@@ -8,6 +8,7 @@ from hbench.report.fleet.text import campaign_table, shared_intervals, worst_tab
 from hbench.report.fleet.verdict import fleet_verdict, further_sentences
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
+from hbench.sentences import plural
 
 _SIGMA = "σ", "s.d."  # in a word that a terminal has
 _FEW = 5  # outliers that are listed
@@ -24,8 +25,9 @@ def fleet_text(fleet: Fleet) -> str:
     lines += wrapped(fleet_verdict(fleet))
     lines += [f"  {count} failed: {reason}" for reason, count in fleet.reasons]
     if len(fleet.protocols) > 1:
+        are = plural(fleet.compared, "is", "are")
         lines.append(
-            f"{fleet.compared} of the most frequent kind are evaluated: {fleet.protocols[0][0]}"
+            f"{fleet.compared} of the most frequent kind {are} evaluated: {fleet.protocols[0][0]}"
         )
     if fleet.other_speeds:
         lines.append(f"{fleet.other_speeds} of them at other speeds are left out")

@@ -206,13 +206,12 @@ def _flush(file: IO[bytes]) -> None:
 
 def refused(path: Path, error: OSError) -> DataError:
     """Return the error of a path at which the operating system refuses to write."""
-    in_the_way = error.errno in (errno.EEXIST, errno.ENOTDIR, errno.EISDIR, errno.ELOOP)
-    return DataError(
-        f"{path}: can't be written: {error.strerror or error}",
-        "Choose another path: a file, folder or link of this name is in the way."
-        if in_the_way
-        else "Check the free space and the folder's permissions.",
-    )
+    hint = "Check the free space and the folder's permissions."
+    if error.errno in (errno.EEXIST, errno.ENOTDIR, errno.EISDIR, errno.ELOOP):
+        hint = "Choose another path: a file, folder or link of this name is in the way."
+    elif error.errno == errno.ENAMETOOLONG:
+        hint = "Choose a shorter name."
+    return DataError(f"{path}: can't be written: {error.strerror or error}", hint)
 
 
 def _flush_entries(folder: Path) -> None:

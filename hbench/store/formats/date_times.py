@@ -5,7 +5,8 @@ States, the month first with slashes, ``12/24/2024 6:30:00.5 PM``.
 """
 
 import re
-from datetime import UTC, datetime
+from contextlib import suppress
+from datetime import UTC, date, datetime
 
 import numpy as np
 
@@ -13,12 +14,21 @@ _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]\s*(.+)")
 _TWELVE_HOURS = re.compile(
     r"(?:(\d{1,2})/(\d{1,2})/(\d{4}),? )?(1[0-2]|0?[1-9]):(.+?) ?([ap])\.?m\.?"
 )
+_NO_DATE = date(1970, 1, 1)  # of a time of day
 _TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?")
 
 
 def utc(time: np.datetime64) -> datetime:
     """Return a time in UTC."""
     instant: datetime = time.astype("datetime64[us]").item().replace(tzinfo=UTC)
+    return instant
+
+
+def on_date(instant: datetime, stated: str) -> datetime:
+    """Return an instant that is only a time of day on a ``stated`` date, if this is ISO 8601."""
+    if instant.date() == _NO_DATE:
+        with suppress(ValueError):
+            return datetime.combine(date.fromisoformat(stated.strip()), instant.timetz())
     return instant
 
 
@@ -34,7 +44,7 @@ def parse_date_time(text: str) -> datetime:
         text = f"{year}-{month:0>2}-{day:0>2}T{text}" if year else text
     if _TIME_OF_DAY.fullmatch(text):
         hour, rest = text.split(":", 1)
-        text = f"1970-01-01T{hour:0>2}:{rest}"
+        text = f"{_NO_DATE}T{hour:0>2}:{rest}"
     if match := _DAY_FIRST.fullmatch(text):
         day, month, year, time = match.groups()
         text = f"{year}-{month:0>2}-{day:0>2}T{time}"

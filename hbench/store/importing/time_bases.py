@@ -12,7 +12,7 @@ from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
 from hbench.store.files.number_columns import rounded_to_decimals
-from hbench.store.formats.date_times import utc
+from hbench.store.formats.date_times import on_date, utc
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable
 from hbench.store.importing.file_notes import FileNote
@@ -99,7 +99,7 @@ def _times(table: Table, rules: ImportMap) -> tuple[dict[str, np.ndarray], datet
         stamps = {source: table.date_times(source, gaps=gaps) for source in columns}
         known = [stamp[~np.isnat(stamp)] for stamp in stamps.values()]
         origin = min((stamp[0] for stamp in known if len(stamp)), default=np.datetime64(0, "s"))
-        instant = utc(origin)
+        instant = on_date(utc(origin), rules.test.date)
         seconds = {
             source: (stamp - origin) / np.timedelta64(1, "ns") * 1e-9
             for source, stamp in stamps.items()

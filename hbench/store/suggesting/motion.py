@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from hbench.config.import_map import ImportMap
+from hbench.motion.noise import position_noise
 from hbench.motion.plateaus import Plateau
 from hbench.motion.rest import LEAST_REST_S, rest_before_motion
 from hbench.motion.reversals import cut_at_reversals, stroke_speed
@@ -16,6 +17,7 @@ _SHORT = 4.0  # times 'min_stroke': a longer travel needs none of its own
 _OTHER_SPEED = 0.10  # relative difference of two constant speeds
 _FLAT = 0.03  # relative difference of speed along a section of constant speed
 _LEAST_SAMPLES = 8
+_MOVES = 10.0  # times the noise of the position, whose range at rest is 5 to 9
 _DEFAULT_M = ImportMap.model_fields["min_stroke"].default
 
 
@@ -41,7 +43,7 @@ class Motion:
 def motion_of(
     files: Sequence[Mapping[str, np.ndarray]], steady: Sequence[Sequence[Plateau]]
 ) -> Motion | None:
-    """Return the motion in ``files``: t_s and x_m (n,) each; None if there is none.
+    """Return the motion in ``files``: t_s and x_m (n,) each; None if there is none beyond noise.
 
     ``steady`` are the sections of constant speed of each file.
     """
@@ -50,7 +52,7 @@ def motion_of(
         for f, found in zip(files, steady, strict=True)
     ]
     moving = [(f["t_s"], f["x_m"]) for f in files if len(f.get("x_m", ())) > 10]
-    moving = [(t, x) for t, x in moving if np.ptp(x) > 0]
+    moving = [(t, x) for t, x in moving if np.ptp(x) > _MOVES * position_noise(t, x)]
     if not moving:
         return None
     travel = float(np.median([np.ptp(x) for _, x in moving]))

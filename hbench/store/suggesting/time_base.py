@@ -18,6 +18,7 @@ _EVENLY = "increases evenly"
 _ASSUMED_STEP_S = 0.01  # between numbered samples, to look at their motion
 _DAYS = ((20e3, 60e3), (650e3, 800e3))  # of today in spreadsheets and in MATLAB
 _SHORT_DAY = 1e-3
+_FIRST_DATE = np.datetime64("1970-01-02")  # earlier ones are times of day
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,8 @@ def _choice(column: SampleColumn, unit: str, t_s: tuple[np.ndarray, ...], how: s
         return TimeChoice(choice, tuple(np.arange(len(t)) * _ASSUMED_STEP_S for t in t_s))
     if column.is_date_time:
         certainty, reason = SURE, how
+        if all(len(v) and v[0] < _FIRST_DATE for v in column.values):
+            reason = "times of day; for the order of the runs add test: {date: 2026-03-02}"
     elif column.unit is not None:
         certainty, reason = (SURE if how == "by its name" else LIKELY), how
     else:

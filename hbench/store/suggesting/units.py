@@ -18,6 +18,7 @@ _SPELLINGS = {
     "dan": "daN",
     **dict.fromkeys(("kp", "kgf"), "kgf"),
     **dict.fromkeys(("lb", "lbs"), "lbf"),
+    **dict.fromkeys(("kip", "kips"), "kip"),
     **dict.fromkeys(("pa", "pascal"), "Pa"),
     **dict.fromkeys(("hpa", "mbar"), "mbar"),
     "kpa": "kPa",

@@ -177,7 +177,7 @@ FIGURES = (
         name="leakage",
         section="leakage",
         caption="Oil that left either chamber of the test cylinder, from the decay of its pressure "
-        "and the bench file's bulk modulus and volumes. A point is a hold; negative: oil flowed "
+        "and the stated bulk modulus and volumes. A point is a hold; negative: oil flowed "
         "in. U of the leaks, which can be larger than the scatter of the holds, is in the table.",
         applies=has_leakage,
         draw=leakage,

@@ -132,8 +132,10 @@ def next_step(
     file = "map, then import again" if imported else "bench file"
     if not quality.completeness.not_completed:
         missing = (*missing, "complete")  # no run is missing, but trials are
+    largest = f"with the largest parts of the uncertainty ({parts})"
+    sensors = largest if parts else "of pressure and force"  # parts of breakaway are not known
     steps = [
-        _step(check).format(parts=f" ({parts})" if parts else "", file=file)
+        _step(check).format(sensors=sensors, file=file)
         for check in _worst(quality)
         if check.grade != "good" and check.name not in missing
         if not (beyond_u and _is_in_u(check))

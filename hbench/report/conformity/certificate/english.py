@@ -106,7 +106,7 @@ ENGLISH = {
     "creeps up to then{creep}. Friction takes some travel to build up, and falls as the piston "
     "becomes faster; breakaway can therefore be below the friction of slow steady motion.",
     "method_leakage": "Leakage follows from the decay of the chamber pressures with all valves "
-    "closed, with the effective bulk modulus of the bench file{bulk_modulus}, air in the oil and "
+    "closed, with the stated effective bulk modulus{bulk_modulus}, air in the oil and "
     "hoses included. {leak_law}",
     "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure{holds}.",
     "leak_none": "; no leak was significant",

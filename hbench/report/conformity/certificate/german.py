@@ -103,7 +103,7 @@ GERMAN = {
     "über einen Weg auf und fällt, wenn der Kolben schneller wird; die Losbrechkraft kann daher "
     "unter der Reibung langsamer gleichförmiger Bewegung liegen.",
     "method_leakage": "Die Leckage folgt aus dem Abfall der Kammerdrücke bei geschlossenen "
-    "Ventilen, mit dem effektiven Kompressionsmodul der Prüfstandsdatei{bulk_modulus}, "
+    "Ventilen, mit dem angegebenen effektiven Kompressionsmodul{bulk_modulus}, "
     "einschließlich Luft im Öl und Schläuchen. {leak_law}",
     "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck{holds}.",
     "leak_none": "; keine Leckage war signifikant",

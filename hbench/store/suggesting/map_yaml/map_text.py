@@ -12,7 +12,7 @@ from hbench.store.suggesting.map_yaml.series import series_lines
 from hbench.store.suggesting.map_yaml.suggested_map import SuggestedMap
 from hbench.store.suggesting.motion import Motion
 
-_SETTLE_M = Screening().settle_travel
+_SETTLE_M, _MAX_GAP_S = Screening().settle_travel, Screening().max_gap
 _CONSTANTS = {  # by channel: value, and when it applies
     "p_tr_pa": ("0 bar", "if the rod side is open to the air"),
     "p_tp_pa": ("0 bar", "if the piston side is open to the air"),
@@ -53,6 +53,8 @@ def _head(suggested: SuggestedMap) -> Iterator[str]:
             f"{GUESS}: reversals without constant speed; if it is nearly constant, write kind: "
             "steady and cut: reversals",
         )
+    elif _is_at_rest(suggested):
+        yield line("kind: hold", f"{GUESS}: the position changes by no more than its noise")
     else:
         few = "few sections of constant speed; or ramp, triangle, steps, hold"
         yield line("kind: steady", f"{GUESS}: {few}")
@@ -108,6 +110,14 @@ def _motion(suggested: SuggestedMap) -> Iterator[str]:
     motion, time = suggested.motion, suggested.time
     if time.repeats:
         yield line("repeated_times: drop", "the clock is coarse: some times are equal")
+    if _is_at_rest(suggested):
+        yield from comment_lines("For the leakage add stroke to the cylinder, and this line:")
+        volumes = "dead_volume_piston: ??? cm^3, dead_volume_rod: ??? cm^3"
+        yield f"# chambers: {{bulk_modulus: ??? bar, {volumes}}}"
+        if (step_s := 1 / time.rate_hz) > _MAX_GAP_S:
+            yield "screening:"
+            text = f"  max_gap: {2 * step_s:.2g} s"
+            yield line(text, f"{LIKELY}: twice the time between samples; default {_MAX_GAP_S:g} s")
     if motion is None:
         return
     yield line(f"cut: {motion.cut}", f"{LIKELY}: {motion.reason}; {_about(suggested, motion)}")
@@ -123,6 +133,11 @@ def _motion(suggested: SuggestedMap) -> Iterator[str]:
             f"The files begin with at least {motion.rest_s:.1f} s at rest. If no load or pressure "
             "acts there, add zero: rest to force and pressures: the mean at rest is subtracted."
         )
+
+
+def _is_at_rest(suggested: SuggestedMap) -> bool:
+    """Return whether a position was logged that shows no motion."""
+    return suggested.motion is None and "x_m" in suggested.choices
 
 
 def _about(suggested: SuggestedMap, motion: Motion) -> str:
