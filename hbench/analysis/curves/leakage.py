@@ -286,10 +286,7 @@ def _hold(run: Run, chambers: Chambers) -> _Hold:
     across, none = p_p - p_r, np.zeros(len(t))
     if _is_plunger(run):
         across = moved_r = none
-    closed = (
-        not _is_vented(p_p),
-        not _is_vented(p_r),
-    )  # an open side keeps no oil: it has no balance
+    closed = not _is_vented(p_p), not _is_vented(p_r)  # an open side keeps no oil: no balance
     moved_p, moved_r = (
         m if kept else none for m, kept in zip((moved_p, moved_r), closed, strict=True)
     )
