@@ -65,6 +65,18 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "measure more steady runs while retracting and vary speed, load" in lead
 
 
+def test_a_deviation_at_rest_is_narrowed_by_holds(compared):
+    """A valve that leaks in its null: no speed is varied at rest."""
+    regions = tuple(
+        Region("direction", way, NAN, NAN, 9, {"force_test": gap})
+        for way, gap in (("extend", 2.0), ("rest", 9.0))
+    )
+    lead = verdict_words(replace(compared, regions=regions))
+    assert "The deviation is largest while at rest" in lead
+    assert "measure longer holds at rest, at several loads and pressures." in lead
+    assert "steady runs" not in lead
+
+
 def test_the_cause_is_narrowed_where_the_deviation_is_largest_and_else_by_what_is_missing(compared):
     """Missing data may be of another balance."""
     missing = replace(compared, missing=("one load at two pressures",))
@@ -150,19 +162,19 @@ def test_three_deviations_are_all_in_the_verdict_and_their_common_part_is_inspec
         (40.0, 0.6, 0.0, False),  # within the tolerances
     ],
 )
-def test_an_effect_that_is_too_small_to_be_named_is_a_hint_in_the_verdict(
+def test_an_effect_that_is_too_small_to_be_named_is_a_hint_beside_what_to_inspect(
     compared, score, explained, size, is_hint
 ):
     air = replace(
         compared.ranking[0], name="entrained_air", score=score, threshold=5.0,
         explained=explained, size=size,
     )  # fmt: skip
-    lead = ordinary_spaces(verdict_words(replace(compared, ranking=(air,))))
+    text = summary(replace(compared, ranking=(air,)))
     words = (
-        "A hint: entrained air, too small to be named, would explain 60 % of the deviation of the "
+        "Too small to be named, entrained air would explain 60 % of the deviation of the "
         "quantities that it changes."
     )
-    assert (words in lead) is is_hint and ("A hint" in lead) is is_hint
+    assert (words in text) is is_hint and ("Too small to be" in text) is is_hint
 
 
 def test_deviations_barely_above_their_limits_and_their_common_place_are_in_the_verdict(compared):

@@ -39,6 +39,7 @@ from hbench.report.diagnosis.words.candidate import (
     best_candidate,
     closeness,
     is_hint,
+    too_small_hint,
 )
 from hbench.report.diagnosis.words.change import (
     READINGS,
@@ -254,6 +255,7 @@ def _only_in_size(diagnosis: Diagnosis, effect: EffectInPractice) -> list[Change
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
+    yield _INSPECT, too_small_hint(diagnosis)
     yield _INSPECT, starting_reason(diagnosis)
     for sentence in further_inspections(diagnosis):
         yield _INSPECT, sentence

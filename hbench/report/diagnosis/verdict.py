@@ -16,7 +16,6 @@ from hbench.report.diagnosis.words.agreement import (
     largest_deviation_words,
     total_words,
 )
-from hbench.report.diagnosis.words.candidate import too_small_hint
 from hbench.report.diagnosis.words.change import (
     alternatives,
     friction_words,
@@ -291,4 +290,3 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         if diagnosis.next_experiment
         else narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
     )
-    yield too_small_hint(diagnosis)

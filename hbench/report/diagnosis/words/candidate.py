@@ -137,6 +137,6 @@ def too_small_hint(diagnosis: Diagnosis) -> str:
         return ""
     best = diagnosis.ranking[0]
     return (
-        f"A hint: {in_words(best.name)}, too small to be named, would explain "
-        f"{share(best.explained)} of the deviation of the quantities that it changes."
+        f"Too small to be named, {in_words(best.name)} would explain {share(best.explained)} of "
+        "the deviation of the quantities that it changes."
     )

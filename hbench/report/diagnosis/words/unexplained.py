@@ -22,6 +22,7 @@ from hbench.report.render.numbers import p_equation, significant
 from hbench.sentences import capital, listed
 
 _FAR = 2.0  # times its limit: a deviation that is clearly above it
+_REST = "while at rest"  # a place where no speed is varied
 _MOST = 3  # quantities with their sizes; the table has all
 
 
@@ -175,6 +176,8 @@ def narrowing_words(diagnosis: Diagnosis, name: str) -> str:
     set_by_run = [place for place in places if place.axis != "time in the run"]
     if diagnosis.missing and not set_by_run:
         return f"To narrow the cause, measure {diagnosis.missing[0]}."
+    if set_by_run and set_by_run[0].words == _REST:
+        return "To narrow the cause, measure longer holds at rest, at several loads and pressures."
     where = "".join(f" {place.words}" for place in set_by_run[:1])
     varied = "speed and acceleration" if diagnosis.errors else "speed, load and pressure"
     kind = "runs" if diagnosis.errors else "steady runs"
