@@ -250,6 +250,13 @@ def test_the_flow_of_a_cavitating_chamber_is_left_out_and_the_diagnosis_says_so(
     assert log_remarks(sessions(runs)) == ()
 
 
+def test_a_supply_pressure_that_is_a_constant_of_the_map_is_remarked(runs):
+    stated = [replace(run, p_s_pa=np.full(len(run.t_s), 140e5)) for run in runs]
+    (remark,) = log_remarks(sessions(stated))
+    assert "supply pressure is a constant" in remark and "measure P_S" in remark
+    assert log_remarks(sessions([replace(run, p_s_pa=None) for run in runs])) == ()
+
+
 def test_smoothed_logs_oscillate_where_the_logs_do(runs):
     (session,) = sessions(runs)
     marked = with_oscillating(session, np.arange(session.counts.sum()) % 2 == 0)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hbench.analysis.rounding import is_constant
 from hbench.errors import DataError
 from hbench.reconcile.measured.session import CAVITATES_PA, RECORD_S, Session, averaged
 from hbench.reconcile.measured.weak import sampling
@@ -28,6 +29,10 @@ _CAVITATES = (
 _HAS_GAPS = (
     "Samples are missing for more than three records ({runs}). The balances leave these moments "
     "out."
+)
+_CONSTANT_SUPPLY = (
+    "The supply pressure is a constant. If it falls with the flow, the flows deviate as if the "
+    "valves were at fault: measure P_S before inspecting them."
 )
 
 
@@ -60,8 +65,14 @@ def incomplete_reason(run: Run) -> str:
 
 
 def log_remarks(logs: Sequence[Session]) -> tuple[str, ...]:
-    """Return remarks on runs of which the balances leave moments out."""
-    return (*_gaps(logs), *_oscillations(logs), *_cavitations(logs))
+    """Return remarks on what the balances leave out, and on a supply that is not measured."""
+    return (*_gaps(logs), *_oscillations(logs), *_cavitations(logs), *_constant_supply(logs))
+
+
+def _constant_supply(logs: Sequence[Session]) -> tuple[str, ...]:
+    """Return a remark on a supply pressure that is a known constant, as in an import map."""
+    known = [log.measured["p_s_pa"].all() and is_constant(log.channels["p_s_pa"]) for log in logs]
+    return (_CONSTANT_SUPPLY,) if known and all(known) else ()
 
 
 def _gaps(logs: Sequence[Session]) -> tuple[str, ...]:
