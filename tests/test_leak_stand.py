@@ -1,6 +1,8 @@
 """Holds of a leakage stand that logs trapped oil: its leaks against those that made the logs."""
 
 import math
+import re
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -8,8 +10,11 @@ from scipy.integrate import cumulative_trapezoid, solve_ivp
 
 from hbench.analysis.conformity.acceptance import conformity_checks
 from hbench.config.conformity.limits import parse_limits
+from hbench.records import HeadlineSeries
 from hbench.report.campaign.method import method_section
+from hbench.report.campaign.page import report_document
 from hbench.report.campaign.page_tables import cause_table
+from hbench.report.headline import headline_tiles
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
 from tests.support.commands import hbench
@@ -99,6 +104,40 @@ def test_a_limit_in_litres_per_minute_is_decided_by_imported_holds(tmp_path):
     requirements = [each.requirement for each in parse_limits({"limits": limits}, "").limits]
     checks = conformity_checks(results, requirements, "guard_band", None)
     assert [check.decision for check in checks] == ["PASS", "FAIL"]
+
+
+def test_a_page_of_holds_begins_with_the_largest_leak(tmp_path):
+    """5 ml/min at 100 bar are 6 ml/min at the highest difference, 121 bar."""
+    results = campaign(tmp_path, more=CHAMBERS + CREEPS, locked=False)
+    document = report_document(results, ())
+    assert re.match(
+        r"The largest leakage is 6\.\d\d ± 0\.\d\d ml/min, across the piston at 121 bar\. ",
+        document.verdict,
+    )
+    assert "Leakage of a cylinder" in document.subtitle
+    titles = [section.title for section in document.sections]
+    assert "Friction" not in titles
+    tile = document.sections[0].tiles[0]
+    assert tile.unit == "ml/min" and float(tile.value.split()[0]) == pytest.approx(6.05, abs=0.05)
+    tight = replace(results.motions, leakages=(_tight(results.motions.leakages[0]),))
+    (first, *_) = headline_tiles(replace(results, motions=tight))
+    assert "the interval contains 0" in first.more
+
+
+def test_a_leak_that_is_not_significant_is_no_headline_beside_friction(tmp_path):
+    results = campaign(tmp_path)
+    no_numbers = dict.fromkeys(field.name for field in fields(HeadlineSeries))
+    series = HeadlineSeries(**no_numbers | {"kind": "steady", "direction": "extend"})
+    beside = replace(results, headline=replace(results.headline, series=(series,)))
+    assert "ml/min" in [tile.unit for tile in headline_tiles(beside)]
+    tight = replace(results.motions, leakages=(_tight(results.motions.leakages[0]),))
+    assert "ml/min" not in [tile.unit for tile in headline_tiles(replace(beside, motions=tight))]
+
+
+def _tight(leakage):
+    """The same holds with leaks whose intervals contain 0."""
+    coefficients = (replace(one, value=0.0) for one in leakage.coefficients)
+    return replace(leakage, coefficients=tuple(coefficients))
 
 
 def test_methods_of_instruments_that_nobody_stated_are_not_listed(tmp_path):

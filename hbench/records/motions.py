@@ -1,6 +1,7 @@
 """Results of runs with changing velocity and of runs at rest. All quantities are SI."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -86,12 +87,12 @@ Leak = Literal["across_piston", "piston_side_out", "rod_side_out"]
 # Assumed errors (95 %) in the interval of a leak.
 TEMPERATURE_RATE_K_S = 0.2 / 60  # change of the oil temperature during a hold
 OIL_EXPANSION_1_K = 7e-4  # thermal expansion of mineral oil
-BULK_MODULUS_ERROR = 0.1  # of the bench file's effective bulk modulus
+BULK_MODULUS_ERROR = 0.1  # of the stated effective bulk modulus
 
 
 @dataclass(frozen=True)
 class LeakCoefficient:
-    """One leak [m^3/(s Pa)], conditional on the volumes of the bench file."""
+    """One leak [m^3/(s Pa)], conditional on the stated volumes."""
 
     name: Leak
     value: float | None  # None: the runs don't determine it
@@ -141,6 +142,14 @@ class Leakage:
             }[leak]
             for decay in self.decays
         )
+
+    def at_highest_pressure(
+        self,
+    ) -> Iterator[tuple[LeakCoefficient, float, tuple[float, float] | None]]:
+        """Yield each leak with the highest pressure [Pa] of its holds and ``flow_m3_s`` there."""
+        for leak in self.coefficients:
+            pressure_pa = self.highest_pa(leak.name)
+            yield leak, pressure_pa, self.flow_m3_s(leak, pressure_pa)
 
 
 @dataclass(frozen=True)

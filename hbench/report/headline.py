@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Sequence
 from statistics import median_low
 
 from hbench.records import DIRECTION_WORDS, Direction, HeadlineNumber, HeadlineSeries, Results
+from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.campaign.quality.verdict import quality_count
 from hbench.report.campaign.reasons import aborted_words
 from hbench.report.drift import possible_words
@@ -38,8 +39,10 @@ def headline_words(results: Results) -> str:
     the other quantities.
     """
     series = results.headline.series
-    if not _has_headline(results):
+    if not _is_reliable(results):
         return ""
+    if not series:
+        return _leakage_words(results)
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
     speed = f" at {speed_words(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
     quantities = (
@@ -70,9 +73,12 @@ def _after_rest(series: Iterable[HeadlineSeries]) -> str:
     return "" if rest is None else f" after {short(rest)} s at rest"
 
 
+def _is_reliable(results: Results) -> bool:
+    return results.quality.grade != "poor" and not aborted_words(results)
+
+
 def _has_headline(results: Results) -> bool:
-    poor = results.quality.grade == "poor"
-    return bool(results.headline.series) and not (poor or aborted_words(results))
+    return bool(results.headline.series) and _is_reliable(results)
 
 
 def possible_drift_words(results: Results) -> str:
@@ -114,6 +120,7 @@ def _quantity_tiles(results: Results) -> Iterable[Tile]:
         where = _of_series(numbers, series) if len(series) > 1 else ""
         yield from _tile(numbers, scale, unit, caption, anchor, where)
     yield from _band_tiles(results)
+    yield from _leakage_tile(results)
 
 
 def _weak_extrapolation(results: Results) -> str:
@@ -181,6 +188,42 @@ def _band_tiles(results: Results) -> Iterable[Tile]:
         most = f"; 95 % interval ±{significant(widest, 2)} N/bar at most" if len(slopes) > 1 else ""
         caption = f"slope of the half band over pressure{most}"
         yield Tile(value, "N/bar", caption, "method-lines-over-pressure")
+
+
+def _leakage_tile(results: Results) -> Iterable[Tile]:
+    """Yield the largest leak; beside friction one whose interval does not contain 0."""
+    largest = _largest_leak(results)
+    if largest and not (largest[2] and results.headline.series):
+        flow, where, remark = largest
+        caption = ", ".join(filter(None, (f"largest leakage, {where}", remark)))
+        yield Tile(flow, "ml/min", caption, "method-leakage")
+
+
+def _leakage_words(results: Results) -> str:
+    if not (largest := _largest_leak(results)):
+        return ""
+    flow, where, remark = largest
+    return f"The largest leakage is {flow} ml/min, {where}{remark and f' ({remark})'}."
+
+
+def _largest_leak(results: Results) -> tuple[str, str, str] | None:
+    """Return the largest leak at the highest pressure of its holds in ml/min, where, and a remark.
+
+    None without a leak that the holds determine.
+    """
+    known = [
+        (flow, f"{LEAKS[leak.name]} at {number(from_si(pressure_pa, 'bar'), 0)} bar", leakage.label)
+        for leakage in results.motions.leakages
+        for leak, pressure_pa, flow in leakage.at_highest_pressure()
+        if flow is not None
+    ]
+    if not known:
+        return None
+    (value, half), where, label = max(known)
+    if len({each for _, _, each in known}) > 1:
+        where = f"{label}, {where}"
+    text = with_interval(from_si(value, "ml/min"), from_si(half, "ml/min"))
+    return text, where, "" if value > half else "the interval contains 0"
 
 
 def _tile(

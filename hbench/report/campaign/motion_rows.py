@@ -130,9 +130,7 @@ def _of_levels(levels: tuple[Level, ...]) -> Iterator[str]:
 
 def _of_leakage(leakage: Leakage) -> Iterator[str]:
     holds = f"leakage ({len(leakage.decays)} holds)"
-    for coefficient in leakage.coefficients:
-        highest = leakage.highest_pa(coefficient.name)
-        flow = leakage.flow_m3_s(coefficient, highest)
+    for coefficient, highest, flow in leakage.at_highest_pressure():
         where = f"{holds} {LEAKS[coefficient.name]}"
         if flow is None:
             known = coefficient.value is not None

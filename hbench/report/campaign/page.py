@@ -84,7 +84,8 @@ def report_document(
     folder = folder if folder != provenance.name else ""
     imported = "imported " if provenance.source == "imported" else ""
     day = imported + provenance.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
-    subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
+    subject = "Leakage" if _is_of_leakage(results) else "Friction and efficiency"
+    subtitle = (folder, f"{subject} of a cylinder", bench, day)
     rejected = rejected_sections(results, drawn("rejected"))
     first = results.quality.grade == "poor" and has_rejected(results)
     curves, others = _leading(drawn("friction"), first or decision is not None)
@@ -150,6 +151,8 @@ def _leading(
 
 def _friction(results: Results, drawings: tuple[Drawing, ...], led: bool) -> Iterable[Section]:
     """Yield the section of friction; nothing where the summary has ``led`` with all of it."""
+    if _is_of_leakage(results):
+        return
     if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
         others = any(run.accepted for run in results.runs)
         steady = any(KINDS[run.run.plan.kind].has_constant_speed for run in results.runs)
@@ -182,6 +185,12 @@ def _friction(results: Results, drawings: tuple[Drawing, ...], led: bool) -> Ite
     if tables or drawings or not led:
         text = () if drawings or led else (few,)
         yield Section("Friction", text, drawings=drawings, tables=tables, facts=facts)
+
+
+def _is_of_leakage(results: Results) -> bool:
+    """Return whether all runs are holds, which have leakage and no friction."""
+    kinds = {KINDS[run.run.plan.kind].analysis for run in results.runs}
+    return kinds == {"leakage"} and bool(results.motions.leakages)
 
 
 def _decided(results: Results, decision: Section) -> Section:

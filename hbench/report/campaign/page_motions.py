@@ -97,9 +97,7 @@ def leak_table(results: Results) -> Table:
     """Return the leaks at the highest pressure of their holds, and below them their conditions."""
     rows = []
     for leakage in results.motions.leakages:
-        for coefficient in leakage.coefficients:
-            highest = leakage.highest_pa(coefficient.name)
-            flow = leakage.flow_m3_s(coefficient, highest)
+        for coefficient, highest, flow in leakage.at_highest_pressure():
             if coefficient.value is None:
                 cell = Cell(NONE, "not determined")
             elif flow is None:
@@ -172,8 +170,7 @@ def _decimals(value: float) -> int:
 def _half_widths(results: Results) -> Iterable[float]:
     """Yield U [m^3/s] of each leak at the highest pressure of its holds."""
     for leakage in results.motions.leakages:
-        for coefficient in leakage.coefficients:
-            flow = leakage.flow_m3_s(coefficient, leakage.highest_pa(coefficient.name))
+        for _, _, flow in leakage.at_highest_pressure():
             if flow is not None:
                 yield flow[1]
 
