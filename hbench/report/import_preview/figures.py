@@ -184,7 +184,7 @@ def _legend(figure: Figure, file: PreviewedFile, log: PreviewedLog) -> None:
     """Explain the shades that occur."""
     handles = []
     if log.rest_s is not None:
-        handles.append(Patch(color=_REST, alpha=0.3, label="rest before the motion"))
+        handles.append(Patch(color=_REST, alpha=0.3, label="rest"))
     if any(run.screened.accepted for run in file.runs):
         handles.append(Patch(color=_ACCEPTED, alpha=0.3, label="averaged (accepted)"))
     if any(not run.screened.accepted for run in file.runs):

@@ -150,7 +150,8 @@ def _sampling(file: PreviewedFile) -> str:
         text += ", without gaps"
     if file.log is not None and file.log.rest_s is not None:
         start, stop = file.log.rest_s
-        text += f"; at rest for {number(stop - start, 2)} s before the motion"
+        moves = stop - start < file.duration_s - 1.5 / file.rate_hz
+        text += f"; at rest for {number(stop - start, 2)} s{moves * ' before the motion'}"
     return f"{text}."
 
 

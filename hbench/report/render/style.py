@@ -50,6 +50,7 @@ RC: Any = {
     "axes.labelsize": 11,
     "axes.grid": True,
     "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,  # of a position that hardly changes
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": "#374151",
