@@ -66,7 +66,7 @@ def campaign(schedule: str, folder: Path) -> Iterator[Row]:
     yield Row(f"run, {runs} runs", again, "the bench itself", bench_s, 0.03)
     analyze = [*HBENCH, "analyze", made]
     plain = python(PLAIN / "plain_analysis.py", made)
-    yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 0.6)
+    yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 0.6, 3)
     report = [*HBENCH, "report", made]
     call(report)
     plain = python(PLAIN / "plain_figures.py", made, folder)
