@@ -2,8 +2,8 @@
 
 ``pytest -s -m slow tests/benchmarks/test_speed_budget.py`` prints the table; without ``-m slow`` it
 is that of the small campaign alone. A command is a fresh process; its compiled code and bytecode
-are on disk, as after its first use. Wall time, the best of some rounds in which both sides take
-turns.
+are on disk, as after its first use. Wall time, the median of some rounds in which both sides take
+turns: a shared machine changes its speed from second to second.
 """
 
 import json
@@ -15,6 +15,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 
 import pytest
 
@@ -70,7 +71,7 @@ def campaign(schedule: str, folder: Path) -> Iterator[Row]:
     report = [*HBENCH, "report", made]
     call(report)
     plain = python(PLAIN / "plain_figures.py", made, folder)
-    yield Row(f"report, {runs} runs", report, "as many figures, plainly", plain, 2.0)
+    yield Row(f"report, {runs} runs", report, "as many figures, plainly", plain, 2.0, 3)
 
 
 def reconciled(schedule: str, folder: Path) -> Iterator[Row]:
@@ -97,13 +98,12 @@ def measured(rows: Iterator[Row]) -> dict[str, float]:
     print(f"\n{'task':24}{'hbench':>8}   {'beside':28}{'':>8}{'ratio':>8}{'limit':>7}")
     seconds, slow = {}, []
     for row in rows:
-        other = row.other if isinstance(row.other, float) else float("inf")
-        ours = float("inf")
-        for _ in range(row.rounds):
-            ours = min(ours, timed(row.ours))
-            if not isinstance(row.other, float):
-                other = min(other, timed(row.other))
-        ratio = ours / other
+        rounds = [
+            (timed(row.ours), row.other if isinstance(row.other, float) else timed(row.other))
+            for _ in range(row.rounds)
+        ]
+        ours, other = (median(each) for each in zip(*rounds, strict=True))
+        ratio = median(a / b for a, b in rounds)
         line = f"{row.task:24}{ours:7.2f} s   {row.beside:28}{other:7.2f} s{ratio:8.3g}{row.most:7}"
         print(line, flush=True)
         seconds[row.task] = min(ours, seconds.get(row.task, ours))
