@@ -134,9 +134,19 @@ def test_a_leak_that_is_not_significant_is_no_headline_beside_friction(tmp_path)
     assert "ml/min" not in [tile.unit for tile in headline_tiles(replace(beside, motions=tight))]
 
 
-def _tight(leakage):
-    """The same holds with leaks whose intervals contain 0."""
-    coefficients = (replace(one, value=0.0) for one in leakage.coefficients)
+def test_a_leak_that_flows_backwards_is_not_said_to_contain_0(tmp_path):
+    """As by a transducer that drifts."""
+    results = campaign(tmp_path)
+    (leakage,) = results.motions.leakages
+    back = replace(results.motions, leakages=(_tight(leakage, value=-1e-12, half=1e-13),))
+    (first, *_) = headline_tiles(replace(results, motions=back))
+    assert first.value.startswith("−") and "contains 0" not in first.more
+
+
+def _tight(leakage, value=0.0, half=1e-13):
+    """The same holds with other leaks [m^3/(s Pa)]; by default with intervals that contain 0."""
+    ci95 = value - half, value + half
+    coefficients = (replace(one, value=value, ci95=ci95) for one in leakage.coefficients)
     return replace(leakage, coefficients=tuple(coefficients))
 
 

@@ -223,7 +223,7 @@ def _largest_leak(results: Results) -> tuple[str, str, str] | None:
     if len({each for _, _, each in known}) > 1:
         where = f"{label}, {where}"
     text = with_interval(from_si(value, "ml/min"), from_si(half, "ml/min"))
-    return text, where, "" if value > half else "the interval contains 0"
+    return text, where, "" if abs(value) > half else "the interval contains 0"
 
 
 def _tile(
