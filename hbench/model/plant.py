@@ -23,6 +23,7 @@ from hbench.model.effects.applied import (
     friction_effects,
     oil,
     openings,
+    valve_leakage,
 )
 from hbench.model.effects.couplings import ChamberFlows, Openings
 from hbench.model.friction.laws import friction, hold_slipped
@@ -125,7 +126,8 @@ def valve_flows(
     drawn += q_lp if u_l2 > 0.0 else 0.0
     drawn += q_lr if u_l1 > 0.0 else 0.0
     returned = drawn - (q_tp + q_tr + q_lp + q_lr)
-    return ChamberFlows(q_tp, q_tr, q_lp, q_lr, drawn, returned, 1.0)
+    q = ChamberFlows(q_tp, q_tr, q_lp, q_lr, drawn, returned, 1.0)
+    return valve_leakage(q, opened, state, p_tank, par, par.effects)
 
 
 @inlined

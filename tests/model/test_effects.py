@@ -13,7 +13,7 @@ from hbench.model.effects.applied import compose
 from hbench.model.effects.catalogue import EFFECTS, Effect, changed_by, with_effects
 from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
 from hbench.model.effects.flows import uneven_ports, with_air
-from hbench.model.effects.openings import overlapped, valve_hysteresis, valve_trim
+from hbench.model.effects.openings import valve_hysteresis, valve_trim
 from hbench.model.noise import new_noise
 from hbench.model.plant import (
     P_LP,
@@ -577,14 +577,3 @@ def test_a_function_and_a_row_make_a_new_effect(par, start):
     assert after.beta_tr == pytest.approx(
         1 / (1 / with_air(BETA, start[P_TR], 0.01) + 1e-9), rel=1e-12
     )
-
-
-def test_an_underlap_opens_further_and_has_twice_the_slope_in_the_middle():
-    """Far from the middle the opening is larger by the underlap; the law is odd and has no jump."""
-    assert overlapped(1e-6, -0.03, 0.0) == pytest.approx(2e-6, rel=1e-3)
-    assert overlapped(5.0, -0.03, 0.0) == pytest.approx(5.03, abs=3e-4)
-    assert overlapped(-5.0, -0.03, 0.0) == -overlapped(5.0, -0.03, 0.0)
-    assert overlapped(0.0, -0.03, 0.0) == 0.0
-    for u in (0.5, 5.0):  # both sides of zero overlap have the same slope by the width
-        wider, narrower = (overlapped(u, width, 0.0) for width in (1e-6, -1e-6))
-        assert u - wider == pytest.approx(narrower - u, rel=1e-4)

@@ -8,6 +8,7 @@ import numpy as np
 from hbench.model.compiled import inlined
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
+from hbench.model.effects.flows import through_underlap
 from hbench.model.effects.learned import (
     learned_flows,
     learned_friction,
@@ -65,6 +66,7 @@ def _composed(before: Callable, law: Callable, number: int, at: int) -> Callable
 
 
 SUPPLY_DROOP = list(EFFECTS).index("supply_droop")
+VALVE_DEADBAND = list(EFFECTS).index("valve_deadband")
 
 _openings, _oil, _flows, _friction = (compose(place, EFFECTS) for place in MOVING)
 
@@ -113,6 +115,21 @@ def position_reading(state: np.ndarray, par: PlantParameters, effects: Any) -> f
     if effects is None:
         return state[X]
     return reading_of(state[X], par.learned)
+
+
+@inlined
+def valve_leakage(
+    q: ChamberFlows,
+    opened: Openings,
+    state: np.ndarray,
+    p_tank: float,
+    par: PlantParameters,
+    effects: Any,
+) -> ChamberFlows:
+    """Return the valves' flows with those of the edges that spools with underlap leave open."""
+    if effects is None:
+        return q
+    return through_underlap(q, opened, effects[VALVE_DEADBAND], state, p_tank, par)
 
 
 @inlined

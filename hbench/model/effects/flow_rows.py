@@ -109,7 +109,8 @@ ROWS = {
         source="Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), play operator",
     ),
     "valve_deadband": Effect(
-        description="a valve opens only beyond a voltage; where it is negative, the edges underlap",
+        description="a valve opens only beyond a voltage; where it is negative, the edges underlap "
+        "and leak",
         coefficients={
             "test": Coefficient("V", 0.05, -0.5, 5),
             "load": Coefficient("V", 0.05, -0.5, 5),
@@ -118,8 +119,10 @@ ROWS = {
         balances=FLOWS,
         laws={"openings": openings.valve_deadband},
         law="opening = sign(u) max(|u| - w, 0), w = test or load; softness rounds the edge; "
-        "where w is negative, u + |w| u / (|u| + |w|)",
-        signals="Commands at low speed rise by the same voltage in both directions, or fall.",
+        "where w is negative, both edges of a port are open, to the supply by a and to the tank by "
+        "b: a - b = u + |w| u / (|u| + |w|), a b = w^2",
+        signals="Commands at low speed rise by the same voltage in both directions, or fall. With "
+        "underlap, closed valves bring the chambers towards half the supply pressure.",
         confused_with={
             "valve_asymmetry": Separation(
                 "steady", "slow and fast strokes: an overlap is a voltage, an asymmetry a share"
@@ -127,8 +130,14 @@ ROWS = {
             "pressure_offset": Separation(
                 "check", "the transducers' zeros with the supply off are free of the valves"
             ),
+            "internal_leakage": Separation(
+                "hold",
+                "at several pressures: a piston's leak ends at equal pressures, an "
+                "underlapped spool's at half the supply pressure",
+            ),
         },
-        inspect="the spool's overlap, and the deadband compensation of the valve's amplifier",
+        inspect="the spool's overlap or its leakage at null against the data sheet, and the "
+        "deadband compensation of the valve's amplifier",
         repair="Enter the compensation voltage, or replace a spool with worn edges.",
         source="Merritt (1967), section 5.5",
     ),

@@ -8,10 +8,11 @@ from math import copysign, exp
 import numpy as np
 
 from hbench.model.compiled import inlined
-from hbench.model.effects.couplings import ChamberFlows, Coefficients, OilProperties
+from hbench.model.effects.couplings import ChamberFlows, Coefficients, OilProperties, Openings
 from hbench.model.effects.shapes import power_law
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
+from hbench.model.valves import signed_root
 
 FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
 PRESSURE_PA = 50e5
@@ -59,6 +60,58 @@ def port_flow_behind_hose(
     q *= (drop / PRESSURE_PA) ** n
     lost = 0.5 * hose * abs(q) / drop
     return q * ((1.0 + lost * lost) ** 0.5 - lost)
+
+
+@inlined
+def through_underlap(
+    q: ChamberFlows,
+    opened: Openings,
+    c: Coefficients,
+    state: np.ndarray,
+    p_tank: float,
+    par: PlantParameters,
+) -> ChamberFlows:
+    """Flows of the edges that should be closed: null leakage of valves whose spools underlap.
+
+    At a port with the opening u both edges are open, to the supply and to the tank, by a and b with
+    a - b = u and a b = w^2 (``openings.overlapped``). ``q`` has the flow of u; what is left is as
+    if both were open by the smaller, b: k b (root(P_s - P) - root(P - P_t)). It brings a port with
+    closed valve towards (P_s + P_t) / 2. c: see ``openings.valve_deadband``.
+
+    Merritt 1967, sections 5.3 and 5.4 (open centre, and leakage of the critical centre).
+    """
+    test, load, _ = c
+    if test >= 0.0 and load >= 0.0:
+        return q
+    p_s, gain = state[P_S], par.valve.flow_gain
+    of_test = gain * closing_edge(opened.test, test)
+    in_tp, out_tp = _across(of_test, state[P_TP], p_s, p_tank)
+    in_tr, out_tr = _across(of_test, state[P_TR], p_s, p_tank)
+    in_lp, out_lp = _across(gain * closing_edge(opened.load_2, load), state[P_LP], p_s, p_tank)
+    in_lr, out_lr = _across(gain * closing_edge(opened.load_1, load), state[P_LR], p_s, p_tank)
+    return ChamberFlows(
+        q.tp + in_tp - out_tp,
+        q.tr + in_tr - out_tr,
+        q.lp + in_lp - out_lp,
+        q.lr + in_lr - out_lr,
+        q.drawn + in_tp + in_tr + in_lp + in_lr,
+        q.returned + out_tp + out_tr + out_lp + out_lr,
+        q.fluidity,
+    )
+
+
+@inlined
+def closing_edge(u: float, width: float) -> float:
+    """Opening [V] of the smaller edge at the difference ``u`` of both; 0 where none underlaps."""
+    if width >= 0.0:
+        return 0.0
+    return 2.0 * width * width / (abs(u) + (u * u + 4.0 * width * width) ** 0.5)
+
+
+@inlined
+def _across(k: float, p: float, p_supply: float, p_tank: float) -> tuple[float, float]:
+    """Flows [m^3/s] from the supply into a port and from it into the tank, k both edges' gain."""
+    return k * signed_root(p_supply - p), k * signed_root(p - p_tank)
 
 
 @inlined
