@@ -16,8 +16,10 @@ from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, stepped
 from hbench.reconcile.learned.columns import hats, knots_of, table_columns
 from hbench.reconcile.learned.table import Table, empty_table, is_mode, mode_of
 from hbench.reconcile.linearised import Columns
+from hbench.reconcile.measured.along import ALL_PARTS, states_move
 from hbench.reconcile.measured.balances import (
     BALANCES,
+    FLOWS,
     FORCES,
     BalanceModel,
     balance_model,
@@ -38,6 +40,7 @@ from hbench.reconcile.measured.disturbances import (
     is_ripple,
     ripple_name,
 )
+from hbench.reconcile.measured.integration import Parts
 from hbench.reconcile.measured.session import PRESSURES, Session
 from hbench.reconcile.nuisance import drift_deviations, nuisances, standard_deviation, tolerances
 from hbench.records.diagnosis import LEVEL_SCATTER
@@ -219,11 +222,17 @@ class MeasuredCampaign:
             modes |= self._ripple_columns(coarse)
         for i in dict.fromkeys(mode_of(name)[0] for name in wanted if is_mode(name)):
             modes |= table_columns(hypothesis.tables[i], i, self.smoothed_sessions, coarse)
+        stepped_to = {name: self._stepped(hypothesis, name) for name in differences}
+        divisions = {(each.step_s, each.parts) for each, _ in stepped_to.values()}
         before = {
-            each.step_s: self._values(self.smoothed_sessions, each)
-            for each in (coarse, *([model] if _LAGS.intersection(wanted) else []))
+            (step_s, parts): self._values(
+                self.smoothed_sessions, replace(model, step_s=step_s, parts=parts)
+            )
+            for step_s, parts in divisions
         }
-        columns = map_on_threads(lambda name: self._column(hypothesis, name, before), differences)
+        columns = map_on_threads(
+            lambda name: self._column(name, *stepped_to[name], before), differences
+        )
         found = dict(zip(differences, columns, strict=True)) | modes
         return {name: found[name] for name in wanted}
 
@@ -245,20 +254,45 @@ class MeasuredCampaign:
                 columns[ripple_name(cylinder, i)] = column
         return columns
 
-    def _column(
-        self, hypothesis: Hypothesis, name: str, before: Mapping[float, np.ndarray]
-    ) -> np.ndarray:
-        """Return a column; ``before`` are the residuals at the hypothesis, by step."""
+    def _stepped(self, hypothesis: Hypothesis, name: str) -> tuple[BalanceModel, float]:
+        """Return the model with one parameter changed, and the change in its units.
+
+        It evaluates the laws that depend on the parameter alone, unless effects may connect them.
+        """
         size = _STEP if name.startswith("/") else _SHARE
         at_step, share = stepped(hypothesis, name, nuisances(self.plant), size)
         model = self.balance_model(at_step)
+        if not states_move(model.par):
+            model = replace(model, parts=model.parts.both(parts_of(name)))
         if name not in _LAGS:
             model = replace(model, step_s=_COLUMN_STEP_S)
-        change = (before[model.step_s] - self._values(self.smoothed_sessions, model)) / share
+        return model, share
+
+    def _column(
+        self,
+        name: str,
+        model: BalanceModel,
+        share: float,
+        before: Mapping[tuple[float, Parts], np.ndarray],
+    ) -> np.ndarray:
+        """Return a column; ``before`` are the residuals at the hypothesis, by step and parts."""
+        after = self._values(self.smoothed_sessions, model)
+        change = (before[model.step_s, model.parts] - after) / share
         if name.startswith("/") or is_disturbance(name):
             return change
         touched = np.isin(BALANCES, EFFECTS[name.partition(".")[0]].balances)
         return np.where(touched, change, 0.0)
+
+
+def parts_of(name: str) -> Parts:
+    """Return the laws that the parameter of a column changes, if no effect connects them."""
+    if is_disturbance(name):
+        return ALL_PARTS
+    if name.startswith("/"):
+        flows = not name.startswith(("/friction.", "/moving_mass."))
+        return Parts(flows, name.startswith("/friction."))
+    balances = EFFECTS[name.partition(".")[0]].balances
+    return Parts(not {*FLOWS, "supply"}.isdisjoint(balances), not set(FORCES).isdisjoint(balances))
 
 
 def dry_friction(logs: Sequence[Session], model: BalanceModel) -> np.ndarray:

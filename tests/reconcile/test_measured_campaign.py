@@ -7,8 +7,10 @@ import pytest
 
 from hbench.config.bench import parse_plant
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile import measured_campaign
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients
 from hbench.reconcile.linearised import hypothesis_at, linearise
+from hbench.reconcile.measured.along import ALL_PARTS
 from hbench.reconcile.measured.balances import BALANCES, FORCES, balance_model, balance_values
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
@@ -82,6 +84,15 @@ def test_a_column_is_what_a_step_takes_off_the_residuals(campaign, name):
         change = before[:, i] - after[:, i]
         wrong = np.linalg.norm(change - taken[:, i])
         assert wrong <= 0.1 * np.linalg.norm(change) + 1e-6 * np.linalg.norm(taken), balance
+
+
+def test_a_column_by_the_laws_that_it_changes_is_the_one_by_all_laws(campaign, monkeypatch):
+    """Parameters of flows leave friction alone, and the other way round; a lag needs its states."""
+    names = [*campaign.nuisance_columns, *COLUMNS]
+    own = campaign.columns(campaign.start, names)
+    monkeypatch.setattr(measured_campaign, "parts_of", lambda name: ALL_PARTS)
+    for name, column in campaign.columns(campaign.start, names).items():
+        assert own[name] == pytest.approx(column, rel=1e-9, abs=1e-12, nan_ok=True), name
 
 
 def test_the_hidden_effects_column_fits_the_residuals_of_the_plant_that_has_it(campaign):

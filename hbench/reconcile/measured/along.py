@@ -6,6 +6,7 @@ was, whoever controlled it. A record is divided into steps of at most 1 ms, in w
 are parabolas with the record's mean, so that means of products such as u sqrt(dP) are correct.
 """
 
+from collections.abc import Sequence
 from functools import cache
 from math import ceil
 from typing import NamedTuple
@@ -13,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.model.cylinders import extending_volumes, retracting_volumes
+from hbench.model.effects.catalogue import EFFECTS, Effect
 from hbench.model.parameters import PlantParameters, ValveParameters
 from hbench.model.plant import n_states
 from hbench.model.states import X, bristles_end
@@ -24,6 +26,7 @@ from hbench.reconcile.measured.integration import (
     MEANS,
     PER_VOLUME,
     Logs,
+    Parts,
     Starts,
     Step,
     integrate_logs,
@@ -31,6 +34,7 @@ from hbench.reconcile.measured.integration import (
 )
 
 STEP_S = 1e-3  # at most
+ALL_PARTS = Parts()
 
 
 class AlongLog(NamedTuple):
@@ -43,6 +47,22 @@ class AlongLog(NamedTuple):
     supply_pa: np.ndarray  # (n,) supply pressure of a source without pump
     friction_test: np.ndarray  # (n,) N
     friction_load: np.ndarray  # (n,) N
+
+
+def acts(row: Effect, coefficients: Sequence[float]) -> bool:
+    """Return whether an effect's coefficients switch it on."""
+    own = zip(row.coefficients.values(), coefficients, strict=True)
+    return any(value != key.to_si(key.default) for key, value in own if key.typical)
+
+
+def states_move(par: PlantParameters) -> bool:
+    """Return whether states of effects may change: one with states acts, or the supply sags."""
+    coefficients = dict(zip(EFFECTS, par.effects or (), strict=False))
+    return len(par.learned) > 0 or any(
+        acts(EFFECTS[name], own)
+        for name, own in coefficients.items()
+        if EFFECTS[name].states or name == "supply_droop"
+    )
 
 
 def single_start(records: int, par: PlantParameters) -> Starts:
@@ -59,18 +79,20 @@ def along(
     starts: Starts,
     levels: np.ndarray,
     step_s: float = STEP_S,
+    parts: Parts = ALL_PARTS,
 ) -> AlongLog:
     """Return the means along logs of n records in all, on all cores.
 
     ``signals`` (10, n) are x, v, four chamber pressures, supply pressure and three commands in SI;
-    ``levels`` (2, n), or (2, 1), are those of dry friction. Spools start at rest at their first
+    ``levels`` (2, n), or (2, 1), are those of dry friction; ``parts`` are the laws that are wanted,
+    which is for callers that know that no effect connects them. Spools start at rest at their first
     command, bristles with the measured friction less what the effects add to it.
     """
     steps = max(1, ceil(dt_s / step_s - 1e-9))
     h = dt_s / steps
     out = np.zeros((MEANS, signals.shape[1]))
     logs = Logs(signals, np.ascontiguousarray(np.broadcast_to(levels, (2, signals.shape[1]))))
-    step = Step(h, steps, _spool_step(par.valve, h))
+    step = Step(h, steps, _spool_step(par.valve, h), states_move(par), parts)
 
     def integrate(part: Starts) -> None:
         integrate_logs(logs, step, par, part, new_work(par), out)

@@ -20,7 +20,7 @@ The flow balance of a pump (see ``model/supply.py``) is divided by its regulatio
 Q_max / band.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -31,7 +31,6 @@ from hbench.config.sensors import Sensors
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import (
     EFFECTS,
-    Effect,
     changed_by,
     read_effects,
     with_all_effects,
@@ -48,9 +47,9 @@ from hbench.model.sensors import (
     sensor_parameters,
 )
 from hbench.model.states import P_TP, P_TR
-from hbench.reconcile.measured.along import STEP_S, AlongLog, along
+from hbench.reconcile.measured.along import ALL_PARTS, STEP_S, AlongLog, acts, along
 from hbench.reconcile.measured.disturbances import ALL_COMMANDS, POSITION, Ripples
-from hbench.reconcile.measured.integration import Starts
+from hbench.reconcile.measured.integration import Parts, Starts
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, VELOCITY, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
 from hbench.records import Run, RunPlan
@@ -102,6 +101,7 @@ class BalanceModel:
     levels: tuple[float, float] = (1.0, 1.0)  # of dry friction, test and load cylinder
     ripples: Ripples | None = None  # of dry friction, along the stroke
     step_s: float = STEP_S  # of the laws' states
+    parts: Parts = ALL_PARTS  # laws that are evaluated
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,8 @@ def laws_along(
     at_start, levels = starts(session, signals, model, forces), np.array(model.levels)[:, None]
     if model.ripples:
         levels = levels * model.ripples.along(signals[0])
-    return along(signals, session.window.dt_s, model.par, at_start, levels, model.step_s)
+    dt_s = session.window.dt_s
+    return along(signals, dt_s, model.par, at_start, levels, model.step_s, model.parts)
 
 
 def starts(
@@ -274,15 +275,9 @@ def starts(
         ]
     )
     share = _share_of_static(friction[:, 0], signals[:, session.edges[:-1]], model.par)
-    acts = [_acts(*each) for each in zip(EFFECTS.values(), model.par.effects or (), strict=True)]
-    builds_up = _BUILDS_UP & np.repeat(acts, _STATES)
+    on = [acts(*each) for each in zip(EFFECTS.values(), model.par.effects or (), strict=True)]
+    builds_up = _BUILDS_UP & np.repeat(on, _STATES)
     return Starts(session.edges, friction, share[:, None] * _DEFLECTS, builds_up)
-
-
-def _acts(row: Effect, coefficients: Sequence[float]) -> bool:
-    """Return whether an effect's coefficients switch it on."""
-    own = zip(row.coefficients.values(), coefficients, strict=True)
-    return any(value != key.to_si(key.default) for key, value in own if key.typical)
 
 
 def _at_start(records: np.ndarray) -> float:

@@ -57,12 +57,25 @@ class Logs(NamedTuple):
     levels: np.ndarray  # (2, n) of dry friction
 
 
+class Parts(NamedTuple):
+    """Laws to evaluate; the means of the others are 0."""
+
+    flows: bool = True
+    friction: bool = True
+
+    def both(self, other: "Parts") -> "Parts":
+        """Return the laws that are in both."""
+        return Parts(self.flows and other.flows, self.friction and other.friction)
+
+
 class Step(NamedTuple):
-    """Division of a record."""
+    """Division of a record, and what is evaluated in it."""
 
     h_s: float
     per_record: int
     spool: np.ndarray  # (2, 2) transition of a spool over a step
+    moves: bool  # states of effects; without an effect that acts they keep their values
+    parts: Parts
 
 
 class Work(NamedTuple):
@@ -89,6 +102,11 @@ def new_work(par: PlantParameters) -> Work:
     return Work(state, rates, slopes, others, spools, curves, z_t, z_l, bristles_t, bristles_l)
 
 
+_NO_FLOWS = ChamberFlows(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+_NO_OIL = OilProperties(0.0, np.inf, np.inf, np.inf, np.inf)
+_CLOSED = Openings(0.0, 0.0, 0.0)
+
+
 class _Laws(NamedTuple):
     """What the laws say at one moment."""
 
@@ -103,6 +121,7 @@ def _laws(
     supply: float,
     state: np.ndarray,
     par: PlantParameters,
+    parts: Parts,
     level_t: float,
     level_l: float,
     rates: np.ndarray,
@@ -111,13 +130,17 @@ def _laws(
 
     Valves have the measured supply pressure in ``state``, the source its own, ``supply``.
     """
-    measured, rates[P_S] = state[P_S], 0.0
-    fluid = oil(state, par, par.effects, rates)
-    q = valve_flows(state, opened, fluid.tank_pa, par)
-    friction = friction_effects(level_t, level_l, state, par, par.effects, rates)
-    state[P_S] = supply
-    q = flow_effects(q, state, par, par.effects, rates)
-    state[P_S] = measured
+    rates[P_S] = 0.0
+    fluid, q, friction = _NO_OIL, _NO_FLOWS, (level_t, level_l, 0.0, 0.0)
+    if parts.friction:
+        friction = friction_effects(level_t, level_l, state, par, par.effects, rates)
+    if parts.flows:
+        measured = state[P_S]
+        fluid = oil(state, par, par.effects, rates)
+        q = valve_flows(state, opened, fluid.tank_pa, par)
+        state[P_S] = supply
+        q = flow_effects(q, state, par, par.effects, rates)
+        state[P_S] = measured
     return _Laws(q, fluid, friction)
 
 
@@ -164,7 +187,7 @@ def _integrate(
 ) -> None:
     """Write the means over the records from ``start`` to ``stop``, one log."""
     signals, state, rates, slopes = logs.signals, work.state, work.rates, work.slopes
-    first, h = bristles_end(par), step.h_s
+    first, h, parts, opened = bristles_end(par), step.h_s, step.parts, _CLOSED
     supply, share = par.supply.pressure_pa, 1.0 / step.per_record
     c_tp, c_tr, c_lp, c_lr = 0.0, 0.0, 0.0, 0.0
     o_tp, o_tr, o_lp, o_lr = (
@@ -178,41 +201,47 @@ def _integrate(
             work.curves[j, 0], work.curves[j, 1], work.curves[j, 2] = a, b, c
         for i in range(step.per_record):
             _move_to((i + 0.5) * share, step, par, work)
-            opened = openings(state, par, par.effects, rates)
-            q, fluid, friction = _laws(opened, supply, state, par, level_t, level_l, rates)
-            if i == 0:
-                moving = _find_slopes(opened, supply, par, level_t, level_l, work)
+            if parts.flows:
+                opened = openings(state, par, par.effects, rates)
+            q, fluid, friction = _laws(opened, supply, state, par, parts, level_t, level_l, rates)
+            if i == 0 and step.moves:
+                moving = _find_slopes(opened, supply, par, parts, level_t, level_l, work)
             mean = supply
             if moving:  # the laws have the means of the states, as of the signals
                 mean += _mean_change(rates[P_S], slopes[P_S], h)
                 for j in range(first, len(state)):
                     state[j] += _mean_change(rates[j], slopes[j], h)
-                opened = openings(state, par, par.effects, work.others)
-                q, fluid, friction = _laws(opened, mean, state, par, level_t, level_l, work.others)
+                if parts.flows:
+                    opened = openings(state, par, par.effects, work.others)
+                q, fluid, friction = _laws(
+                    opened, mean, state, par, parts, level_t, level_l, work.others
+                )
             v, p_tp, p_tr, p_lp, p_lr = state[V], state[P_TP], state[P_TR], state[P_LP], state[P_LR]
-            of_t, of_l, more_t, more_l = friction
-            f_t, f_l = more_t, more_l
-            f_t += exact_step(v, work.z_t, p_tp, p_tr, of_t, h, par.test.friction, work.bristles_t)
-            f_l += exact_step(v, work.z_l, p_lp, p_lr, of_l, h, par.load.friction, work.bristles_l)
-            c_tp += (p_tp - o_tp) / fluid.beta_tp
-            c_tr += (p_tr - o_tr) / fluid.beta_tr
-            c_lp += (p_lp - o_lp) / fluid.beta_lp
-            c_lr += (p_lr - o_lr) / fluid.beta_lr
-            o_tp, o_tr, o_lp, o_lr = p_tp, p_tr, p_lp, p_lr
-            v_tp, v_tr = extending_volumes(state[X], par.test)
-            v_lp, v_lr = retracting_volumes(state[X], par.load)
-            out[PER_VOLUME, k] += share * q.tp / v_tp
-            out[PER_VOLUME + 1, k] += share * q.tr / v_tr
-            out[PER_VOLUME + 2, k] += share * q.lp / v_lp
-            out[PER_VOLUME + 3, k] += share * q.lr / v_lr
-            out[COMPRESSION, k] += share * c_tp
-            out[COMPRESSION + 1, k] += share * c_tr
-            out[COMPRESSION + 2, k] += share * c_lp
-            out[COMPRESSION + 3, k] += share * c_lr
-            out[DRAWN, k] += share * q.drawn
             out[SUPPLY_MEAN, k] += share * mean
-            out[FRICTION_T, k] += share * f_t
-            out[FRICTION_L, k] += share * f_l
+            if parts.friction:
+                of_t, of_l, f_t, f_l = friction
+                law_t, law_l = par.test.friction, par.load.friction
+                f_t += exact_step(v, work.z_t, p_tp, p_tr, of_t, h, law_t, work.bristles_t)
+                f_l += exact_step(v, work.z_l, p_lp, p_lr, of_l, h, law_l, work.bristles_l)
+                out[FRICTION_T, k] += share * f_t
+                out[FRICTION_L, k] += share * f_l
+            if parts.flows:
+                c_tp += (p_tp - o_tp) / fluid.beta_tp
+                c_tr += (p_tr - o_tr) / fluid.beta_tr
+                c_lp += (p_lp - o_lp) / fluid.beta_lp
+                c_lr += (p_lr - o_lr) / fluid.beta_lr
+                o_tp, o_tr, o_lp, o_lr = p_tp, p_tr, p_lp, p_lr
+                v_tp, v_tr = extending_volumes(state[X], par.test)
+                v_lp, v_lr = retracting_volumes(state[X], par.load)
+                out[PER_VOLUME, k] += share * q.tp / v_tp
+                out[PER_VOLUME + 1, k] += share * q.tr / v_tr
+                out[PER_VOLUME + 2, k] += share * q.lp / v_lp
+                out[PER_VOLUME + 3, k] += share * q.lr / v_lr
+                out[COMPRESSION, k] += share * c_tp
+                out[COMPRESSION + 1, k] += share * c_tr
+                out[COMPRESSION + 2, k] += share * c_lp
+                out[COMPRESSION + 3, k] += share * c_lr
+                out[DRAWN, k] += share * q.drawn
             if moving:
                 supply = mean + _change_from_mean(rates[P_S], slopes[P_S], h)
                 for j in range(first, len(state)):
@@ -239,6 +268,7 @@ def _find_slopes(
     opened: Openings,
     supply: float,
     par: "PlantParameters",
+    parts: Parts,
     level_t: float,
     level_l: float,
     work: Work,
@@ -251,8 +281,9 @@ def _find_slopes(
         slopes[j] = _NUDGE * max(1.0, abs(state[j]))
         state[j] += slopes[j]
     step = _NUDGE * supply
-    openings(state, par, par.effects, others)  # their rates; the laws keep ``opened``
-    _laws(opened, supply + step, state, par, level_t, level_l, others)
+    if parts.flows:
+        openings(state, par, par.effects, others)  # their rates; the laws keep ``opened``
+    _laws(opened, supply + step, state, par, parts, level_t, level_l, others)
     for j in own:
         state[j] -= slopes[j]
         slopes[j] = (others[j] - rates[j]) / slopes[j]

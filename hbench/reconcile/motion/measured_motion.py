@@ -27,6 +27,7 @@ from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel, sensor_maps
+from hbench.reconcile.measured.integration import Parts
 from hbench.reconcile.measured.session import Session, sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign, dry_friction
 from hbench.reconcile.motion.force_unit import in_unit, unit_of
@@ -87,7 +88,8 @@ class MeasuredMotion(MeasuredCampaign):
         mass = CylinderParameters(_AREA_M2, _AREA_M2, high - low, 1.0, 1.0, -low, friction)
         par = with_all_effects(lone_cylinder(mass, float(plant.moving_mass.test)), effects, ())
         sensors = sensor_maps(ideal_sensors(), ideal_sensors(), effects)
-        return self._disturbed(BalanceModel(par, sensors, None, {}), hypothesis)
+        alone = Parts(flows=False)
+        return self._disturbed(BalanceModel(par, sensors, None, {}, parts=alone), hypothesis)
 
     def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
         """Return the residuals of all runs. Their scatter is noise and the runs' own friction.
