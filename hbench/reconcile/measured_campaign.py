@@ -16,7 +16,7 @@ from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, stepped
 from hbench.reconcile.learned.columns import hats, knots_of, table_columns
 from hbench.reconcile.learned.table import Table, empty_table, is_mode, mode_of
 from hbench.reconcile.linearised import Columns
-from hbench.reconcile.measured.along import ALL_PARTS, states_move
+from hbench.reconcile.measured.along import ALL_PARTS, connected
 from hbench.reconcile.measured.balances import (
     BALANCES,
     FLOWS,
@@ -257,16 +257,14 @@ class MeasuredCampaign:
     def _stepped(self, hypothesis: Hypothesis, name: str) -> tuple[BalanceModel, float]:
         """Return the model with one parameter changed, and the change in its units.
 
-        It evaluates the laws that depend on the parameter alone, unless effects may connect them.
+        It has the laws alone that depend on the parameter, unless a state connects them.
         """
         size = _STEP if name.startswith("/") else _SHARE
         at_step, share = stepped(hypothesis, name, nuisances(self.plant), size)
         model = self.balance_model(at_step)
-        if not states_move(model.par):
-            model = replace(model, parts=model.parts.both(parts_of(name)))
-        if name not in _LAGS:
-            model = replace(model, step_s=_COLUMN_STEP_S)
-        return model, share
+        step_s = model.step_s if name in _LAGS else _COLUMN_STEP_S
+        parts = ALL_PARTS if connected(model.par) else parts_of(name)
+        return replace(model, step_s=step_s, parts=model.parts.both(parts)), share
 
     def _column(
         self,
@@ -285,7 +283,7 @@ class MeasuredCampaign:
 
 
 def parts_of(name: str) -> Parts:
-    """Return the laws that the parameter of a column changes, if no effect connects them."""
+    """Return the laws that the parameter of a column changes."""
     if is_disturbance(name):
         return ALL_PARTS
     if name.startswith("/"):

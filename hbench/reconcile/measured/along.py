@@ -55,14 +55,31 @@ def acts(row: Effect, coefficients: Sequence[float]) -> bool:
     return any(value != key.to_si(key.default) for key, value in own if key.typical)
 
 
-def states_move(par: PlantParameters) -> bool:
-    """Return whether states of effects may change: one with states acts, or the supply sags."""
-    coefficients = dict(zip(EFFECTS, par.effects or (), strict=False))
-    return len(par.learned) > 0 or any(
-        acts(EFFECTS[name], own)
-        for name, own in coefficients.items()
-        if EFFECTS[name].states or name == "supply_droop"
-    )
+def connected(par: PlantParameters) -> bool:
+    """Return whether a state of an effect that acts, such as warm oil, is in flows and friction."""
+    return any("friction" in laws and laws - {"friction"} for laws in _laws_with_states(par))
+
+
+def states_act(par: PlantParameters, parts: Parts) -> bool:
+    """Return whether states of effects that act change these parts."""
+    laws = set().union(*_laws_with_states(par))
+    return bool((parts.friction and "friction" in laws) or (parts.flows and laws - {"friction"}))
+
+
+def supply_sags(par: PlantParameters, parts: Parts) -> bool:
+    """Return whether the flow drawn changes the supply pressure of a source without pump."""
+    return parts.flows and ("supply_droop" in _acting(par) or len(par.learned) > 0)
+
+
+def _acting(par: PlantParameters) -> list[str]:
+    """Return the effects that act."""
+    coefficients = zip(EFFECTS, par.effects or (), strict=False)
+    return [name for name, own in coefficients if acts(EFFECTS[name], own)]
+
+
+def _laws_with_states(par: PlantParameters) -> list[set[str]]:
+    """Return the places where each effect that acts and has states changes the plant."""
+    return [set(EFFECTS[name].laws) for name in _acting(par) if EFFECTS[name].states]
 
 
 def single_start(records: int, par: PlantParameters) -> Starts:
@@ -84,15 +101,16 @@ def along(
     """Return the means along logs of n records in all, on all cores.
 
     ``signals`` (10, n) are x, v, four chamber pressures, supply pressure and three commands in SI;
-    ``levels`` (2, n), or (2, 1), are those of dry friction; ``parts`` are the laws that are wanted,
-    which is for callers that know that no effect connects them. Spools start at rest at their first
+    ``levels`` (2, n), or (2, 1), are those of dry friction. Means of laws that are no ``parts`` are
+    0. Spools start at rest at their first
     command, bristles with the measured friction less what the effects add to it.
     """
     steps = max(1, ceil(dt_s / step_s - 1e-9))
     h = dt_s / steps
     out = np.zeros((MEANS, signals.shape[1]))
     logs = Logs(signals, np.ascontiguousarray(np.broadcast_to(levels, (2, signals.shape[1]))))
-    step = Step(h, steps, _spool_step(par.valve, h), states_move(par), parts)
+    spool = _spool_step(par.valve, h)
+    step = Step(h, steps, spool, states_act(par, parts), supply_sags(par, parts), parts)
 
     def integrate(part: Starts) -> None:
         integrate_logs(logs, step, par, part, new_work(par), out)

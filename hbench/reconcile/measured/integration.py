@@ -58,7 +58,7 @@ class Logs(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """Laws to evaluate; the means of the others are 0."""
+    """Laws to evaluate: of flows with the supply, and of friction."""
 
     flows: bool = True
     friction: bool = True
@@ -74,7 +74,8 @@ class Step(NamedTuple):
     h_s: float
     per_record: int
     spool: np.ndarray  # (2, 2) transition of a spool over a step
-    moves: bool  # states of effects; without an effect that acts they keep their values
+    states_act: bool  # those of effects; else they keep their values
+    supply_sags: bool  # of a source, which changes no flow: the valves have the measured pressure
     parts: Parts
 
 
@@ -188,13 +189,13 @@ def _integrate(
     """Write the means over the records from ``start`` to ``stop``, one log."""
     signals, state, rates, slopes = logs.signals, work.state, work.rates, work.slopes
     first, h, parts, opened = bristles_end(par), step.h_s, step.parts, _CLOSED
-    supply, share = par.supply.pressure_pa, 1.0 / step.per_record
+    supply, share, moving = par.supply.pressure_pa, 1.0 / step.per_record, False
     c_tp, c_tr, c_lp, c_lr = 0.0, 0.0, 0.0, 0.0
     o_tp, o_tr, o_lp, o_lr = (
         signals[P_TP, start], signals[P_TR, start], signals[P_LP, start], signals[P_LR, start]
     )  # fmt: skip
     for k in range(start, stop):
-        level_t, level_l, moving = logs.levels[0, k], logs.levels[1, k], False
+        level_t, level_l = logs.levels[0, k], logs.levels[1, k]
         before, after = max(k - 1, start), min(k + 1, stop - 1)
         for j in range(SIGNALS):
             a, b, c = parabola(signals[j, before], signals[j, k], signals[j, after])
@@ -204,11 +205,12 @@ def _integrate(
             if parts.flows:
                 opened = openings(state, par, par.effects, rates)
             q, fluid, friction = _laws(opened, supply, state, par, parts, level_t, level_l, rates)
-            if i == 0 and step.moves:
+            if i == 0 and (step.states_act or (step.supply_sags and k == start)):
                 moving = _find_slopes(opened, supply, par, parts, level_t, level_l, work)
             mean = supply
-            if moving:  # the laws have the means of the states, as of the signals
+            if moving:
                 mean += _mean_change(rates[P_S], slopes[P_S], h)
+            if moving and step.states_act:  # the laws have their means, as of the signals
                 for j in range(first, len(state)):
                     state[j] += _mean_change(rates[j], slopes[j], h)
                 if parts.flows:
@@ -244,6 +246,7 @@ def _integrate(
                 out[DRAWN, k] += share * q.drawn
             if moving:
                 supply = mean + _change_from_mean(rates[P_S], slopes[P_S], h)
+            if moving and step.states_act:
                 for j in range(first, len(state)):
                     state[j] += _change_from_mean(rates[j], slopes[j], h)
 
