@@ -23,9 +23,9 @@ from hbench.model.effects.applied import (
     friction_effects,
     oil,
     openings,
-    valve_leakage,
+    port_effects,
 )
-from hbench.model.effects.couplings import ChamberFlows, Openings
+from hbench.model.effects.couplings import ChamberFlows, Openings, PortFlows
 from hbench.model.friction.laws import friction, hold_slipped
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import (  # noqa: F401  all indices of the state, for its readers
@@ -112,9 +112,16 @@ def forces(
 
 @inlined
 def valve_flows(
-    state: np.ndarray, opened: Openings, p_tank: float, par: PlantParameters
+    state: np.ndarray,
+    opened: Openings,
+    p_tank: float,
+    par: PlantParameters,
+    rates: np.ndarray,
 ) -> ChamberFlows:
-    """Return the flows of the valves into the chambers, from the supply and into the tank."""
+    """Return the flows of the valves into the chambers, from the supply and into the tank.
+
+    States that effects have there write their rates into ``rates``.
+    """
     p_s, valve = state[P_S], par.valve
     u_t, u_l1, u_l2 = opened
     q_tp = port_flow(u_t, state[P_TP], p_s, p_tank, valve)
@@ -127,7 +134,7 @@ def valve_flows(
     drawn += q_lr if u_l1 > 0.0 else 0.0
     returned = drawn - (q_tp + q_tr + q_lp + q_lr)
     q = ChamberFlows(q_tp, q_tr, q_lp, q_lr, drawn, returned, 1.0)
-    return valve_leakage(q, opened, state, p_tank, par, par.effects)
+    return port_effects(PortFlows(q, opened, p_tank), state, par, par.effects, rates)
 
 
 @inlined
@@ -135,7 +142,7 @@ def drawn_flow(state: np.ndarray, par: PlantParameters, rates: np.ndarray) -> fl
     """Return the flow [m^3/s] from the supply line into the chambers; ``rates`` is scratch."""
     opened = openings(state, par, par.effects, rates)
     tank = oil(state, par, par.effects, rates).tank_pa
-    return valve_flows(state, opened, tank, par).drawn
+    return valve_flows(state, opened, tank, par, rates).drawn
 
 
 @inlined
@@ -168,7 +175,7 @@ def _derivatives(
     v_lp, v_lr = retracting_volumes(x, load)
     opened = openings(state, par, par.effects, out)
     fluid = oil(state, par, par.effects, out)
-    q = valve_flows(state, opened, fluid.tank_pa, par)
+    q = valve_flows(state, opened, fluid.tank_pa, par, out)
     out[P_S], out[PUMP_COMMAND], out[PUMP_FLOW] = pump_rates(
         state[P_S], state[PUMP_COMMAND], state[PUMP_FLOW], q.drawn, par.supply
     )

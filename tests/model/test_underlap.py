@@ -53,7 +53,7 @@ def test_flows_are_those_of_a_bridge_of_two_orifices_at_each_port(underlapped, s
     spools = (u, -u, -0.5 * u, 0.3 * u)  # at the ports Tp, Tr, Lp, Lr
     opened = Openings(*(overlapped(spools[i], -WIDTH_V, 0.0) for i in (0, 3, 2)))
     ports = [bridge(x, p) for x, p in zip(spools, start[P_TP : P_LR + 1], strict=True)]
-    q = valve_flows(start, opened, p_t, underlapped)
+    q = valve_flows(start, opened, p_t, underlapped, np.zeros(n_states(underlapped)))
     assert q[:4] == pytest.approx([drawn - returned for drawn, returned in ports], rel=1e-6)
     assert q.drawn == pytest.approx(sum(drawn for drawn, _ in ports), rel=1e-6)
     assert q.returned == pytest.approx(sum(returned for _, returned in ports), rel=1e-6)

@@ -7,8 +7,13 @@ import numpy as np
 
 from hbench.model.compiled import inlined
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
-from hbench.model.effects.flows import through_underlap
+from hbench.model.effects.couplings import (
+    ChamberFlows,
+    FrictionTerms,
+    OilProperties,
+    Openings,
+    PortFlows,
+)
 from hbench.model.effects.learned import (
     learned_flows,
     learned_friction,
@@ -66,9 +71,8 @@ def _composed(before: Callable, law: Callable, number: int, at: int) -> Callable
 
 
 SUPPLY_DROOP = list(EFFECTS).index("supply_droop")
-VALVE_DEADBAND = list(EFFECTS).index("valve_deadband")
 
-_openings, _oil, _flows, _friction = (compose(place, EFFECTS) for place in MOVING)
+_openings, _oil, _ports, _flows, _friction = (compose(place, EFFECTS) for place in MOVING)
 
 
 @inlined
@@ -118,18 +122,13 @@ def position_reading(state: np.ndarray, par: PlantParameters, effects: Any) -> f
 
 
 @inlined
-def valve_leakage(
-    q: ChamberFlows,
-    opened: Openings,
-    state: np.ndarray,
-    p_tank: float,
-    par: PlantParameters,
-    effects: Any,
+def port_effects(
+    flows: PortFlows, state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray
 ) -> ChamberFlows:
-    """Return the valves' flows with those of the edges that spools with underlap leave open."""
+    """Return the flows of the valves' ports, changed by the effects."""
     if effects is None:
-        return q
-    return through_underlap(q, opened, effects[VALVE_DEADBAND], state, p_tank, par)
+        return flows.q
+    return _ports(flows, bristles_end(par), state, rates, par).q
 
 
 @inlined

@@ -11,11 +11,11 @@ it acts:
 the effect's coefficients in SI, in the row's order. Its own states begin at ``state[at]``; it
 always writes their rates to the same indices of ``rates``. With all coefficients at their defaults
 it must return ``terms`` unchanged to the bit. Places: ``openings`` of the valves, ``oil``,
-``flows`` into the chambers, ``friction``. Laws of these places are compiled; functions that they
-call need the decorator ``inlined`` (``hbench.model.compiled``). An effect with two laws has the
-same states in both. Two more places take parameters and return others, ``law(parameters, c)``:
-``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/measured/balances.py``
-use the plant without effects.
+``ports`` of the valves, ``flows`` into the chambers, ``friction``. Laws of these places are
+compiled; functions that they call need the decorator ``inlined`` (``hbench.model.compiled``). An
+effect with two laws has the same states in both. Two more places take parameters and return others,
+``law(parameters, c)``: ``sensors`` and ``board`` (its controllers). Linearisation and
+``reconcile/measured/balances.py`` use the plant without effects.
 
 To add an effect without changing hbench, write one function and one row in a file and name that
 file in the environment variable ``HBENCH_EFFECTS`` (``rows.py``). Simulation and reconcile then

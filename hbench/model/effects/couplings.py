@@ -35,6 +35,14 @@ class ChamberFlows(NamedTuple):
     fluidity: float  # of the oil against that of the bench file: cold viscosity over viscosity
 
 
+class PortFlows(NamedTuple):
+    """Flows of the valves, before leaks and lines; their openings, the tank pressure [Pa] there."""
+
+    q: ChamberFlows
+    opened: Openings
+    tank_pa: float
+
+
 class FrictionTerms(NamedTuple):
     """Friction of the test and the load cylinder [N]."""
 

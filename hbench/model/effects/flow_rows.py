@@ -24,7 +24,7 @@ ROWS = {
             "hose": Coefficient("bar min/l", 0.02, -1, 10),
         },
         balances=FLOWS,
-        laws={"openings": openings.valve_trim, "flows": flows.uneven_ports},
+        laws={"openings": openings.valve_trim, "ports": flows.uneven_ports},
         law="opening = u (1 + gain + curvature |u|) + null, the slope lower by small within 2 V; "
         "Q grows with dP^(1/2 + exponent), and by 1 +- ports +- inlets at the test valve: + at the "
         "port to the piston side, + at inlets; hose Q is lost of each drop dP",
@@ -117,7 +117,7 @@ ROWS = {
             "softness": Coefficient("1", 0, 0, 5),
         },
         balances=FLOWS,
-        laws={"openings": openings.valve_deadband},
+        laws={"openings": openings.valve_deadband, "ports": flows.through_underlap},
         law="opening = sign(u) max(|u| - w, 0), w = test or load; softness rounds the edge; "
         "where w is negative, both edges of a port are open, to the supply by a and to the tank by "
         "b: a - b = u + |w| u / (|u| + |w|), a b = w^2",

@@ -8,7 +8,7 @@ from math import copysign, exp
 import numpy as np
 
 from hbench.model.compiled import inlined
-from hbench.model.effects.couplings import ChamberFlows, Coefficients, OilProperties, Openings
+from hbench.model.effects.couplings import ChamberFlows, Coefficients, OilProperties, PortFlows
 from hbench.model.effects.shapes import power_law
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
@@ -21,9 +21,9 @@ ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
 
 
 def uneven_ports(
-    q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    flows: PortFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> ChamberFlows:  # fmt: skip
+) -> PortFlows:  # fmt: skip
     """Ports are no sharp orifices, not equal, and behind hoses. c: see ``openings.valve_trim``; the
     last four are used here.
 
@@ -34,8 +34,9 @@ def uneven_ports(
     """
     n, ports, inlets, hose = c[8], c[9], c[10], c[11]
     if n == 0.0 and ports == 0.0 and inlets == 0.0 and hose == 0.0:
-        return q
-    p_s, p_t = state[P_S], par.supply.tank_pa
+        return flows
+    q, opened, p_t = flows
+    p_s = state[P_S]
     of_tp = 1.0 + ports + (inlets if q.tp > 0.0 else -inlets)
     of_tr = 1.0 - ports + (inlets if q.tr > 0.0 else -inlets)
     tp = port_flow_behind_hose(q.tp * of_tp, state[P_TP], p_s, p_t, n, hose)
@@ -45,7 +46,9 @@ def uneven_ports(
     more = max(tp, 0.0) + max(tr, 0.0) + max(lp, 0.0) + max(lr, 0.0)
     more -= max(q.tp, 0.0) + max(q.tr, 0.0) + max(q.lp, 0.0) + max(q.lr, 0.0)
     total = (tp + tr + lp + lr) - (q.tp + q.tr + q.lp + q.lr)
-    return ChamberFlows(tp, tr, lp, lr, q.drawn + more, q.returned + more - total, q.fluidity)
+    drawn, returned = q.drawn + more, q.returned + more - total
+    q = ChamberFlows(tp, tr, lp, lr, drawn, returned, q.fluidity)
+    return PortFlows(q, opened, p_t)
 
 
 @inlined
@@ -62,19 +65,14 @@ def port_flow_behind_hose(
     return q * ((1.0 + lost * lost) ** 0.5 - lost)
 
 
-@inlined
 def through_underlap(
-    q: ChamberFlows,
-    opened: Openings,
-    c: Coefficients,
-    state: np.ndarray,
-    p_tank: float,
+    flows: PortFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> ChamberFlows:
+) -> PortFlows:  # fmt: skip
     """Flows of the edges that should be closed: null leakage of valves whose spools underlap.
 
     At a port with the opening u both edges are open, to the supply and to the tank, by a and b with
-    a - b = u and a b = w^2 (``openings.overlapped``). ``q`` has the flow of u; what is left is as
+    a - b = u and a b = w^2 (``openings.overlapped``). ``flows`` are those of u; what is left is as
     if both were open by the smaller, b: k b (root(P_s - P) - root(P - P_t)). It brings a port with
     closed valve towards (P_s + P_t) / 2. c: see ``openings.valve_deadband``.
 
@@ -82,14 +80,15 @@ def through_underlap(
     """
     test, load, _ = c
     if test >= 0.0 and load >= 0.0:
-        return q
+        return flows
+    q, opened, p_t = flows
     p_s, gain = state[P_S], par.valve.flow_gain
     of_test = gain * closing_edge(opened.test, test)
-    in_tp, out_tp = _across(of_test, state[P_TP], p_s, p_tank)
-    in_tr, out_tr = _across(of_test, state[P_TR], p_s, p_tank)
-    in_lp, out_lp = _across(gain * closing_edge(opened.load_2, load), state[P_LP], p_s, p_tank)
-    in_lr, out_lr = _across(gain * closing_edge(opened.load_1, load), state[P_LR], p_s, p_tank)
-    return ChamberFlows(
+    in_tp, out_tp = _across(of_test, state[P_TP], p_s, p_t)
+    in_tr, out_tr = _across(of_test, state[P_TR], p_s, p_t)
+    in_lp, out_lp = _across(gain * closing_edge(opened.load_2, load), state[P_LP], p_s, p_t)
+    in_lr, out_lr = _across(gain * closing_edge(opened.load_1, load), state[P_LR], p_s, p_t)
+    q = ChamberFlows(
         q.tp + in_tp - out_tp,
         q.tr + in_tr - out_tr,
         q.lp + in_lp - out_lp,
@@ -98,6 +97,7 @@ def through_underlap(
         q.returned + out_tp + out_tr + out_lp + out_lr,
         q.fluidity,
     )
+    return PortFlows(q, opened, p_t)
 
 
 @inlined

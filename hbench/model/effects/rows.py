@@ -19,13 +19,20 @@ import numpy as np
 from hbench.config.effects import Coefficient
 from hbench.errors import ConfigError
 from hbench.model.compiled import OWN_EFFECTS
-from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
+from hbench.model.effects.couplings import (
+    ChamberFlows,
+    FrictionTerms,
+    OilProperties,
+    Openings,
+    PortFlows,
+)
 from hbench.model.parameters import PlantParameters
 from hbench.units import parse_unit
 
 FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")  # balances
 FORCES = ("force_test", "force_load")
-MOVING = ("openings", "oil", "flows", "friction")  # places in the equations of motion
+# Places in the equations of motion.
+MOVING = ("openings", "oil", "ports", "flows", "friction")
 _ARGUMENTS = {  # of a law, by its place
     **dict.fromkeys(MOVING, ("terms", "c", "state", "at", "rates", "par")),
     **dict.fromkeys(("sensors", "board"), ("parameters", "c")),
@@ -33,10 +40,12 @@ _ARGUMENTS = {  # of a law, by its place
 _STATES = 64  # more than a plant with all effects has
 _FIRST = 20  # index of an effect's first state in a check, after the plant's own
 # Terms of a check: no number is zero, so that a lost one shows.
+_OPENED, _FLOWS = Openings(1.0, -2.0, 3.0), ChamberFlows(1e-4, -6e-5, 5e-5, -8e-5, 2e-4, 1e-4, 1.0)
 _TERMS: dict[str, Any] = {
-    "openings": Openings(1.0, -2.0, 3.0),
+    "openings": _OPENED,
     "oil": OilProperties(2e5, 7e7, 6e7, 5e7, 4e7),
-    "flows": ChamberFlows(1e-4, -6e-5, 5e-5, -8e-5, 2e-4, 1e-4, 1.0),
+    "ports": PortFlows(_FLOWS, _OPENED, 1e5),
+    "flows": _FLOWS,
     "friction": FrictionTerms(100.0, 200.0, 1.0, 2.0, 3.0, 4.0),
 }
 HINT = "HBENCH_EFFECTS names this file; hbench/model/effects/catalogue.py begins with an example."

@@ -138,7 +138,7 @@ def _laws(
     if parts.flows:
         measured = state[P_S]
         fluid = oil(state, par, par.effects, rates)
-        q = valve_flows(state, opened, fluid.tank_pa, par)
+        q = valve_flows(state, opened, fluid.tank_pa, par, rates)
         state[P_S] = supply
         q = flow_effects(q, state, par, par.effects, rates)
         state[P_S] = measured
