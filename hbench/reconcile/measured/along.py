@@ -68,7 +68,8 @@ def states_act(par: PlantParameters, parts: Parts) -> bool:
 
 def supply_sags(par: PlantParameters, parts: Parts) -> bool:
     """Return whether the flow drawn changes the supply pressure of a source without pump."""
-    return parts.flows and ("supply_droop" in _acting(par) or len(par.learned) > 0)
+    of_supply = any("supply" in EFFECTS[name].balances for name in _acting(par))
+    return parts.flows and (of_supply or len(par.learned) > 0)
 
 
 def _acting(par: PlantParameters) -> list[str]:
