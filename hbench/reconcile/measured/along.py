@@ -68,7 +68,8 @@ def states_act(par: PlantParameters, parts: Parts) -> bool:
 
 def supply_sags(par: PlantParameters, parts: Parts) -> bool:
     """Return whether the flow drawn changes the supply pressure of a source without pump."""
-    of_supply = any("supply" in EFFECTS[name].balances for name in _acting(par))
+    rows = [EFFECTS[name] for name in _acting(par)]
+    of_supply = any("supply" in row.balances and "flows" in row.laws for row in rows)
     return parts.flows and (of_supply or len(par.learned) > 0)
 
 
