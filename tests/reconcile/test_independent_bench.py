@@ -14,7 +14,7 @@ from tests.support.independent.campaign import write_campaign
 
 AT = datetime(2026, 1, 1, tzinfo=UTC)
 DROOP = "supply_droop"
-SHORT = {"speeds_mm_s": (25, 60, 150), "loads_bar": ((30, 40), (50, 40), (50, 65)), "trials": 2}
+SHORT = {"speeds_mm_s": (25, 150), "loads_bar": ((30, 40), (50, 40), (50, 65)), "trials": 2}
 
 
 def diagnosed(folder, effects, seed, **plan):

@@ -17,6 +17,7 @@ from tests.support import ROOT
 from tests.support.reconcile.blind import MODEL, task_of
 
 SAMPLES = ROOT / "data_samples" / "blind"
+COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 FILTER_HZ = 10.0
 FILTER_MS = 1e3 * np.sqrt(2) / (2 * np.pi * FILTER_HZ)  # delay at low frequencies
 
@@ -46,11 +47,15 @@ def diagnosed(campaign, change):
 
 @pytest.fixture(scope="module")
 def without_effect():
-    """A load cell behind a filter, a pressure that is read a record later."""
-    return diagnosed("none-5", lambda run: late(filtered(run, "f_applied_n"), 1, "p_tp_pa"))
+    """A load cell behind a filter, a pressure that is read a record later, commands two later."""
+
+    def logged(run):
+        return late(late(filtered(run, "f_applied_n"), 1, "p_tp_pa"), 2, *COMMANDS)
+
+    return diagnosed("none-5", logged)
 
 
-def test_a_filter_and_a_late_channel_are_no_effect(without_effect):
+def test_a_filter_and_late_channels_are_no_effect(without_effect):
     assert without_effect.verdict == "none"
     for gap in without_effect.where:
         assert gap.deviation < gap.material, gap
@@ -59,23 +64,20 @@ def test_a_filter_and_a_late_channel_are_no_effect(without_effect):
 def test_the_delays_are_those_of_the_filter_and_of_a_record(without_effect):
     delays = without_effect.delays
     print({name: (round(each.value, 2), each.se) for name, each in delays.items()})
-    assert set(delays) == {"f_applied", "p_tp"}
+    assert set(delays) == {"f_applied", "p_tp", "commands"}
     assert delays["f_applied"].value == pytest.approx(FILTER_MS, abs=1.5)
     assert delays["p_tp"].value == pytest.approx(10.0, abs=1.0)
+    assert delays["commands"].value == pytest.approx(20.0, abs=2.0)
 
 
 def test_the_first_paragraph_tells_which_readings_are_late(without_effect):
     words = verdict_words(without_effect)
     assert "Against the position these readings are late: P_Tp by " in words
-    assert " and the load cell by 2" in words and "taken into account" in words
+    assert "the load cell by 2" in words and " and the valves' commands by " in words
+    assert "taken into account" in words
 
 
-def test_late_commands_are_no_effect():
-    found = diagnosed("none-5", lambda run: late(run, 2, "u_t_v", "u_l1_v", "u_l2_v"))
-    assert found.verdict == "none"
-    assert found.delays["commands"].value == pytest.approx(20.0, abs=2.0)
-
-
+@pytest.mark.slow
 def test_a_late_position_is_no_lag_of_the_valves():
     """All sensors are early against it, and so are the valves: they seem to be late."""
     found = diagnosed("none-5", lambda run: late(run, 1, "x_m", "v_m_s"))

@@ -27,6 +27,7 @@ from tests.support.commands import hbench
 DATA = Path(__file__).parents[2].parent / "shared" / "data" / "tudelft-cylinder"
 PROVENANCE = Provenance("axis", "imported", "axis", "", "2026-01-01", "2026-01-01")
 FORCES = ("coulomb", "stiction", "viscous")
+SLOW = pytest.mark.slow  # other seeds, starts and cylinders of the same claim
 
 
 def model(friction=1.0, size=1.0):
@@ -67,7 +68,10 @@ def names_of(found):
     return [effect.name for effect in found.effects]
 
 
-@pytest.mark.parametrize(("seed", "friction"), [(1, 1.0), (2, 1.0), (3, 0.2), (4, 0.5)])
+@pytest.mark.parametrize(
+    ("seed", "friction"),
+    [(1, 1.0), (3, 0.2), *(pytest.param(*row, marks=SLOW) for row in ((2, 1.0), (4, 0.5)))],
+)
 def test_without_an_effect_the_verdict_is_none_and_both_errors_are_reported(seed, friction):
     found = hidden(axis.no_effect, seed, friction)
     assert found.verdict == "none" and not found.effects and not found.alternatives
@@ -89,8 +93,8 @@ def test_without_an_effect_the_verdict_is_none_and_both_errors_are_reported(seed
 @pytest.mark.parametrize(
     ("effect", "name", "friction"),
     [
-        (axis.asymmetry, "direction_asymmetry", 0.2),
         (axis.asymmetry, "direction_asymmetry", 5.0),
+        pytest.param(axis.asymmetry, "direction_asymmetry", 0.2, marks=SLOW),
         (axis.weight, "load_cell_offset", 1.0),
         (axis.tight_place, "position_friction", 1.0),
     ],
@@ -132,7 +136,7 @@ def test_twice_the_mass_in_addition_is_named_with_its_size():
     assert mass == pytest.approx(3 * axis.MASS_KG, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=SLOW) for seed in (2, 3))])
 def test_a_better_force_with_a_motion_that_is_no_better_is_reported(seed):
     """A constant force that differs from run to run decides how far the motion drifts."""
     found = diagnosis(axis.axis_runs(axis.shear, seed=seed, wander_n=4.0))
@@ -177,7 +181,7 @@ def test_each_step_that_improves_one_error_alone_is_in_the_words(force, position
     assert (use in verdict_words(found)) == force_alone
 
 
-@pytest.mark.parametrize("size", [1e-3, 1e3])
+@pytest.mark.parametrize("size", [1e3, pytest.param(1e-3, marks=SLOW)])
 def test_a_bench_of_another_size_has_the_same_verdict_and_forces_in_proportion(size):
     own, other = hidden(axis.tight_place), hidden(axis.tight_place, size=size)
     assert names_of(other) == names_of(own) == ["position_friction"]
@@ -286,7 +290,9 @@ def test_the_command_writes_both_errors_into_text_page_and_document(imported, un
 @pytest.mark.skipif(
     not DATA.is_dir(), reason="the TU Delft measurements are not beside the checkout"
 )
-@pytest.mark.parametrize(("seal", "offset_n_bar"), [("O-ring", 0.36), ("NAPN", 0.51)])
+@pytest.mark.parametrize(
+    ("seal", "offset_n_bar"), [("O-ring", 0.36), pytest.param("NAPN", 0.51, marks=SLOW)]
+)
 def test_the_strokes_of_real_cylinders_are_a_motion_with_drive_force_too(
     tmp_path, seal, offset_n_bar
 ):
