@@ -63,7 +63,7 @@ def test_profile_intervals_of_three_trials_hold_the_truth(campaign):
     assert 0.915 <= found.mean() <= 0.985
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [60, pytest.param(100, marks=pytest.mark.slow)])
 def test_next_to_a_bound_the_profile_holds_the_truth_the_linearised_interval_does_not(
     campaign, count
 ):
