@@ -110,7 +110,7 @@ def test_the_scale_follows_the_scatter_and_the_intervals_contain_the_drift(relat
     assert scales >= binomial_limits(count, 5 / 6)[0]
     least, most = binomial_limits(scales, 0.95)
     assert least <= inside <= most
-    least, most = binomial_limits(count, 0.05)
+    least, most = binomial_limits(count, 0.05, 0.97)
     assert least <= significant <= most if share == 0 else significant > 0.98 * count
 
 

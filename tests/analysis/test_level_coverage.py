@@ -52,9 +52,9 @@ def coverage(trials_curve, v, form, count, seed=77):
 
 @pytest.mark.parametrize("count", [100, pytest.param(300, marks=pytest.mark.slow)])
 def test_with_proportional_scatter_at_even_speeds_static_friction_is_inside(trials_curve, count):
-    """87 % with weights that count as known."""
+    """87 % with weights that count as known. The least of four counts is taken, hence 99 %."""
     inside, _ = coverage(trials_curve, np.linspace(0.005, 0.2, 12), "proportional", count)
-    assert inside.min() >= binomial_limits(count, 0.95)[0] / count
+    assert inside.min() >= binomial_limits(count, 0.95, 0.99)[0] / count
 
 
 @pytest.mark.parametrize("count", [40, pytest.param(150, marks=pytest.mark.slow)])
