@@ -3,6 +3,7 @@
 import copy
 import gc
 import os
+import pickle
 import resource
 import shutil
 import signal
@@ -131,6 +132,23 @@ def undrawn(monkeypatch):
     """
     monkeypatch.setattr("hbench.report.render.figures.as_svg", lambda figure: NO_SVG)
     monkeypatch.setattr("hbench.report.render.figures.as_png", lambda figure: NO_PNG)
+
+
+_FITS: dict[bytes, tuple] = {}  # of a worker, by curve and settings
+
+
+@pytest.fixture
+def fitted_once(monkeypatch):
+    """Fit the same curve once for all tests, where a test looks at something else than the fits."""
+    from hbench.analysis.fitting.fit import fits
+
+    def once(*arguments):
+        key = pickle.dumps(arguments)
+        if key not in _FITS:
+            _FITS[key] = fits(*arguments)
+        return _FITS[key]
+
+    monkeypatch.setattr("hbench.analysis.fitting.joint.fits", once)
 
 
 @pytest.fixture

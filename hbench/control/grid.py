@@ -58,6 +58,14 @@ class GridPoint:
     response: np.ndarray  # (n, 3, 3)
 
 
+@dataclass(frozen=True)
+class Grid:
+    """Conditions that a bench reaches, at all positions."""
+
+    points: tuple[GridPoint, ...]
+    left_out: tuple[str, ...]  # conditions, with the reason
+
+
 def load_of(bench: Bench, share: float, direction: int) -> float:
     """Return a load that opposes ``direction``: a share of A_r (P_s - P_t) [N]."""
     supply = bench.supply
@@ -114,9 +122,10 @@ def operating_point(
     return steady_point(par, x, v, load, p_lr)
 
 
-def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> list[GridPoint]:
-    """Return the conditions at all positions: the points at which margins are computed."""
+def grid(bench: Bench, par: PlantParameters) -> Grid:
+    """Return the points at which margins are computed. They do not depend on the gains."""
     limits, control = bench.limits, bench.controllers
+    reached, left_out = conditions(bench, par)
     points = []
     for condition in reached:
         for share in POSITIONS:
@@ -129,7 +138,7 @@ def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> li
             where += f"load {condition.f_load_n:+.0f} N"
             response = sampled.measurement_response(plant, _OMEGA)
             points.append(GridPoint(where, x, condition, plant, response))
-    return points
+    return Grid(tuple(points), left_out)
 
 
 def _point_checks(design: Design) -> tuple[Check, ...]:

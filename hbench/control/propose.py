@@ -30,9 +30,8 @@ from hbench.config.bench import Bench
 from hbench.control.grid import (
     GAIN_MARGIN_DB,
     PHASE_MARGIN_DEG,
+    Grid,
     GridPoint,
-    conditions,
-    grid,
     margin_checks,
 )
 from hbench.control.linearisation import LinearCoefficients, OperatingPoint, linear_coefficients
@@ -60,20 +59,17 @@ class Proposed:
     left_out: tuple[str, ...]  # of the grid, with the reason
 
 
-def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
-    """Return gains for ``bench``, designed at ``point`` and checked over the grid.
+def propose(bench: Bench, ratio: float, point: OperatingPoint, grid: Grid) -> Proposed:
+    """Return gains for ``bench``, designed at ``point`` and checked over its ``grid``.
 
     ``ratio`` is that of neighbouring bandwidths. Raises ``ConvergenceError`` where even the
     slowest designs of the family do not keep the margins.
     """
-    par = plant_parameters(bench)
-    c = linear_coefficients(par, point)
-    reached, left_out = conditions(bench, par)
-    points = grid(bench, par, reached)
+    c = linear_coefficients(plant_parameters(bench), point)
     best: tuple[int, ...] = ()
     slowest, chosen = 0.0, None
     for order in permutations(range(3)):
-        w = _fastest(points, c, ratio, order, beyond=max(slowest, _SLOWEST) * ratio**2)
+        w = _fastest(grid.points, c, ratio, order, beyond=max(slowest, _SLOWEST) * ratio**2)
         if w > 0.0:
             best, slowest, chosen = order, w / ratio**2, family(c, w, ratio, order)
     if chosen is None:
@@ -88,9 +84,9 @@ def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
         best,
         (slowest * ratio**2, slowest * ratio, slowest),
         (c.feedforward_rod, c.feedforward_piston),
-        margin_checks(points, chosen),
-        len(points),
-        left_out,
+        margin_checks(grid.points, chosen),
+        len(grid.points),
+        grid.left_out,
     )
 
 

@@ -19,7 +19,7 @@ from hbench.analysis.screening.steady_window import at_reference
 from hbench.config.bench import Bench, Plant
 from hbench.config.scaling import replaced, scaled
 from hbench.config.schedule import Screening
-from hbench.control.grid import conditions
+from hbench.control.grid import Grid, conditions
 from hbench.control.linearisation import OperatingPoint
 from hbench.control.loops import LOOPS
 from hbench.control.propose import propose
@@ -37,12 +37,14 @@ _SLOWEST_M_S = 1e-3
 _LIMIT = re.compile(r"limits\.(\w+)")
 
 
-def proposal(bench: Bench, ratio: float, point: OperatingPoint, report: Report) -> Proposal:
+def proposal(
+    bench: Bench, ratio: float, point: OperatingPoint, grid: Grid, report: Report
+) -> Proposal:
     """Propose gains for ``bench``, designed at ``point``, and check them with the firmware.
 
     ``ratio`` is the ratio of neighbouring bandwidths. Raises ``ConfigError``, ``ConvergenceError``.
     """
-    found = propose(bench, ratio, point)
+    found = propose(bench, ratio, point, grid)
     names = [name for name, *_ in LOOPS]
     ordered = zip(found.order, found.bandwidths_rad_s, strict=True)
     return Proposal(

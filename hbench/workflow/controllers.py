@@ -42,7 +42,6 @@ def design(
     """
     from hbench.control.grid import (  # slow import: scipy.signal
         checks_of_points,
-        conditions,
         grid,
         operating_point,
         over_points,
@@ -57,7 +56,8 @@ def design(
     loops = control.velocity, control.rod_pressure, control.piston_pressure
     nominal = operating_point(bench, par, point)
     gains = [(loop.gain, loop.time_constant) for loop in loops]
-    points = grid(bench, par, conditions(bench, par)[0])
+    of_bench = grid(bench, par)
+    points = of_bench.points
     every = checks_of_points(points, gains)
     shown = nominal
     if not point:
@@ -75,12 +75,12 @@ def design(
     present = over_points(replace(analyzed(gains), basis=_basis(bench, bench_file)), points, every)
     if ratio is None:
         return present
-    proposed = proposal(bench, ratio, nominal, report)
+    proposed = proposal(bench, ratio, nominal, of_bench, report)
     others: dict[float, bool] = {}
     for other in RATIOS if not proposed.holds else ():
         if other != ratio and not any(others.values()):
             try:
-                others[other] = proposal(bench, other, nominal, report).holds
+                others[other] = proposal(bench, other, nominal, of_bench, report).holds
             except ConvergenceError:
                 others[other] = False
     proposed = replace(proposed, other_ratios=others)

@@ -14,6 +14,7 @@ from hbench.errors import ConvergenceError
 from hbench.workflow.controllers import RATIOS
 
 if TYPE_CHECKING:
+    from hbench.control.grid import Grid
     from hbench.control.linearisation import OperatingPoint
     from hbench.control.propose import Proposed
 
@@ -42,14 +43,14 @@ def sized_files(examples: Mapping[str, str], size: Size) -> SizedFiles:
     gives the fastest slowest loop. Speeds and accelerations are lower than in the example where
     that loop is slower. Raises ``ConvergenceError`` where no gains keep their margins.
     """
-    from hbench.control.grid import GAIN_MARGIN_DB, PHASE_MARGIN_DEG, operating_point
+    from hbench.control.grid import GAIN_MARGIN_DB, PHASE_MARGIN_DEG, grid, operating_point
     from hbench.model.build import plant_parameters
     from hbench.model.pressure_level import level_travel
 
     bench = parse_bench(yaml.safe_load(sized(examples[EXAMPLE_BENCH], size)), BENCH_FILE)
     par = plant_parameters(bench)
     point = operating_point(bench, par, {})
-    found = max(_proposed(bench, point), key=_slowest)
+    found = max(_proposed(bench, point, grid(bench, par)), key=_slowest)
     size = replace(size, time=max(1.0, _SLOWEST_RAD_S / _slowest(found)))
     rules = Screening()
     settle_travel = max(rules.settle_travel, level_travel(par, _LEVEL_PA))
@@ -70,14 +71,14 @@ def sized_files(examples: Mapping[str, str], size: Size) -> SizedFiles:
     )
 
 
-def _proposed(bench: Bench, point: "OperatingPoint") -> list["Proposed"]:
+def _proposed(bench: Bench, point: "OperatingPoint", grid: "Grid") -> list["Proposed"]:
     """Return the proposal of each ratio; raises ``ConvergenceError`` if none has one."""
     from hbench.control.propose import propose
 
     found, failure = [], None
     for ratio in RATIOS:
         try:
-            found.append(propose(bench, ratio, point))
+            found.append(propose(bench, ratio, point, grid))
         except ConvergenceError as error:
             failure = error
     if failure and not found:

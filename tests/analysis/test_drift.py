@@ -18,6 +18,7 @@ from hbench.config.fitting import Fitting
 from hbench.config.sensors import Instruments
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 from hbench.records.numbers import NORMAL_95
+from tests.support.analysis.chance import binomial_limits
 
 SPEEDS = np.linspace(0.005, 0.2, 8)
 STEP_S = 5.0  # from the start of one run to that of the next
@@ -84,12 +85,13 @@ def test_the_estimate_is_that_of_least_squares_with_an_indicator_for_each_point(
     assert drift.change == pytest.approx(drift.per_hour * drift.span_s / 3600)
 
 
+@pytest.mark.parametrize("count", [100, pytest.param(500, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("relative", [False, True])
 @pytest.mark.parametrize("share", [0.0, -0.1])
-def test_the_scale_follows_the_scatter_and_the_intervals_contain_the_drift(relative, share):
-    """500 campaigns: their 95 % intervals contain the true change at 93 to 97 %."""
+def test_the_scale_follows_the_scatter_and_the_intervals_contain_the_drift(relative, share, count):
+    """Of many campaigns: 95 % of the intervals contain the true change."""
     inside, scales, significant = 0, 0, 0
-    for seed in range(500):
+    for seed in range(count):
         rng = np.random.default_rng(seed)
         order = both_directions(rng)
         span = STEP_S * (len(order) - 1)
@@ -105,9 +107,11 @@ def test_the_scale_follows_the_scatter_and_the_intervals_contain_the_drift(relat
         significant += drift.significant
         if drift.scale == ("relative" if relative else "absolute"):
             inside += abs(drift.change - true) <= drift.change_ci95
-    assert scales > 400
-    assert 0.93 * scales <= inside <= 0.97 * scales
-    assert 15 <= significant <= 35 if share == 0 else significant > 490
+    assert scales >= binomial_limits(count, 5 / 6)[0]
+    least, most = binomial_limits(scales, 0.95)
+    assert least <= inside <= most
+    least, most = binomial_limits(count, 0.05, 0.97)
+    assert least <= significant <= most if share == 0 else significant > 0.98 * count
 
 
 @pytest.mark.parametrize(
@@ -329,17 +333,19 @@ def strokes_of_files(rng, together):
     return runs, files
 
 
+@pytest.mark.parametrize("count", [150, pytest.param(600, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("together", [True, False])
-def test_strokes_out_and_back_of_one_file_are_one_set_up(together):
+def test_strokes_out_and_back_of_one_file_are_one_set_up(together, count):
     """Without a drift, p is below 0.05 in 5 % of campaigns; 10 to 20 % if each stroke counted."""
     rng = np.random.default_rng(8)
     p = []
-    for _ in range(600):
+    for _ in range(count):
         runs, files = strokes_of_files(rng, together)
         drift = friction_drift(curves(runs), runs, RunClock.of(runs, times(runs), files))
         assert (drift.trials, drift.dof) == (48, 24 - 8 - 1)
         p.append(drift.p)
-    assert 0.03 < np.mean(np.array(p) < 0.05) < 0.07
+    least, most = binomial_limits(count, 0.05)
+    assert least <= np.sum(np.array(p) < 0.05) <= most
 
 
 def test_strokes_of_a_file_with_several_trials_count_by_themselves():

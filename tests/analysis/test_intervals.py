@@ -53,7 +53,9 @@ def test_copies_of_a_sample_do_not_narrow_the_intervals_over_runs():
     np.testing.assert_allclose(thrice.dof, once.dof, rtol=1e-9)
 
 
-@pytest.mark.parametrize("runs, strong", [(8, 2), (12, 3), (51, 5)])
+@pytest.mark.parametrize(
+    "runs, strong", [(8, 2), (12, 3), pytest.param(51, 5, marks=pytest.mark.slow)]
+)
 def test_intervals_over_runs_contain_the_truth_where_few_runs_determine_a_parameter(runs, strong):
     """With G - 1 degrees of freedom 91 to 93 % of those of the second parameter would."""
     rng, run, inside = np.random.default_rng(0), np.repeat(np.arange(runs), 20), []

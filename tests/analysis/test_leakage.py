@@ -1,6 +1,7 @@
 """Leakage from pressure decay, against another model's decay and the rig, which has no leak."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -38,25 +39,37 @@ def laminar(p):
     return p
 
 
-def hold(bench, start_bar, number, rng, leaks=TRUE, creep_m_s=0.0, noise_pa=300.0, law=laminar):
-    """Solve the chambers' equations with a general solver and log them with noise."""
-    cylinder = bench.test_cylinder
-    a_p, a_r = cylinder.area_piston_m2, cylinder.area_rod_m2
+T_S = (np.arange(round(DURATION_S * RATE_HZ)) + 0.5) / RATE_HZ
+
+
+@cache
+def decay(cylinder, start_bar, leaks, creep_m_s, law):
+    """Solve the chambers' equations with a general solver: pressures (2, n) at ``T_S``."""
+    a_p, a_r, dead_p, dead_r, stroke = cylinder
+    leak_across, leak_p, leak_r = leaks
 
     def rates(t, p):
         x = X_M + creep_m_s * t
-        across = leaks["across_piston"] * law(p[0] - p[1])
-        out_p, out_r = leaks["piston_side_out"] * law(p[0]), leaks["rod_side_out"] * law(p[1])
-        v_p = cylinder.dead_volume_piston + a_p * x
-        v_r = cylinder.dead_volume_rod + a_r * (cylinder.stroke - x)
+        across, out_p, out_r = (
+            leak_across * law(p[0] - p[1]),
+            leak_p * law(p[0]),
+            leak_r * law(p[1]),
+        )
         return [
-            BETA / v_p * (-across - out_p - a_p * creep_m_s),
-            BETA / v_r * (across - out_r + a_r * creep_m_s),
+            BETA / (dead_p + a_p * x) * (-across - out_p - a_p * creep_m_s),
+            BETA / (dead_r + a_r * (stroke - x)) * (across - out_r + a_r * creep_m_s),
         ]
 
-    t = (np.arange(round(DURATION_S * RATE_HZ)) + 0.5) / RATE_HZ
     start = [bar * 1e5 for bar in start_bar]
-    p = solve_ivp(rates, (0, DURATION_S), start, t_eval=t, rtol=1e-10, atol=1.0).y
+    return solve_ivp(rates, (0, DURATION_S), start, t_eval=T_S, rtol=1e-10, atol=1.0).y
+
+
+def hold(bench, start_bar, number, rng, leaks=TRUE, creep_m_s=0.0, noise_pa=300.0, law=laminar):
+    """Log a decay of the pressures with noise."""
+    cylinder, t = bench.test_cylinder, T_S
+    a_p, a_r = cylinder.area_piston_m2, cylinder.area_rod_m2
+    volumes = cylinder.dead_volume_piston, cylinder.dead_volume_rod, cylinder.stroke
+    p = decay((a_p, a_r, *volumes), start_bar, tuple(leaks[name] for name in TRUE), creep_m_s, law)
     p = p + noise_pa * rng.standard_normal(p.shape)
     plan = RunPlan(
         f"{number:04d}", "hold", 1, 0.0, Specimen(a_p, a_r, cylinder.stroke), f_load_n=0.0

@@ -94,7 +94,7 @@ def test_a_parameter_at_a_bound_has_no_covariance_and_counts_as_known():
     assert np.isfinite(fit.predict(AT)[1]).all()
 
 
-@pytest.mark.parametrize("count", [150, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [60, pytest.param(300, marks=pytest.mark.slow)])
 def test_the_predicted_bands_of_drawn_curves_contain_the_law(count):
     """At each speed the count is binomial; wide bounds, so that none is active."""
     wide = {"f_coulomb_n": (-1e5, 1e5), "v_stribeck_m_s": (5e-3, 1.0)}

@@ -23,6 +23,8 @@ from tests.support import ROOT
 from tests.support.certificates import FILE, LIMITS
 
 SAMPLE = ROOT / "data_samples" / "stribeck-small"
+
+pytestmark = pytest.mark.usefixtures("fitted_once")
 STATED = {"issued": "2026-02-03", "limits": "limits.yaml"}
 
 

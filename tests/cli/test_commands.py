@@ -90,8 +90,11 @@ def test_check_estimates_and_writes_nothing(hbench, short_schedule, tmp_path):
     assert set(tmp_path.iterdir()) == before
 
 
-def test_check_lists_the_effects_that_the_runs_would_show(hbench, short_schedule, tmp_path):
+def test_check_lists_the_effects_that_the_runs_would_show(
+    hbench, short_schedule, tmp_path, monkeypatch
+):
     """Of one load and one direction: this simulates them and writes nothing."""
+    commands.computed_once(monkeypatch, "planned_effects")
     schedule = short_schedule()
     before = set(tmp_path.iterdir())
     done = hbench("run", schedule, "--check", "--effects")

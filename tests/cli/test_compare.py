@@ -13,7 +13,7 @@ from hbench.errors import ConfigError, DataError
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "stribeck-small"
 
-pytestmark = pytest.mark.usefixtures("undrawn")
+pytestmark = pytest.mark.usefixtures("undrawn", "fitted_once")
 
 
 def run(*arguments):

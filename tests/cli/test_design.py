@@ -14,7 +14,8 @@ from hbench import workflow
 from hbench.cli.main import app
 from hbench.control.grid import LOADS, SPEEDS
 from hbench.errors import ExitCode, HbenchError
-from tests.support.commands import hbench
+from hbench.workflow import controllers
+from tests.support.commands import computed_once, hbench
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 
@@ -79,7 +80,8 @@ def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path, u
     assert sum(not point["holds"] for point in numbers["points"]) == numbers["points_failed"]
 
 
-def test_without_a_point_the_loops_are_those_of_the_worst_one(design):
+def test_without_a_point_the_loops_are_those_of_the_worst_one(design, monkeypatch):
+    computed_once(monkeypatch, "design")
     numbers = json.loads(design(BENCH, "--json").stdout)
     phases = {what: low for what, (low, _) in numbers["margin_ranges"].items() if "phase" in what}
     worst = min(phases, key=phases.get)
@@ -100,7 +102,9 @@ def test_without_a_bench_the_source_is_reproduced(design):
     assert len(contradictions) == 3 and not any(n["agrees"] for n in contradictions)
 
 
-def test_a_proposal_that_fails_says_so_and_is_no_error_by_itself(design, slow_valve):
+def test_a_proposal_that_fails_says_so_and_is_no_error_by_itself(design, slow_valve, monkeypatch):
+    ratios = controllers.RATIOS[:2]
+    monkeypatch.setattr(controllers, "RATIOS", ratios)
     done = design(slow_valve, "--propose")
     assert done.returncode == 0
     words = " ".join(done.stdout.split())

@@ -23,17 +23,13 @@ from tests.support import ROOT
 from tests.support.commands import hbench
 
 EXAMPLES = {name: (ROOT / "configs" / name).read_text() for name in _FILES}
-SIZES = [
+SIZES = [Size(0.020, 0.014, 0.100, 40e5), Size(0.300, 0.030, 2.000, 350e5)]
+MORE_SIZES = [
     Size(0.050, 0.036, 0.250, 100e5),
-    Size(0.025, 0.012, 0.100, 160e5),
     Size(0.100, 0.056, 0.800, 210e5),
     Size(0.063, 0.045, 1.500, 280e5),
     Size(0.200, 0.110, 0.300, 63e5),
     Size(0.016, 0.008, 0.200, 100e5),
-    Size(0.020, 0.014, 0.100, 40e5),
-    Size(0.300, 0.210, 2.000, 350e5),
-    Size(0.300, 0.030, 2.000, 350e5),
-    Size(0.050, 0.045, 0.250, 100e5),
 ]
 
 
@@ -45,9 +41,20 @@ def drawn_sizes(count):
         yield Size(bore, bore * rng.uniform(0.3, 0.75), stroke, supply)
 
 
-@pytest.mark.parametrize("size", [*SIZES, *drawn_sizes(12)], ids=lambda size: size.words)
+def slow(sizes):
+    return [pytest.param(size, marks=pytest.mark.slow) for size in sizes]
+
+
+@pytest.mark.parametrize(
+    "size", [*SIZES, *slow([*MORE_SIZES, *drawn_sizes(12)])], ids=lambda size: size.words
+)
 def test_every_schedule_can_be_planned_on_the_bench_and_limits_are_read(size):
-    files = {name: yaml.safe_load(text) for name, text in sized_files(EXAMPLES, size).files.items()}
+    plan(sized_files(EXAMPLES, size).files, size)
+
+
+def plan(texts, size):
+    """Read all files of a size, and plan the runs of the schedules on its bench."""
+    files = {name: yaml.safe_load(text) for name, text in texts.items()}
     bench = parse_bench(files[BENCH_FILE], "bench")
     assert bench.test_cylinder.piston_diameter == pytest.approx(size.bore_m, rel=1e-4)
     assert bench.supply.pressure == pytest.approx(size.supply_pa, rel=1e-4)
@@ -139,7 +146,7 @@ def test_a_push_may_rise_by_what_the_friction_of_a_small_cylinder_needs():
 
 
 def test_scaled_lines_say_so_and_given_ones_too():
-    lines = sized(EXAMPLES["bench-aau.yaml"], SIZES[0]).splitlines()
+    lines = sized(EXAMPLES["bench-aau.yaml"], MORE_SIZES[0]).splitlines()
     assert sum(line.endswith("# given") for line in lines) == 4
     scaled = [line for line in lines if "# scaled" in line]
     assert len(scaled) >= 20
@@ -157,13 +164,16 @@ def test_values_are_replaced_in_place():
 @pytest.mark.parametrize(
     "size", [(25, 12, 100, 160), (50, 45, 250, 100), (300, 210, 2000, 350)], ids=str
 )
-def test_a_sized_demo_runs_on_the_virtual_rig_and_every_run_is_accepted(tmp_path, size):
+def test_sized_schedules_can_be_planned_and_the_demo_runs_and_every_run_is_accepted(tmp_path, size):
     options = zip(("--bore", "--rod", "--stroke", "--supply"), size, strict=True)
     done = hbench("init", tmp_path, *(part for option in options for part in option))
     assert done.returncode == 0, done.stderr
     assert "at least 45 degrees" in done.stderr and "at least 6 dB" in done.stderr
-    bench = parse_bench(yaml.safe_load((tmp_path / BENCH_FILE).read_text()), "bench")
-    schedule = yaml.safe_load((tmp_path / "demo.yaml").read_text())
+    texts = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    bore, rod, stroke, supply = size
+    plan(texts, Size(1e-3 * bore, 1e-3 * rod, 1e-3 * stroke, 1e5 * supply))
+    bench = parse_bench(yaml.safe_load(texts[BENCH_FILE]), "bench")
+    schedule = yaml.safe_load(texts["demo.yaml"])
     schedule.pop("bench")
     for experiment in schedule["experiments"]:
         experiment |= {"trials": 1, "velocities": experiment["velocities"] | {"count": 2}}

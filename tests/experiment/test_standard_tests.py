@@ -20,6 +20,7 @@ from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.loading import read_yaml
 from hbench.config.files.sized_examples import Size
 from hbench.workflow import sized_files
+from hbench.workflow.controllers import RATIOS
 from hbench.workflow.results import derive
 from tests.support import ROOT
 
@@ -94,8 +95,9 @@ def plant_file(folder, plant):
     return file
 
 
-def test_all_pushes_of_a_large_cylinder_show_a_breakaway(tmp_path, on_the_rig):
+def test_all_pushes_of_a_large_cylinder_show_a_breakaway(tmp_path, on_the_rig, monkeypatch):
     """With the trials of a direction one after the other, a retracting push showed none."""
+    monkeypatch.setattr("hbench.workflow.example_files.RATIOS", RATIOS[:1])  # seconds each
     examples = {name: (CONFIGS / name).read_text() for name in _FILES}
     files = sized_files(examples, Size(0.125, 0.090, 0.500, 250e5)).files
     schedule = yaml.safe_load(files["acceptance-test.yaml"])

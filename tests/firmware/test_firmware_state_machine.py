@@ -282,7 +282,7 @@ def run(new_board, examples):
 
 
 def test_random_requests_sensors_and_silences_agree_with_the_model(new_board):
-    run(new_board, examples=40)
+    run(new_board, examples=20)
 
 
 @pytest.mark.slow

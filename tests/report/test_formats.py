@@ -244,12 +244,12 @@ def test_each_figure_of_a_pdf_has_its_own_caption_in_its_column_and_unprinted_pa
 
 
 def test_a_pdf_has_its_pages_and_is_the_same_twice(made):
-    first = pdf(made)
+    short = replace(made, sections=made.sections[:2])  # letters, a table and figures
+    first = pdf(short)
     assert first.startswith(b"%PDF")
     pages = len(re.findall(rb"/Type /Page\b", first))
-    assert pages == len(sheets(made)) >= 3
-    short = replace(made, sections=made.sections[:2])  # letters, a table and figures
-    assert pdf(short) == pdf(short)
+    assert pages == len(sheets(short)) >= 2
+    assert pdf(short) == first
 
 
 def test_nothing_on_a_sheet_lies_beyond_its_edges(made):

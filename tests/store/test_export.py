@@ -18,6 +18,8 @@ from tests.support.seal_strokes import stroke_campaign, write_strokes
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 
+pytestmark = pytest.mark.usefixtures("fitted_once")
+
 
 def export(kind, campaign, folder):
     arguments = ["export", str(campaign), "--format", kind, "-o", str(folder)]

@@ -8,6 +8,7 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from subprocess import CompletedProcess
 from unittest import mock
 
+from hbench import workflow
 from hbench.cli.main import main
 
 
@@ -34,3 +35,15 @@ def _signals_restored() -> Iterator[None]:
     finally:
         for number, handler in zip(numbers, before, strict=True):
             signal.signal(number, handler)
+
+
+def computed_once(monkeypatch, name: str) -> None:
+    """Let ``workflow.name`` return its first result at each call: two commands show the same."""
+    compute, found = getattr(workflow, name), []
+
+    def once(*arguments, **options):
+        if not found:
+            found.append(compute(*arguments, **options))
+        return found[0]
+
+    monkeypatch.setattr(workflow, name, once)

@@ -101,16 +101,18 @@ class FleetTable:
         self._path = path
         try:
             with path.open("rb") as file:  # pyarrow opens no path that is not UTF-8
-                self.rows = pq.read_metadata(file).num_rows
+                self._metadata = pq.read_metadata(file)
         except (OSError, pa.ArrowException) as error:
             raise DataError(f"{path}: {error}") from None
+        self.rows = self._metadata.num_rows
 
     def column(self, name: str) -> "pa.ChunkedArray":
         """Return a column."""
         import pyarrow.parquet as pq
 
         with self._path.open("rb") as file:
-            return pq.read_table(file, columns=[name]).column(0)
+            table = pq.ParquetFile(file, metadata=self._metadata).read(columns=[name])
+            return table.column(0)
 
     def numbers(self, name: str) -> np.ndarray:
         """Return a column (rows,) of numbers; a missing one is NaN."""
