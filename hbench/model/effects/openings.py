@@ -118,7 +118,8 @@ def overlapped(u: float, width: float, softness: float) -> float:
 
     A worn or rounded edge opens softly; the opening is 0 at u = 0 and never larger than u. With
     underlap, a negative width, both edges are open in the middle: there the slope is 2, and far
-    from it the opening is larger than u by the underlap.
+    from it the opening is larger than u by the underlap. What leaks through both edges is added to
+    the port's flow (``flows.through_underlap``).
     """
     if width == 0.0:
         return u

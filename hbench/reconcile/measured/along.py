@@ -103,9 +103,9 @@ def along(
     """Return the means along logs of n records in all, on all cores.
 
     ``signals`` (10, n) are x, v, four chamber pressures, supply pressure and three commands in SI;
-    ``levels`` (2, n), or (2, 1), are those of dry friction. Means of laws that are no ``parts`` are
-    0. Spools start at rest at their first
-    command, bristles with the measured friction less what the effects add to it.
+    ``levels`` (2, n), or (2, 1), are those of dry friction. Spools start at rest at their first
+    command, bristles with the measured friction less what the effects add to it. Laws that are not
+    among the ``parts`` have the mean 0.
     """
     steps = max(1, ceil(dt_s / step_s - 1e-9))
     h = dt_s / steps
