@@ -71,9 +71,9 @@ def through_underlap(
 ) -> PortFlows:  # fmt: skip
     """Flows of the edges that should be closed: null leakage of valves whose spools underlap.
 
-    At a port with the opening u both edges are open, to the supply and to the tank, by a and b with
-    a - b = u and a b = w^2 (``openings.overlapped``). ``flows`` are those of u; what is left is as
-    if both were open by the smaller, b: k b (root(P_s - P) - root(P - P_t)). It brings a port with
+    Both edges of a port are open, one by a and the other by b < a: a - b = |u|, the opening of
+    ``openings.overlapped``, and a b = w^2. ``flows`` contain the flow of u. The law adds that of
+    two edges which are both open by b: k b (root(P_s - P) - root(P - P_t)). It brings a port with
     closed valve towards (P_s + P_t) / 2. c: see ``openings.valve_deadband``.
 
     Merritt 1967, sections 5.3 and 5.4 (open centre, and leakage of the critical centre).
