@@ -1,14 +1,14 @@
 """Acceptance of candidate effects: thresholds of scores, least shares and sizes, and rivals."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hbench.analysis.statistics.permutations import random_signs
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.records import Candidate
-from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
+from hbench.records.reconcile.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 
 TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogue's order
 NULLS = 50  # random null data sets
@@ -54,6 +54,7 @@ class AcceptanceCriteria:
 
 # 5 nats are odds of 150 to 1. A quarter is enough: the remainder may be other effects.
 CRITERIA = AcceptanceCriteria(score=5.0, explained=LEAST_EXPLAINED, size=LEAST_SIZE)
+SMALL = replace(CRITERIA, size=1e-3)  # of effects that may be too small to be named
 
 
 def ambiguity_margin(best: float) -> float:

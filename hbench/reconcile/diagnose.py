@@ -9,12 +9,10 @@ import numpy as np
 from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.added_effects import added_effects, small_effects
 from hbench.reconcile.diagnosis_fields import (
     ModelledData,
-    added_effect,
-    fitted_shape,
     insufficient_data_diagnosis,
-    with_place,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
@@ -33,7 +31,7 @@ from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import FACTORS, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
-from hbench.reconcile.revised_model import held_out_gaps, revision, without_unconfirmed
+from hbench.reconcile.revised_model import revision, without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult
 from hbench.reconcile.separation.missing_data import missing_data
@@ -42,7 +40,6 @@ from hbench.reconcile.separation.observable import divided_points, observable_ef
 from hbench.reconcile.separation.separability import Separation, with_remaining_noise
 from hbench.reconcile.verdict import decide_verdict
 from hbench.records import (
-    AddedEffect,
     Diagnosis,
     Gap,
     Overlay,
@@ -52,7 +49,7 @@ from hbench.records import (
     UnnamedLaw,
     Verdict,
 )
-from hbench.records.diagnosis import MATERIAL
+from hbench.records.reconcile.diagnosis import MATERIAL
 
 _ALIKE = 0.5  # share of the largest delay
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
@@ -102,9 +99,11 @@ def run_search(
         task.stage("all sensors are early, so the position is late")
         search = replace(search, measured=replace(measured, late_position=True))
         measured, result = search.measured, without_unconfirmed(search, search.run(), held_out)
-    if not result.steps[-1].ambiguous:
-        result = with_laws(search, result, held_out)
-    return measured, result, held_out
+    if result.steps[-1].ambiguous:
+        return measured, result, held_out
+    if not result.names and (small := search.small_effects(result.final)):
+        return measured, replace(result, small=small), held_out
+    return measured, with_laws(search, result, held_out), held_out
 
 
 def _position_is_late(estimates: ParameterEstimates) -> bool:
@@ -185,7 +184,8 @@ def assembled(
         verdict=verdict,
         why=why,
         where=where,
-        effects=_added_effects(measured, result, fits, held_out),
+        effects=added_effects(measured, result, fits, held_out),
+        small=small_effects(measured, result, held_out),
         alternatives=last.ambiguous,
         rest=unexplained,
         next_experiment=proposal.words,
@@ -323,28 +323,3 @@ def _verification(
     stages = SimulatedStages(runs, list(zip(simulated, models, strict=True)), held_out)
     shown = overlays(runs, simulated[1], simulated[2], models[1], held_out)
     return stages, shown, ()
-
-
-def _added_effects(
-    measured: MeasuredCampaign,
-    result: SearchResult,
-    fits: Mapping[str, ParameterEstimates],
-    held_out: np.ndarray,
-) -> tuple[AddedEffect, ...]:
-    """Return the effects; their gaps are those without learned laws."""
-    positions = np.concatenate([run.x_m for log in measured.logs for run in log.runs])
-    ends = float(positions.min()), float(positions.max())
-    cylinder = measured.balance_model(result.final.hypothesis).par.test
-    effects = []
-    for name, step in zip(result.names, result.additions, strict=True):
-        unconfirmed = result.unconfirmed.get(name)
-        model = unconfirmed.model if unconfirmed else result.without_laws
-        effect = added_effect(
-            name,
-            [each.candidate for each in step.evaluated],
-            fits[name],
-            *held_out_gaps(result, model, name, held_out),
-        )
-        shape = fitted_shape(name, model.hypothesis)
-        effects.append(with_place(replace(effect, shape=shape), cylinder, ends))
-    return tuple(effects)

@@ -23,7 +23,7 @@ from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
 from hbench.reconcile.measured.disturbances import DELAY_S, delayed_channel
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 from hbench.units import parse_unit
 
 _MS = 1e3 * DELAY_S  # of a delay's standard deviation

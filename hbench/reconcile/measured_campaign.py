@@ -43,7 +43,7 @@ from hbench.reconcile.measured.disturbances import (
 from hbench.reconcile.measured.integration import Parts
 from hbench.reconcile.measured.session import PRESSURES, Session
 from hbench.reconcile.nuisance import drift_deviations, nuisances, standard_deviation, tolerances
-from hbench.records.diagnosis import LEVEL_SCATTER
+from hbench.records.reconcile.diagnosis import LEVEL_SCATTER
 
 _STEP = 1e-3  # of a logarithm
 _SHARE = 0.05  # of a typical size: its law is nearly a line over this step

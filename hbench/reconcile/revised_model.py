@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 
 from hbench.config.friction import LuGre
-from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.added_effects import held_out_gaps
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from hbench.reconcile.search_result import SearchResult, Unconfirmed
 from hbench.records import FitParameter
-from hbench.records.diagnosis import LEAST_EXPLAINED, UNEXPLAINED_GAP
+from hbench.records.reconcile.diagnosis import LEAST_EXPLAINED, UNEXPLAINED_GAP
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
 _REFUTED = "it does not reduce the gap of runs outside the fit"
@@ -38,7 +37,7 @@ def without_unconfirmed(
     """
     unconfirmed: dict[str, Unconfirmed] = {}
     while kept := tuple(name for name in result.names if name not in unconfirmed):
-        gaps = {name: held_out_gaps(result, result.final, name, held_out) for name in kept}
+        gaps = {name: held_out_gaps(result.steps, result.final, name, held_out) for name in kept}
         minor = [name for name in kept if _is_minor(result, name, held_out)]
         removed = [
             name for name, (before, after) in gaps.items() if name in minor or not after < before
@@ -71,20 +70,6 @@ def _is_minor(result: SearchResult, name: str, held_out: np.ndarray) -> bool:
     before = next(step.before for step in result.steps if step.added == name).gap_map
     excess, left = (each.gap(each.names, held_out) ** 2 - 1 for each in (before, final))
     return left > (1 - LEAST_EXPLAINED) * excess
-
-
-def held_out_gaps(
-    result: SearchResult, model: LinearisedModel, name: str, held_out: np.ndarray
-) -> tuple[float, float]:
-    """Return the gaps of the balances that an effect touches, before it was added and in a model.
-
-    ``held_out`` are indices of operating points. The level of friction of each run is left out as
-    far as it may wander: that of a few runs would decide.
-    """
-    balances = EFFECTS[name].balances
-    before = next(step.before for step in result.steps if step.added == name)
-    without, with_it = (each.gap_map.without_levels() for each in (before, model))
-    return without.gap(balances, held_out), with_it.gap(balances, held_out)
 
 
 def revision(

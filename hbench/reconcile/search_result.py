@@ -29,6 +29,19 @@ class Unconfirmed:
 
 
 @dataclass(frozen=True)
+class SmallEffects:
+    """Model with effects that are too small to be named, and the steps that added them."""
+
+    model: LinearisedModel
+    steps: tuple[SearchStep, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The effects, in order."""
+        return added_names(self.steps)
+
+
+@dataclass(frozen=True)
 class SearchResult:
     """Given and refitted model, steps of the search, and final model."""
 
@@ -41,6 +54,7 @@ class SearchResult:
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
     unconfirmed: Mapping[str, Unconfirmed] = field(default_factory=dict)  # not in the final model
     ruled_out: Mapping[str, str] = field(default_factory=dict)  # added, then not named: why
+    small: SmallEffects | None = None  # they explain all gaps of the final model, which lacks them
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,6 +76,11 @@ class SearchResult:
     def without_laws(self) -> LinearisedModel:
         """The final model without learned laws."""
         return self.unlearned or self.final
+
+    @property
+    def with_small(self) -> LinearisedModel:
+        """The model with all effects that were found, also the small ones, without learned laws."""
+        return self.small.model if self.small else self.without_laws
 
     @property
     def unchanged(self) -> bool:

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from hbench.analysis.rounding import distinct_texts
 from hbench.reconcile.acceptance import ALIKE, CRITERIA, ambiguity_margin
-from hbench.reconcile.search_result import SearchResult
+from hbench.reconcile.search_result import SearchResult, SmallEffects
 from hbench.records import Candidate, Gap, Verdict
-from hbench.records.diagnosis import TOLERATED, UNEXPLAINED_GAP
+from hbench.records.reconcile.diagnosis import TOLERATED, UNEXPLAINED_GAP
 from hbench.sentences import listed, plural
 
 NO_RESIDUALS = (
@@ -58,7 +58,23 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             elif best.name in result.ruled_out:
                 reason += f" It is not named: refined, {result.ruled_out[best.name]}."
         return "unknown", reason + unnamed
-    return "none", NO_RESIDUALS
+    return "none", _small_words(result.small) if result.small else NO_RESIDUALS
+
+
+def _small_words(small: SmallEffects) -> str:
+    """Return the sentence about effects that explain what would otherwise be unexplained."""
+    found = {step.added: step.evaluated for step in small.steps}
+    sizes = [
+        f"{name} ({each.candidate.size:.2g} of a typical size)"
+        for name in small.names
+        for each in found[name]
+        if each.candidate.name == name
+    ]
+    explain = plural(len(sizes), "explains", "explain")
+    return (
+        f"{listed(sizes)} {explain} all residuals that are large enough to matter, and "
+        f"{plural(len(sizes), 'is', 'are')} too small to be named ({CRITERIA.size:g} needed)."
+    )
 
 
 def _unnamed(result: SearchResult) -> str:

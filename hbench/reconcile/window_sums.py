@@ -24,7 +24,7 @@ import numpy as np
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.gaps.log_map import between_runs, like_runs
 from hbench.reconcile.products import Block, ColumnProducts, Products
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady", "reversing")
 _REVERSING = MOTIONS.index("reversing")

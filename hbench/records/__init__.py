@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from hbench.records.curves import *
     from hbench.records.design import *
-    from hbench.records.diagnosis import *
     from hbench.records.differences import *
     from hbench.records.fleet.campaigns import *
     from hbench.records.fleet.population import *
@@ -21,9 +20,11 @@ if TYPE_CHECKING:
     from hbench.records.kinds import *
     from hbench.records.motions import *
     from hbench.records.phenomenon import *
+    from hbench.records.reconcile.diagnosis import *
+    from hbench.records.reconcile.gaps import *
+    from hbench.records.reconcile.separability import *
     from hbench.records.results import *
     from hbench.records.runs import *
-    from hbench.records.separability import *
     from hbench.records.summary import *
 
 _MODULES = {
@@ -54,23 +55,17 @@ _MODULES = {
         "Reproduced",
         "RootLocus",
     ),
-    "diagnosis": (
+    "reconcile.diagnosis": (
         "AddedEffect",
-        "BeforeAfter",
         "Candidate",
         "Change",
         "Diagnosis",
         "EffectInPractice",
-        "Gap",
-        "GapTable",
         "HeldOutError",
         "HeldOutLoad",
         "Lookalike",
         "Overlay",
-        "Region",
-        "ResidualMap",
         "Rival",
-        "RunGap",
         "UnnamedLaw",
         "Verdict",
         "WorkingPoint",
@@ -117,6 +112,14 @@ _MODULES = {
         "ControlChart",
     ),
     "fleet.summary": ("Fleet",),
+    "reconcile.gaps": (
+        "BeforeAfter",
+        "Gap",
+        "GapTable",
+        "Region",
+        "ResidualMap",
+        "RunGap",
+    ),
     "identification": (
         "Followed",
         "Identification",
@@ -189,7 +192,7 @@ _MODULES = {
         "Specimen",
         "SteadyMeans",
     ),
-    "separability": (
+    "reconcile.separability": (
         "DetectableSize",
         "EffectPair",
         "PlannedEffects",

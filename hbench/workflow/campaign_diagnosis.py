@@ -9,9 +9,9 @@ from hbench.config.bench import Plant, plant_sections
 from hbench.config.files.loading import read_yaml, validate
 from hbench.errors import ConfigError
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
+from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, channels_missing
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
-from hbench.reconcile.simulated_runs import simulator
 from hbench.records import Diagnosis, Run
 from hbench.store.campaign.folder import StoredCampaign
 from hbench.workflow.board import check_effects

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from hbench.errors import ConfigError
 from hbench.records import KINDS, Diagnosis, PlannedEffects
-from hbench.records.diagnosis import MATERIAL
+from hbench.records.reconcile.diagnosis import MATERIAL
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
 from hbench.report.diagnosis.figures.all_figures import draw_diagnosis
 from hbench.report.diagnosis.page import diagnosis_page

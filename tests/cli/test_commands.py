@@ -65,7 +65,7 @@ def test_linear_algebra_has_one_thread_unless_the_user_sets_a_number(hbench, mon
         ("hbench.workflow.campaign, hbench.cli.bench_display", {"scipy.optimize", "matplotlib"}),
         (
             "hbench.workflow.results, hbench.report.campaign.terminal",
-            {"matplotlib", "scipy.optimize", "hbench.records.diagnosis"},
+            {"matplotlib", "scipy.optimize", "hbench.records.reconcile.diagnosis"},
         ),
         ("hbench.workflow.results, hbench.report.campaign.figures.all_figures", set()),
     ],

@@ -13,7 +13,7 @@ from hbench.cli.main import app
 from hbench.errors import ConfigError
 from hbench.reconcile.separation.missing_data import MISSING
 from hbench.reconcile.strokes.stroke_diagnosis import FEWEST_LOADS
-from hbench.records.diagnosis import MATERIAL
+from hbench.records.reconcile.diagnosis import MATERIAL
 from hbench.report.diagnosis.names import keys_in_words
 from hbench.report.render.terminal_text import plain
 from tests.support import ROOT

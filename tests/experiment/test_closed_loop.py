@@ -5,8 +5,8 @@ import pytest
 from hbench import workflow
 from hbench.experiment import closed_loop
 from hbench.experiment.plan import run_seconds
+from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.simulated_runs import simulator
 from hbench.rig import virtual
 
 

@@ -15,7 +15,7 @@ from hbench.reconcile.measured.balances import BALANCES, FORCES, balance_model, 
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import nuisances
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 from tests.support.reconcile.exact_logs import INSTRUMENTS, logged_points
 
 # What the bench has and the model does not: residuals are not 0, and nothing is symmetric.

@@ -11,9 +11,12 @@ from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
+from hbench.reconcile.added_effects import small_effects
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.evidence import CrossValidation
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
+from hbench.reconcile.gaps.log_map import ranked_gaps
+from hbench.reconcile.gaps.model_gaps import ranked_by
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.linearised import LinearisedModel
@@ -25,6 +28,7 @@ from hbench.reconcile.search.candidates import (
     is_constant_force,
 )
 from hbench.reconcile.search_result import SearchResult, SearchStep
+from hbench.reconcile.verdict import decide_verdict
 from hbench.records import Candidate
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule
@@ -38,17 +42,33 @@ def searched(
     effects, seed=5, candidates=CANDIDATES, stage=lambda stage: None, search=CampaignSearch
 ):
     """Search a campaign with these effects; return result, estimates and held-out points."""
-    data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
-    bench = parse_bench(data, "bench")
-    hidden = parse_plant(data, merge(UNTUNED, {"effects": effects}), "hidden")
-    made = record(bench, PLAN, hidden, seed=seed)
-    assert not made.stopped
-    own = campaign_of(made.runs, bench)
-    points = np.arange(len({point_of(run.plan) for run in made.runs}))
-    out = points[points % 5 == 2]
-    train = np.setdiff1d(points, out)
-    found = search(own, train, candidates, stage).run()
+    bench, hidden = bench_and_plant(effects)
+    own, made = search_in(bench, hidden, seed, candidates, stage, search)
+    found, train = made.run(), made.train
+    out = np.setdiff1d(np.arange(len(found.final.gap_map.points)), train)
     return found, fit_coefficients(own.plant, found.final, found.names, train), out
+
+
+def bench_and_plant(effects):
+    """Return the bench, and a plant with these effects."""
+    data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
+    plant = parse_plant(data, merge(UNTUNED, {"effects": effects}), "hidden")
+    return parse_bench(data, "bench"), plant
+
+
+def search_in(
+    bench, plant, seed, candidates=CANDIDATES, stage=lambda stage: None, search=CampaignSearch
+):
+    """Return the measured campaign of a plant, and a search in it."""
+    made = record(bench, PLAN, plant, seed=seed)
+    assert not made.stopped
+    points = np.arange(len({point_of(run.plan) for run in made.runs}))
+    own = campaign_of(made.runs, bench)
+    return own, search(own, points[points % 5 != 2], candidates, stage)
+
+
+def unexplained(measured, found):
+    return ranked_by(ranked_gaps, measured, found)[1]
 
 
 def gap(linear, name, out):
@@ -76,6 +96,38 @@ def test_without_an_effect_nothing_is_taken():
     assert [text.split()[0] for text in stages] == ["refitting", "searching"]
     assert not found.names and not found.steps[-1].ambiguous
     assert len(found.steps) == 1 and found.final is found.steps[0].before
+
+
+def test_an_effect_too_small_to_be_named_explains_what_is_material():
+    """A leak of 0.17 of a typical size: a deviation of 1.2 times its limit is no unknown effect."""
+    bench, plant = bench_and_plant({"internal_leakage": {"test": "5e-4 l/min/bar"}})
+    own, search = search_in(bench, plant, seed=5)
+    found = search.run()
+    assert not found.names and unexplained(own, found)
+    small = search.small_effects(found.final)
+    assert small is not None and small.names == ("internal_leakage",)
+    assert not unexplained(own, replace(found, small=small))
+    assert decide_verdict(replace(found, small=small), ())[0] == "none"
+    train = search.train
+    (effect,) = small_effects(own, replace(found, small=small), np.setdiff1d(np.arange(10), train))
+    low, high = effect.parameters["test"].ci95
+    assert low < 5e-4 < high
+    assert effect.gap_after < effect.gap_before
+
+
+def test_small_effects_count_only_where_something_is_left():
+    bench, plant = bench_and_plant({})
+    _, search = search_in(bench, plant, seed=5)
+    assert search.small_effects(search.run().final) is None
+
+
+def test_small_effects_that_leave_gaps_are_none():
+    """The candidates do not have the effect: nothing small explains it."""
+    bench, plant = bench_and_plant({"internal_leakage": {"test": "5e-4 l/min/bar"}})
+    own, search = search_in(bench, plant, seed=5)
+    search = replace(search, candidates=("supply_droop",))
+    found = search.run()
+    assert unexplained(own, found) and search.small_effects(found.final) is None
 
 
 def test_two_effects_are_found_one_after_the_other():

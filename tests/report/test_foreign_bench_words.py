@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 
 from hbench.records import Candidate, DetectableSize, RunPlan, Separability, Specimen
-from hbench.records.diagnosis import HeldOutError
+from hbench.records.reconcile.diagnosis import HeldOutError
 from hbench.report.diagnosis.definitions import of_effects_gaps, of_gaps
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml

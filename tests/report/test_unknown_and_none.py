@@ -16,7 +16,7 @@ from hbench.records import (
     ResidualMap,
     Separability,
 )
-from hbench.records.diagnosis import FITTED
+from hbench.records.reconcile.diagnosis import FITTED
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.tables.effect_tables import ranking_table
@@ -405,6 +405,17 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
     assert "times the repeatability, a correct model by 1.20 on average" in text
     text = verdict(close, gap=1.1, deviation=9.0, p_value=0.3)
     assert "agrees" in text and "No deviation is large enough to matter; nearest to its" in text
+
+
+def test_an_effect_too_small_to_be_named_that_explains_all_has_its_value_in_the_verdict(compared):
+    """What exceeds its limit is no missing effect then, and no unknown one is possible."""
+    small = replace(compared, verdict="none", rest=(), small=(named().effects[0],), effects=())
+    text = ordinary_spaces(verdict_words(small))
+    assert text.startswith("No missing effect is found that is large enough to be named. The ")
+    assert "(matters above 12 N)" in text
+    assert "Internal leakage (test cylinder 0.00580 (0.00560 to 0.00610) l/min/bar)" in text
+    assert "explains this; it is below 25 % of the typical size, and model.yaml does not" in text
+    assert "a small one is possible" not in text and "no known effect" not in text
 
 
 @pytest.mark.parametrize(("given", "kept"), [(0.8, True), (3.0, False)])

@@ -27,7 +27,7 @@ from hbench.analysis.statistics.holm import holm
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.reconcile.measured.balances import FLOWS
 from hbench.records import Gap
-from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P, UNEXPLAINED_GAP
+from hbench.records.reconcile.diagnosis import REST_M_S, SIGNIFICANT_P, UNEXPLAINED_GAP
 
 _APART = 2  # windows
 _BLOCK = 4  # windows; those of a block may share samples with two of the next one

@@ -25,10 +25,10 @@ def ranked_by(
     measured: MeasuredCampaign,
     result: SearchResult,
 ) -> tuple[tuple[Gap, ...], tuple[Gap, ...]]:
-    """Return the gaps of the refitted model, and those that no effect explains."""
+    """Return the gaps of the refitted model, and those that no effect explains, large or small."""
     refitted = result.refitted
     allowed = _allowed(measured, refitted)
-    by_effects = result.without_laws.gap_map.in_units_of(refitted.gap_map)
+    by_effects = result.with_small.gap_map.in_units_of(result.refitted.gap_map)
     return rank(refitted.gap_map, allowed), unexplained_gaps(rank(by_effects, allowed))
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from hbench.analysis.rounding import merged
 from hbench.reconcile.gaps.gap_map import GapMap, gap_of
 from hbench.records import Region
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 
 _QUARTERS = 4
 

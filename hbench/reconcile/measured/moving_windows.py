@@ -7,7 +7,7 @@ import numpy as np
 
 from hbench.reconcile.measured.balances import BalanceModel, driving_signals, measured_laws
 from hbench.reconcile.measured.session import COMMANDS, Session
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 
 FEWEST = 20  # windows that show something
 SIGMAS = 4.0  # of its standard error, at least: what a fit shows

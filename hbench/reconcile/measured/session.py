@@ -14,7 +14,7 @@ from hbench.motion.local_polynomials import local_polynomials, odd_samples
 from hbench.motion.standstill import standstill
 from hbench.reconcile.measured.weak import EVEN, Window, sampling, window
 from hbench.records import Run
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 
 PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
 VELOCITY = "velocity"  # of the position, see ``Session.velocity_m_s``

@@ -33,7 +33,7 @@ from hbench.reconcile.measured_campaign import MeasuredCampaign, dry_friction
 from hbench.reconcile.motion.force_unit import in_unit, unit_of
 from hbench.reconcile.nuisance import ASSUMED_TOLERANCE
 from hbench.records import Gap, Run
-from hbench.records.diagnosis import NO_PART, REST_M_S
+from hbench.records.reconcile.diagnosis import NO_PART, REST_M_S
 
 BALANCE = "force_test"
 _AREA_M2 = 1.0

@@ -16,7 +16,7 @@ from hbench.records import (
     ResidualMap,
     WorkingPoint,
 )
-from hbench.records.diagnosis import MOTION_BALANCE
+from hbench.records.reconcile.diagnosis import MOTION_BALANCE
 
 _CONSTANT = "load_cell_offset"
 _CONSTANT_FORCE = "a constant force acts, such as a weight or an offset of the drive's force"

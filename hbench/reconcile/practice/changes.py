@@ -38,7 +38,7 @@ from hbench.reconcile.practice.working_point import (
     working_point,
 )
 from hbench.records import Change, EffectInPractice, WorkingPoint
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 from hbench.units import parse_unit
 
 UNITS = {  # of each quantity that an effect may change, in the order in which they are listed

@@ -10,7 +10,7 @@ from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, BalanceModel
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session
 from hbench.reconcile.window_sums import MOTIONS, window_motions
 from hbench.records import WorkingPoint
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 
 READINGS = {  # sensors of a working point: field of ``Run`` by channel
     **dict(zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)),

@@ -36,14 +36,14 @@ import numpy as np
 
 from hbench.analysis.rounding import distinct_texts, ranked
 from hbench.parallel.threads import map_on_threads
-from hbench.reconcile.acceptance import CRITERIA, TIE, indistinguishable, may_be_rival
+from hbench.reconcile.acceptance import CRITERIA, SMALL, TIE, indistinguishable, may_be_rival
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.hypothesis import effect_coefficients, typical_size
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search.refinement import EffectRefinement
-from hbench.reconcile.search_result import SearchResult, SearchStep, added_names
+from hbench.reconcile.search_result import SearchResult, SearchStep, SmallEffects, added_names
 from hbench.reconcile.separation.separability import Separation
 from hbench.records import Candidate
 
@@ -86,6 +86,22 @@ class CampaignSearch(EffectRefinement):
             steps.append(replace(step, dropped=dropped))
         final, ruled_out = self.refined_and_named(current, added_names(steps))
         return SearchResult(given, refitted, tuple(steps), final, refused, ruled_out=ruled_out)
+
+    def small_effects(self, model: LinearisedModel) -> SmallEffects | None:
+        """Return effects too small to be named with which a model has no unexplained gap.
+
+        None where there are none, and where the model has no unexplained gap without them.
+        """
+        every, current = np.arange(len(model.gap_map.points)), model
+        search, steps = replace(self, criteria=SMALL), list[SearchStep]()
+        while unexplained_at(current.gap_map, every):
+            self.stage("searching for effects that are too small to be named")
+            step, with_effect = search._step(current, added_names(steps))
+            if with_effect is None or len(steps) == _MOST_EFFECTS:
+                return None
+            steps.append(step)
+            current = with_effect
+        return SmallEffects(current, tuple(steps)) if steps else None
 
     def _refitted(self) -> tuple[LinearisedModel, LinearisedModel, str]:
         """Return the given and the refitted model; if not better, the given one and the reason.
@@ -194,10 +210,10 @@ class CampaignSearch(EffectRefinement):
         for i, each in enumerate(evaluated):
             if accepted and not may_be_rival(each.candidate, accepted[0].candidate):
                 continue
-            if accepted and each.model is None and CRITERIA.accepts(each.candidate):
+            if accepted and each.model is None and self.criteria.accepts(each.candidate):
                 each = self._evaluate_in_full(model, added, each.candidate.name)
             evaluated[i] = tested = self._with_threshold(each, added, names)
-            if tested.model and CRITERIA.accepts(tested.candidate):
+            if tested.model and self.criteria.accepts(tested.candidate):
                 accepted.append(tested)
         if not accepted:
             return SearchStep(model, tuple(evaluated), None, ()), None
@@ -249,7 +265,7 @@ class CampaignSearch(EffectRefinement):
         """
         evaluated = self._evaluate_in_full(model, added, name)
         tested = self._with_threshold(evaluated, added, [name])
-        return tested.model is not None and CRITERIA.accepts(tested.candidate)
+        return tested.model is not None and self.criteria.accepts(tested.candidate)
 
 
 def _mean_square(residuals: GapMap, points: np.ndarray) -> float:

@@ -5,14 +5,14 @@ evaluation.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS, lookalikes
 from hbench.parallel.threads import map_on_threads
-from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
+from hbench.reconcile.acceptance import CRITERIA, AcceptanceCriteria, score_to_exceed
 from hbench.reconcile.evidence import Comparison, CrossValidation
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
@@ -42,6 +42,7 @@ class CandidateEvaluator(Refits):
     """Evaluation of candidate effects on one set of measurements."""
 
     candidates: tuple[str, ...]
+    criteria: AcceptanceCriteria = field(default=CRITERIA, kw_only=True)
 
     def _evaluate_linearly(
         self, model: LinearisedModel, added: tuple[str, ...], name: str
@@ -148,10 +149,12 @@ class CandidateEvaluator(Refits):
                 break
             with_effect = better
         candidate = self._judged(model, before, with_effect, joined)
-        if candidate.score > CRITERIA.score and candidate.explained <= CRITERIA.explained:
-            # a large effect is far from linear: with columns at its coefficients it explains more
-            with_effect = self.refit(with_effect, joined)
-            candidate = self._judged(model, before, with_effect, joined)
+        if candidate.score > CRITERIA.score and not CRITERIA.accepts(candidate):
+            # its law is not linear: with columns at its coefficients it may explain more, or grow
+            refitted = self.refit(with_effect, joined)
+            judged = self._judged(model, before, refitted, joined)
+            if judged.score > candidate.score:
+                with_effect, candidate = refitted, judged
         if with_effect is start:  # no step is better: what is known is the linear fit
             values = self._values(start, name, start.index(joined), self._fit(start, joined))
             candidate = self._candidate(

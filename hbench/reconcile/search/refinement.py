@@ -124,7 +124,7 @@ class EffectRefinement(CandidateEvaluator):
             without = self.with_columns(without, _columns_of(model, [name]))
             evaluated = self._evaluate_in_full(without, others, name)
             evaluated = self._with_threshold(evaluated, others, [name])
-            if not CRITERIA.accepts(evaluated.candidate):
+            if not self.criteria.accepts(evaluated.candidate):
                 dropped.append(name)
                 model = without
         return model, tuple(dropped)
@@ -206,7 +206,7 @@ class EffectRefinement(CandidateEvaluator):
         part that it explains.
         """
         candidate, model = evaluated.candidate, evaluated.model
-        if model is None or not CRITERIA.accepts(candidate):
+        if model is None or not self.criteria.accepts(candidate):
             return evaluated
         balances = set(EFFECTS[candidate.name].balances)
         family = [name for name in names if balances.issuperset(EFFECTS[name].balances)]

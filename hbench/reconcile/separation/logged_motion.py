@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hbench.records import Run
-from hbench.records.diagnosis import REST_M_S
+from hbench.records.reconcile.diagnosis import REST_M_S
 
 _WIDTH_S = 0.1  # of a velocity; a change of speed within twice as long is fast
 _SLOW = 0.05  # of the run's largest speed: below it the sign is not counted

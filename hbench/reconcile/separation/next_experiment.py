@@ -32,7 +32,7 @@ from hbench.reconcile.separation.planned_runs import simulated_runs
 from hbench.reconcile.separation.separability import Lead, Separation
 from hbench.reconcile.window_sums import GROUPS, LEVEL
 from hbench.records import Run
-from hbench.records.diagnosis import MATERIAL
+from hbench.records.reconcile.diagnosis import MATERIAL
 from hbench.sentences import listed
 
 _LIBRARY = "discriminate.yaml"

@@ -9,7 +9,7 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.measured.balances import channels_missing
 from hbench.reconcile.nuisance import BACKGROUND
 from hbench.records import Run
-from hbench.records.diagnosis import FITTED
+from hbench.records.reconcile.diagnosis import FITTED
 
 _HELD_OUT = 5  # every fifth operating point is held out: no value is fitted to it
 _FIRST_HELD_OUT = 2

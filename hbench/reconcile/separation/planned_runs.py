@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from hbench.config.bench import Bench, Plant
 from hbench.errors import DataError
+from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.session import sessions
@@ -11,9 +12,8 @@ from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.separation.missing_data import data_shortfalls, missing_experiments
 from hbench.reconcile.separation.observable import divided_points, observable_effects
 from hbench.reconcile.separation.separability import Separation
-from hbench.reconcile.simulated_runs import simulator
 from hbench.records import KINDS, PlannedEffects, Run, RunPlan
-from hbench.records.diagnosis import MATERIAL
+from hbench.records.reconcile.diagnosis import MATERIAL
 
 
 def planned_effects(bench: Bench, plant: Plant, plans: Sequence[RunPlan]) -> PlannedEffects:

@@ -3,7 +3,7 @@
 import re
 
 from hbench.records import Diagnosis
-from hbench.records.diagnosis import (
+from hbench.records.reconcile.diagnosis import (
     LEAST_EXPLAINED,
     LEAST_SIZE,
     LEVEL_SCATTER,

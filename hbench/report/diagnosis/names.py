@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from hbench.channels import CHANNELS
 from hbench.records import Diagnosis, Gap
-from hbench.records.diagnosis import MOTION_BALANCE
+from hbench.records.reconcile.diagnosis import MOTION_BALANCE
 from hbench.report.render.numbers import NONE, number, significant
 from hbench.sentences import listed
 from hbench.units import from_si

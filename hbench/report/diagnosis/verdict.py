@@ -14,6 +14,7 @@ from hbench.report.diagnosis.words.action import first_step, next_step
 from hbench.report.diagnosis.words.agreement import (
     agreement_words,
     largest_deviation_words,
+    small_words,
     total_words,
 )
 from hbench.report.diagnosis.words.change import (
@@ -260,6 +261,9 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.errors:
         yield "No missing effect is found."
         yield change_of_errors(diagnosis)
+    elif diagnosis.small:
+        yield "No missing effect is found that is large enough to be named."
+        yield small_words(diagnosis)
     else:
         yield f"No missing effect is found: {agreement_words(diagnosis)}."
     yield beyond_balances(diagnosis)
@@ -268,7 +272,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     yield undetectable(diagnosis)
     yield "The runs of next.yaml would show more." if diagnosis.next_schedule else ""
     yield "" if diagnosis.errors else total_words(diagnosis)
-    yield largest_deviation_words(diagnosis)
+    yield "" if diagnosis.small else largest_deviation_words(diagnosis)
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[str]:

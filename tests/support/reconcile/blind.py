@@ -78,7 +78,7 @@ def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
     task = replace(task, plant=scaled(task.plant, start or {}))
     measured, found, out = run_search(task, CANDIDATES)
     final = found.final.gap_map.in_units_of(found.refitted.gap_map)
-    by_effects = (found.unlearned or found.final).gap_map.in_units_of(found.refitted.gap_map)
+    by_effects = found.with_small.gap_map.in_units_of(found.refitted.gap_map)
     left = unexplained_gaps(ranked_gaps(by_effects, np.zeros(len(BALANCES))))
     verdict, _ = decide_verdict(found, left)
     best = found.steps[0].evaluated[0].candidate

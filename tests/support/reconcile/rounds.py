@@ -12,7 +12,7 @@ from hbench.reconcile.measured.balances import BALANCES, balance_model, residual
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.search.campaign_search import CampaignSearch
-from hbench.records.diagnosis import MATERIAL
+from hbench.records.reconcile.diagnosis import MATERIAL
 
 
 def schedule(trials=3, speeds=("20 mm/s", "60 mm/s", "150 mm/s")):

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
-from hbench.records.diagnosis import LEAST_EXPLAINED
+from hbench.records.reconcile.diagnosis import LEAST_EXPLAINED
 from hbench.report.diagnosis.figures.colour_scales import GAPS
 from hbench.report.diagnosis.names import (
     AXES,

@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from hbench.records import DIRECTION_WORDS, Diagnosis, ResidualMap
-from hbench.records.diagnosis import REST_M_S, SIGNIFICANT_P
+from hbench.records.reconcile.diagnosis import REST_M_S, SIGNIFICANT_P
 from hbench.report.diagnosis.figures.colour_scales import PLACES, RESIDUALS, VELOCITIES
 from hbench.report.diagnosis.names import (
     AXES,

@@ -11,7 +11,7 @@ from hbench.records import (
     Separability,
     WordTable,
 )
-from hbench.records.diagnosis import FITTED, NO_PART
+from hbench.records.reconcile.diagnosis import FITTED, NO_PART
 from hbench.report.diagnosis.names import in_words
 from hbench.report.render.numbers import NONE, number, significant
 from hbench.report.render.terminal_table import table_lines

@@ -4,16 +4,19 @@ from collections.abc import Sequence
 from math import isfinite
 
 from hbench.records import Diagnosis, Gap
-from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
+from hbench.records.reconcile.diagnosis import LEAST_SIZE, SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     deviation_and_limit,
     gap_number,
     in_sentence,
+    in_words,
 )
-from hbench.report.diagnosis.words.deviation import agrees, exceeding, largest_deviation
+from hbench.report.diagnosis.words.coefficient import coefficients_words
+from hbench.report.diagnosis.words.deviation import agrees, deviations, exceeding, largest_deviation
 from hbench.report.diagnosis.words.place import worst_places
 from hbench.report.render.numbers import number, p_equation
+from hbench.sentences import capital, listed
 
 
 def agreement_words(diagnosis: Diagnosis) -> str:
@@ -83,6 +86,19 @@ def largest_deviation_words(diagnosis: Diagnosis) -> str:
         for place in worst_places(diagnosis, real[0].name)[:1]:
             end += f". It is largest {place.words}"
     return f"The largest deviation, {_most(real or large)}, {end}."
+
+
+def small_words(diagnosis: Diagnosis) -> str:
+    """State what effects that are too small to be named explain."""
+    real = [gap for gap in exceeding(diagnosis.where) if gap.p_value < SIGNIFICANT_P]
+    effects = [f"{in_words(each.name)} ({coefficients_words(each)})" for each in diagnosis.small]
+    one = len(effects) == 1
+    return (
+        f"{capital(deviations(real))}. {capital(listed(effects))} "
+        f"{'explains' if one else 'explain'} this; {'it is' if one else 'they are'} below "
+        f"{100 * LEAST_SIZE:.0f} % of the typical size, and model.yaml does not contain "
+        f"{'it' if one else 'them'}."
+    )
 
 
 def _most(gaps: Sequence[Gap]) -> str:

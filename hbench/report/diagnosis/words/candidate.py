@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from hbench.records import Candidate, Diagnosis
-from hbench.records.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, TOLERATED
+from hbench.records.reconcile.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, TOLERATED
 from hbench.report.diagnosis.names import in_words, share
 from hbench.report.render.numbers import number, significant
 from hbench.sentences import capital, listed

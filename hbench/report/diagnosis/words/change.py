@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter
-from hbench.records.diagnosis import MOTION_BALANCE
+from hbench.records.reconcile.diagnosis import MOTION_BALANCE
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     CHAMBERS,

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import isfinite, sqrt
 
 from hbench.records import Diagnosis, EffectInPractice, Gap
-from hbench.records.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
+from hbench.records.reconcile.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     added_words,

@@ -6,7 +6,7 @@ from math import isfinite
 import numpy as np
 
 from hbench.records import Diagnosis, Gap
-from hbench.records.diagnosis import SIGNIFICANT_P
+from hbench.records.reconcile.diagnosis import SIGNIFICANT_P
 from hbench.report.diagnosis.names import (
     EDGES,
     all_in_sentence,

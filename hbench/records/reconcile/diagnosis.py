@@ -4,14 +4,14 @@ Gaps are in units of the trials' scatter: 1 is the repeatability of the bench. Q
 """
 
 from dataclasses import dataclass, field
-from math import sqrt
 from typing import Any, Literal
 
 import numpy as np
 
 from hbench.records.numbers import FitParameter, FloatOrNan
-from hbench.records.runs import Provenance, RunPlan
-from hbench.records.separability import Separability
+from hbench.records.reconcile.gaps import Gap, GapTable, Region, ResidualMap, RunGap
+from hbench.records.reconcile.separability import Separability
+from hbench.records.runs import Provenance
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
 REST_M_S = 2e-3  # windows with a lower speed are at rest
@@ -21,90 +21,6 @@ MATERIAL = 0.002
 FITTED = "every bench has it; it is refitted with the parameters of the model"
 # Or a part of a hydraulic bench that a driven mass does not have.
 NO_PART = "does not change the force balance of a driven mass"
-
-
-@dataclass(frozen=True)
-class Gap:
-    """Gap of one balance or signal, and the part of it beyond scatter."""
-
-    name: str
-    gap: FloatOrNan  # 1: the repeatability of the bench
-    p_value: FloatOrNan  # after Holm
-    scatter: FloatOrNan  # root mean square of s, in the balance's unit
-    windows: int
-    # Root mean squares in the balance's unit; nan where strokes are compared.
-    deviation: FloatOrNan = float("nan")  # structured part, without the noise of single windows
-    material: FloatOrNan = float("nan")  # a smaller deviation does not matter
-    allowed: FloatOrNan = float("nan")  # that the instruments' tolerances may cause
-
-    @property
-    def structured(self) -> FloatOrNan:
-        """sqrt(gap^2 - 1), 0 below."""
-        return sqrt(max(self.gap**2 - 1, 0.0))
-
-
-@dataclass(frozen=True)
-class Region:
-    """A stretch of one axis with the gap of each balance in it, nan where nothing is compared."""
-
-    axis: str  # direction, speed_m_s, load_n, position_m, time_s
-    label: str  # of a direction; empty for the others
-    low: FloatOrNan  # smallest and largest value in it
-    high: FloatOrNan
-    windows: int
-    gaps: dict[str, FloatOrNan]  # by balance
-
-
-@dataclass(frozen=True)
-class ResidualMap:
-    """Residuals of c balances at w windows."""
-
-    names: tuple[str, ...]
-    value: np.ndarray  # (w, c) signed, in ``unit``; nan where not compared
-    v_m_s: np.ndarray  # (w,) signed
-    load_n: np.ndarray  # (w,)
-    x_m: np.ndarray  # (w,)
-    t_s: np.ndarray  # (w,) since the run's start
-    held_out: np.ndarray  # (w,) bool
-    unit: str = ""  # empty: the trials' scatter
-
-    @classmethod
-    def empty(cls) -> "ResidualMap":
-        """Return the map without balances and windows."""
-        none = np.zeros(0)
-        return cls((), np.zeros((0, 0)), none, none, none, none, none.astype(bool))
-
-
-@dataclass(frozen=True)
-class BeforeAfter:
-    """Gap of the model as given, refitted, and revised."""
-
-    before: FloatOrNan  # model as given
-    refitted: FloatOrNan  # its poorly known parameters refitted
-    after: FloatOrNan  # with the effects
-    floor: FloatOrNan  # average of correct models with values as uncertain, from these trials
-
-
-@dataclass(frozen=True)
-class GapTable:
-    """Gaps over some runs; the total is the root mean square of the balances'."""
-
-    total: BeforeAfter = BeforeAfter(*[float("nan")] * 4)
-    balances: dict[str, BeforeAfter] = field(default_factory=dict)
-    signals: dict[str, BeforeAfter] = field(default_factory=dict)  # closed loop
-    # Drift of the model under measured commands.
-    open_loop: dict[str, BeforeAfter] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class RunGap:
-    """Gaps of a single run, with the floors of its operating point."""
-
-    plan: RunPlan
-    held_out: bool
-    gap: GapTable
-
-
 MOTION_BALANCE = "force_mass"  # force balance of a driven mass
 SIGNIFICANT_P = 0.1  # p-value after Holm below which a gap is significant
 LEVEL_SCATTER = 0.04  # of dry friction from run to run, standard deviation: assumed
@@ -302,6 +218,8 @@ class Diagnosis:
     effects: tuple[AddedEffect, ...] = ()
     alternatives: tuple[Candidate, ...] = ()  # the ambiguous set
     rest: tuple[Gap, ...] = ()  # balances whose residuals no effect explains
+    # Effects too small to be named, which the revised model lacks: with them ``rest`` is empty.
+    small: tuple[AddedEffect, ...] = ()
     next_experiment: str | None = None  # in words
     next_schedule: dict[str, Any] | None = None  # for `hbench run`
     gap_heldout: GapTable = field(default_factory=GapTable)
