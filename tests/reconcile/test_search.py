@@ -277,6 +277,31 @@ def test_a_step_is_at_most_one_kind_longer_than_the_one_before():
     assert tried[7] == pytest.approx(shortest, rel=0.3) == tried[9]
 
 
+@pytest.mark.parametrize(
+    ("first", "again", "kept"),
+    [
+        ((8.0, 0.6, 0.1), (12.0, 0.7, 0.3), "again"),  # too small: with new columns it grows
+        ((8.0, 0.1, 0.5), (12.0, 0.7, 0.5), "again"),  # it explains too little
+        ((8.0, 0.6, 0.1), (-50.0, 0.7, 0.3), "first"),  # the refit predicts worse
+        ((8.0, 0.6, 0.5), (12.0, 0.7, 0.5), "first"),  # it is accepted as it is
+    ],
+)
+def test_a_candidate_that_is_not_accepted_is_refitted_and_the_better_fit_counts(first, again, kept):
+    judged = {
+        model: Candidate("end_cushion", *values, {}, "full", 5.0)
+        for model, values in (("first", first), ("again", again))
+    }
+
+    class Rounds(CampaignSearch):
+        _cross_validate = refit = lambda *_: "again"
+        _better = lambda *_: ("first", 0)  # noqa: E731
+        _judged = lambda self, model, before, with_effect, joined: judged[with_effect]  # noqa: E731
+
+    search = Rounds(None, np.arange(5), ("end_cushion",))
+    evaluated = search._evaluate_at_best("model", "start", (), "end_cushion")
+    assert evaluated.model == kept and evaluated.candidate is judged[kept]
+
+
 # ---- rivals
 
 
