@@ -34,6 +34,7 @@ from hbench.report.diagnosis.words.action import (
     zero_check,
     zero_readings,
 )
+from hbench.report.diagnosis.words.agreement import include_words
 from hbench.report.diagnosis.words.candidate import (
     absorbed_words,
     best_candidate,
@@ -284,6 +285,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, _model_to_use(diagnosis)
+    yield _ACTION, include_words(diagnosis)
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis) if is_hint(diagnosis) else ""
     yield _CLOSEST, absorbed_words(diagnosis)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from math import isfinite
 
-from hbench.records import Diagnosis, Gap
+from hbench.records import Diagnosis, FitParameter, Gap
 from hbench.records.reconcile.diagnosis import LEAST_SIZE, SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -16,7 +16,7 @@ from hbench.report.diagnosis.words.coefficient import coefficients_words
 from hbench.report.diagnosis.words.deviation import agrees, deviations, exceeding, largest_deviation
 from hbench.report.diagnosis.words.place import worst_places
 from hbench.report.render.numbers import number, p_equation
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 
 
 def agreement_words(diagnosis: Diagnosis) -> str:
@@ -99,6 +99,24 @@ def small_words(diagnosis: Diagnosis) -> str:
         f"{100 * LEAST_SIZE:.0f} % of the typical size, and model.yaml does not contain "
         f"{'it' if one else 'them'}."
     )
+
+
+def include_words(diagnosis: Diagnosis) -> str:
+    """Return the lines that add the small effects to a model file; empty without any."""
+    lines = [
+        f"'{effect.name}: {{{', '.join(_entry(*each) for each in effect.parameters.items())}}}'"
+        for effect in diagnosis.small
+    ]
+    if not lines:
+        return ""
+    effects = plural(len(lines), "that effect", "these effects")
+    return f"To include {effects} too, add {listed(lines)} to its section 'effects'."
+
+
+def _entry(key: str, parameter: FitParameter) -> str:
+    """Write a coefficient as in a model file."""
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    return f"{key}: {parameter.value:.4g}{unit}"
 
 
 def _most(gaps: Sequence[Gap]) -> str:
