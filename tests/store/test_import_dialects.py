@@ -377,6 +377,14 @@ def test_a_labview_file_is_understood_though_its_rows_leave_the_comment_out():
     assert table.lines.tolist() == [16, 17, 18, 19]
 
 
+def test_units_come_from_a_labview_files_header():
+    table = parse_table(LABVIEW.encode(), "a.lvm", text_dialect(LABVIEW).layout)
+    assert [table.unit(name) for name in table.names] == ["s", "mm", "N"]
+    unlabelled = LABVIEW.replace("Y_Unit_Label\tmm\tN", "Y_Unit_Label\t\t")
+    table = parse_table(unlabelled.encode(), "a.lvm", text_dialect(LABVIEW).layout)
+    assert table.unit("F") is None
+
+
 def test_a_comment_in_a_row_is_not_lost_unnoticed():
     text = LABVIEW.replace("11.0\t2002", "11.0\t2002\tstart")
     with pytest.raises(DataError, match="line 16: found 3 columns .*; expected 4"):

@@ -1,5 +1,6 @@
-"""Hints about a layout that does not fit a table: its header row, cells that are no numbers."""
+"""The header of a text table, and hints about a layout that does not fit it."""
 
+import re
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from itertools import islice
@@ -21,6 +22,19 @@ _FORMAT = (
 def ends_with_comment(names: Sequence[str]) -> bool:
     """Return whether a header ends with LabVIEW's "Comment", a cell that its rows may leave out."""
     return len(names) > 1 and names[-1].strip().lower() == "comment"
+
+
+def labview_units(text: str, layout: Format, width: int) -> tuple[str, ...]:
+    """Return the units of ``width`` columns above the header; empty where there are none.
+
+    The first column has the times, which LabVIEW writes in seconds without a label.
+    """
+    for line in text.splitlines()[: layout.preamble]:
+        label, *units = re.split(r"[\t,;]", line)
+        if label == "Y_Unit_Label" and any(units):
+            units = units[: width - 1]
+            return ("s", *units) if len(units) == width - 1 else ()
+    return ()
 
 
 def layout_hint(
