@@ -434,6 +434,9 @@ def test_the_numbers_of_the_columns_are_a_header(first):
     [
         ("#N/A", "Leave the cell empty"),
         ("-", "Leave the cell empty"),
+        ("+OVL", "Leave the cell empty"),
+        ("Overflow", "Leave the cell empty"),
+        ("*****", "Leave the cell empty"),
         ("2024-05-01T12:00:00", "unit: date-time"),
         ("twelve", None),
     ],

@@ -10,7 +10,12 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.store.formats.date_times import parse_date_time
 
-_MISSING = ("#n/a", "#div/0!", "#value!", "inf", "-inf", "-", "--", "---")
+# In place of a value: of spreadsheets and loggers, such as for an overloaded or open input.
+_MISSING = (
+    *("#n/a", "#div/0!", "#value!", "#num!", "#ref!", "inf", "-inf", "none", "no data", "nodata"),
+    *("ovl", "ol", "o.l", "ovf", "over", "overload", "overflow", "open", "bad", "error", "invalid"),
+)
+_FILLERS = "-*#?+ "  # cells of these alone
 _MOST_ROWS = 60
 _MOST_BETWEEN = 3  # rows between header and data, such as units
 _NUMERIC = 0.5  # of the cells of a row of data
@@ -85,7 +90,7 @@ def cell_hint(cell: str) -> str:
         )
     if "," in cell:
         return "Specify a decimal comma in the map: format.decimal."
-    if cell.strip().lower() in _MISSING:
+    if cell.strip().lower().strip("+-") in _MISSING or not cell.strip(_FILLERS):
         return "Leave the cell empty, or write nan, if there is no value."
     with suppress(ValueError, OverflowError):
         parse_date_time(cell.strip())
