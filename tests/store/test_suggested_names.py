@@ -52,6 +52,13 @@ DIALECTS = {
         {"separator": "semicolon", "preamble": 1, "units_row": True, "decimal": ","},
         ("Weg", "Kraft"),
     ),
+    "a row between units and data that begins as a comment": (
+        table("Bench\nA\nB\nC\nZeit;Weg\ns;mm\n# 200 Hz;# 200 Hz\n", ";",
+              ["0,1", "0,2"], ["1,5", "1,6"]),
+        {"separator": "semicolon", "preamble": 4, "units_row": True, "skip_rows": 1,
+         "decimal": ","},
+        ("Zeit", "Weg"),
+    ),
     "row between units and data": (
         table("t,x\ns,mm\nraw,scaled\n", ",", ["0", "1"], ["2", "3"]),
         {"units_row": True, "skip_rows": 1},
