@@ -331,7 +331,9 @@ def test_a_missing_last_newline_is_reported_in_any_character_set(tmp_path, chars
     assert describe_source(tmp_path, "a.csv").is_truncated == (end == "")
 
 
-@pytest.mark.parametrize(("unit", "newton"), [("daN", 10.0), ("kgf", 9.80665), ("N", None)])
+@pytest.mark.parametrize(
+    ("unit", "newton"), [("daN", 10.0), ("tf", 9806.65), ("kgf", 9.80665), ("N", None)]
+)
 def test_a_unit_in_brackets_may_not_contradict_the_map(bring_in, rules, unit, newton):
     rules["format"] = {}
     for channel, stated in {"t_s": "s", "x_m": "mm", "p_tp_pa": "bar", "f_applied_n": unit}.items():
