@@ -4,6 +4,11 @@ import copyreg
 from enum import IntEnum
 from typing import Any
 
+NO_MEMORY = (  # hint
+    "Free memory, raise the limit of the process (ulimit -v), or split large files; a damaged file "
+    "may also state a size that it does not have."
+)
+
 
 class ExitCode(IntEnum):
     """Exit codes of every command."""

@@ -66,6 +66,7 @@ UNITS: dict[str, Unit] = {
     "daN": _unit(10.0, **_NEWTON),
     "kN": _unit(1e3, **_NEWTON),
     "kgf": _unit(9.80665, **_NEWTON),
+    "tf": _unit(9806.65, **_NEWTON),  # tonne-force, metric
     "lbf": _unit(4.4482216152605, **_NEWTON),
     "kip": _unit(4448.2216152605, **_NEWTON),
     "Pa": _unit(1.0, **_PASCAL),

@@ -10,6 +10,7 @@ import yaml
 from scipy.io import savemat
 
 from hbench import workflow
+from hbench.report.campaign.reasons import cause_of
 from hbench.store.campaign.folder import load_campaign
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -157,3 +158,32 @@ def test_a_copied_file_is_no_further_trial(tmp_path):
     assert {run.reason.partition(":")[0] for run in results.runs if not run.accepted} == {"copy"}
     assert "of run 0001" in results.runs[1].reason and "of run 0004" in results.runs[5].reason
     assert [point.n for curve in results.curves for point in curve.points] == [1, 1]
+
+
+def test_fast_strokes_are_accepted_with_the_limits_that_the_report_names(tmp_path):
+    """1005 mm/s for 1000 mm/s, and a log that ends 0.25 s after the piston has moved off."""
+    (tmp_path / "logs").mkdir()
+    names = ("t_s", "x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")
+    for trial, end_s in ((1, 3.4), (2, 1.25)):
+        log = np.stack(stroke(1.005, 1500.0, seed=trial), axis=1)
+        log = log[log[:, 0] < end_s]
+        file = tmp_path / f"logs/1000_{trial}.csv"
+        np.savetxt(file, log, "%.8g", ",", header=",".join(names), comments="")
+    size = {"piston_diameter": "40 mm", "rod_diameter": "25 mm"}
+    rules = {
+        "name": "fast",
+        "columns": {name: {"column": name} for name in names},
+        "series": [{"label": "A", "files": "{speed}_{trial}.csv", "cylinder": size}],
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", CLOCK)
+    results = workflow.analyze(tmp_path / "out")
+    assert not any(run.accepted for run in results.runs)
+    causes = cause_of(results, "off_reference") + cause_of(results, "too_short")
+    limits = {"settle_time": "0.05 s", "min_window": "0.1 s", "high_speed_error": "10 mm/s"}
+    assert all(f"screening.{key}" in causes for key in limits)
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules | {"screening": limits}))
+    workflow.import_runs(tmp_path / "logs", tmp_path / "out2", tmp_path / "map.yaml", CLOCK)
+    (curve,) = workflow.analyze(tmp_path / "out2").curves
+    assert curve.points[0].friction_n == pytest.approx(friction(1.005), rel=0.01)
+    assert curve.points[0].n == 2

@@ -34,6 +34,7 @@ def analysed(tmp_path, clock):
         named=True,
         offset_n=0.0,
         instruments=None,
+        position_scale=1.0,
     ):
         (tmp_path / "logs").mkdir(exist_ok=True)
         for load in loads_n:
@@ -59,6 +60,7 @@ def analysed(tmp_path, clock):
                 }
             ],
         }
+        rules["columns"]["x_m"] |= {"scale": position_scale}
         rules["columns"]["f_applied_n"] |= {"scale": force_scale, "offset": f"{offset_n} N"}
         rules |= {"instruments": instruments} if instruments else {}
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
@@ -135,6 +137,14 @@ def test_a_load_that_opposes_one_direction_has_no_such_check(analysed):
     results = analysed(force_scale=-1.0, loads_n=(1500.0,))
     assert check_of(results, "load_direction") is None
     assert check_of(results, "plausible_signs").grade == "poor"
+
+
+def test_a_position_from_the_other_end_is_named_where_all_friction_drives(analysed):
+    results = analysed(position_scale=-1.0)
+    check = check_of(results, "plausible_signs")
+    assert check.grade == "poor" and check.count == check.of
+    assert "a sign, the instruments" in quality_verdict(results.quality)
+    assert "If the position falls while the cylinder extends" in next_step(results.quality, "")
 
 
 def test_a_weight_that_no_load_cell_measures_makes_the_directions_differ(analysed):

@@ -32,7 +32,7 @@ from hbench.cli.commands import (
 )
 from hbench.cli.once import OnceCommand
 from hbench.cli.standard_streams import open_standard_streams
-from hbench.errors import ConfigError, DataError, HbenchError
+from hbench.errors import NO_MEMORY, ConfigError, DataError, HbenchError
 from hbench.parallel.one_thread import ONE_THREAD
 from hbench.untrusted_text import printable
 
@@ -153,6 +153,8 @@ def main() -> None:
         app()
     except HbenchError as error:
         _end(error)
+    except MemoryError:
+        _end(DataError("not enough memory", NO_MEMORY))
     except OSError as error:
         if error.errno not in _REFUSED or not isinstance(error.filename, str | bytes):
             raise

@@ -75,9 +75,9 @@ STEPS = {
     "repeatability": "make more trials of each point, or find what changes between them",
     "unlike_trials": "look at the files of the trials that the notes list: a wrong sign, scale or "
     "channel",
-    "load_spread": "separate the loads: in the map, write {{load}} in 'files' where the names of "
-    "the files have it, or make a series of each load with a label of its own; in runs.csv, fill "
-    "in f_load_n. Then import again",
+    "load_spread": "separate the loads: split files with several of them; in the map, write "
+    "{{load}} in 'files' where the names of the files have it, or make a series of each load with "
+    "a label of its own; in runs.csv, fill in f_load_n. Then import again",
     "nominal_load": "compare the loads in the names of the files with those of the load cell: its "
     "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
     "drift": "warm the bench up until friction no longer changes from run to run, and measure in "
@@ -85,7 +85,8 @@ STEPS = {
     "possible_drift": "measure in random order, which separates drift from speed",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
-    "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",
+    "plausible_signs": "check the sign of the load cell, the instruments, their zeros and the "
+    "areas of the cylinder",
     "load_direction": "if the load opposed the motion, correct the sign of the load cell (scale: "
     "-1 in a map)",
     "load_balance": "check the diameters of the cylinder, and the scale and sign of the pressures "

@@ -98,6 +98,32 @@ def test_a_bug_is_exit_code_1_with_a_traceback_and_ctrl_c_130():
         assert ("Traceback" in done.stderr) == (code == 1)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are observed on Linux only")
+@pytest.mark.parametrize("options", [["--map", "map.yaml", "-o", "out"], ["--suggest"]])
+def test_a_log_that_needs_more_memory_than_there_is_is_no_bug(tmp_path, options):
+    (tmp_path / "logs").mkdir()
+    with open(tmp_path / "logs/a.csv", "wb") as log:
+        log.truncate(150_000_000)
+    (tmp_path / "map.yaml").write_text(
+        "name: a\ncolumns: {t_s: {column: t_s}, x_m: {column: x_m}, f_drive_n: {column: f_drive_n}}"
+        "\nseries: [{label: a, files: a.csv}]\n"
+    )
+    limited = (
+        "import resource; from pathlib import Path; import hbench.workflow.imports\n"
+        "pages = int(Path('/proc/self/statm').read_text().split()[0])\n"
+        "size = pages * resource.getpagesize() + 100_000_000\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (size, size))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", f"{limited}\n{NAMED}", "import", "logs", *options],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
+    assert done.returncode == 4 and not done.stdout
+    assert "not enough memory\nhint: Free memory" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("command", "given", "named"),
     [

@@ -331,7 +331,9 @@ def test_a_missing_last_newline_is_reported_in_any_character_set(tmp_path, chars
     assert describe_source(tmp_path, "a.csv").is_truncated == (end == "")
 
 
-@pytest.mark.parametrize(("unit", "newton"), [("daN", 10.0), ("kgf", 9.80665), ("N", None)])
+@pytest.mark.parametrize(
+    ("unit", "newton"), [("daN", 10.0), ("tf", 9806.65), ("kgf", 9.80665), ("N", None)]
+)
 def test_a_unit_in_brackets_may_not_contradict_the_map(bring_in, rules, unit, newton):
     rules["format"] = {}
     for channel, stated in {"t_s": "s", "x_m": "mm", "p_tp_pa": "bar", "f_applied_n": unit}.items():
@@ -375,6 +377,14 @@ def test_a_labview_file_is_understood_though_its_rows_leave_the_comment_out():
     assert table.names == dialect.names
     assert table.numbers("F").tolist() == [2001, 2002, 2003, 2004]
     assert table.lines.tolist() == [16, 17, 18, 19]
+
+
+def test_units_come_from_a_labview_files_header():
+    table = parse_table(LABVIEW.encode(), "a.lvm", text_dialect(LABVIEW).layout)
+    assert [table.unit(name) for name in table.names] == ["s", "mm", "N"]
+    unlabelled = LABVIEW.replace("Y_Unit_Label\tmm\tN", "Y_Unit_Label\t\t")
+    table = parse_table(unlabelled.encode(), "a.lvm", text_dialect(LABVIEW).layout)
+    assert table.unit("F") is None
 
 
 def test_a_comment_in_a_row_is_not_lost_unnoticed():
@@ -426,6 +436,9 @@ def test_the_numbers_of_the_columns_are_a_header(first):
     [
         ("#N/A", "Leave the cell empty"),
         ("-", "Leave the cell empty"),
+        ("+OVL", "Leave the cell empty"),
+        ("Overflow", "Leave the cell empty"),
+        ("*****", "Leave the cell empty"),
         ("2024-05-01T12:00:00", "unit: date-time"),
         ("twelve", None),
     ],

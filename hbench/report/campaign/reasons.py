@@ -30,6 +30,13 @@ _AT_REST = {  # of runs with closed valves
     "off_reference": "valves that leak or are not closed, or a load that moves the piston; where "
     "the leakage itself moves it, state a larger screening.rest_travel",
 }
+_IMPORTED = {  # of another bench's logs
+    "too_short": "too little travel for this speed; for fast strokes state a shorter "
+    "screening.settle_time and screening.min_window in the map",
+    "off_reference": "a speed in the map or in the names of the files that is not that of the "
+    "motion; where the bench does not keep its speed, state a larger screening.high_speed_error "
+    "(above 150 mm/s) or screening.low_speed_error in the map",
+}
 _ABORTED, _UNFINISHED = "aborted", "unfinished"  # codes of the reasons
 _NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."
 _OF_COMPLETED = "All numbers on this page are those of the completed runs."
@@ -46,6 +53,8 @@ def cause_of(results: Results, code: str) -> str:
     rejected = [run for run in results.runs if code in map(code_of, run.reasons)]
     if code in _AT_REST and all(KINDS[run.run.plan.kind].is_at_rest for run in rejected):
         return _AT_REST[code]
+    if results.provenance.source == "imported" and code in _IMPORTED:
+        return _IMPORTED[code]
     return CAUSES.get(code, "")
 
 

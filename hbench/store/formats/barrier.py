@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from hbench.errors import DataError, HbenchError
+from hbench.errors import NO_MEMORY, DataError, HbenchError
 
 _LONGEST = 300  # characters of an exception's text
 
@@ -21,8 +21,12 @@ def reader_errors(source: str, name: str = "") -> Iterator[None]:
         raise
     except Exception as error:
         fault = f"{type(error).__name__}: {' '.join(str(error).split())[:_LONGEST]}"
-        raise DataError(
-            f"{source}: can't be read{f' as {name}' if name else ''}: {fault}",
+        hint = (
             "Check that the file is complete and has the ending of its format; or save it again, "
-            "for example as CSV.",
+            "for example as CSV."
+        )
+        if isinstance(error, MemoryError):
+            fault, hint = "MemoryError: not enough memory", NO_MEMORY
+        raise DataError(
+            f"{source}: can't be read{f' as {name}' if name else ''}: {fault}", hint
         ) from error

@@ -1,5 +1,6 @@
-"""Hints about a layout that does not fit a table: its header row, cells that are no numbers."""
+"""The header of a text table, and hints about a layout that does not fit it."""
 
+import re
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from itertools import islice
@@ -9,7 +10,12 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.store.formats.date_times import parse_date_time
 
-_MISSING = ("#n/a", "#div/0!", "#value!", "inf", "-inf", "-", "--", "---")
+# In place of a value: of spreadsheets and loggers, such as for an overloaded or open input.
+_MISSING = (
+    *("#n/a", "#div/0!", "#value!", "#num!", "#ref!", "inf", "-inf", "none", "no data", "nodata"),
+    *("ovl", "ol", "o.l", "ovf", "over", "overload", "overflow", "open", "bad", "error", "invalid"),
+)
+_FILLERS = "-*#?+ "  # cells of these alone
 _MOST_ROWS = 60
 _MOST_BETWEEN = 3  # rows between header and data, such as units
 _NUMERIC = 0.5  # of the cells of a row of data
@@ -21,6 +27,19 @@ _FORMAT = (
 def ends_with_comment(names: Sequence[str]) -> bool:
     """Return whether a header ends with LabVIEW's "Comment", a cell that its rows may leave out."""
     return len(names) > 1 and names[-1].strip().lower() == "comment"
+
+
+def labview_units(text: str, layout: Format, width: int) -> tuple[str, ...]:
+    """Return the units of ``width`` columns above the header; empty where there are none.
+
+    The first column has the times, which LabVIEW writes in seconds without a label.
+    """
+    for line in text.splitlines()[: layout.preamble]:
+        label, *units = re.split(r"[\t,;]", line)
+        if label == "Y_Unit_Label" and any(units):
+            units = units[: width - 1]
+            return ("s", *units) if len(units) == width - 1 else ()
+    return ()
 
 
 def layout_hint(
@@ -71,7 +90,7 @@ def cell_hint(cell: str) -> str:
         )
     if "," in cell:
         return "Specify a decimal comma in the map: format.decimal."
-    if cell.strip().lower() in _MISSING:
+    if cell.strip().lower().strip("+-") in _MISSING or not cell.strip(_FILLERS):
         return "Leave the cell empty, or write nan, if there is no value."
     with suppress(ValueError, OverflowError):
         parse_date_time(cell.strip())

@@ -3,7 +3,7 @@
 import csv
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from itertools import chain, compress, islice, repeat
 from string import whitespace
@@ -17,7 +17,7 @@ from hbench.store.files.bounded_read import LARGEST_TEXT, read_whole
 from hbench.store.formats import header_row
 from hbench.store.formats.date_times import parse_date_time
 from hbench.store.formats.encoding import decoded, is_text
-from hbench.store.formats.header_row import ends_with_comment, layout_hint
+from hbench.store.formats.header_row import ends_with_comment, labview_units, layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
@@ -192,7 +192,8 @@ def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
     else:
         rows, numbers, _ = _cells(texts, numbers, layout, source)
     ended = text.endswith(("\n", "\r"))
-    return _table(top, rows, [*above, *numbers], layout, source, ended=ended)
+    table = _table(top, rows, [*above, *numbers], layout, source, ended=ended)
+    return replace(table, units=table.units or labview_units(text, layout, len(table.names)))
 
 
 def table_of_rows(

@@ -53,7 +53,8 @@ def text_dialect(text: str) -> Dialect | None:
 def _with_comments_between(dialect: Dialect, lines: Sequence[str]) -> Dialect:
     """Return the dialect with the sign of comments between the rows of data, if there are any."""
     layout = dialect.layout
-    starts = dict.fromkeys(line.lstrip()[:_LONGEST_SIGN] for line in lines[layout.preamble :])
+    above = layout.preamble + layout.header + layout.units_row + layout.skip_rows
+    starts = dict.fromkeys(line.lstrip()[:_LONGEST_SIGN] for line in lines[above:])
     first, *others = filter(None, starts)
     for sign in _COMMENTS if layout.comment is None else ():
         if not first.startswith(sign) and any(start.startswith(sign) for start in others):

@@ -122,14 +122,11 @@ _SIDES: tuple[tuple[Side, re.Pattern[str]], ...] = (
             r"|speise|source|feed)\b"
         ),
     ),  # fmt: skip
-    ("rod", re.compile(r"\bp ?(b|2|tr|r|ring|rod)\b|\b(b|2|rod|stange|ring|annulus|tr)\b")),
-    (
-        "piston",
-        re.compile(
-            r"\bp ?(a|1|tp|k|piston|kolben|cap|bore)\b|\b(a|1|cap|bore|kolben|boden"
-            r"|piston|blind|bottom|tp)\b"
-        ),
-    ),  # fmt: skip
+    # Words come before letters and numbers, which may be those of the logger's channels.
+    ("rod", re.compile(r"\b(rod|stange|ring|annulus)\b")),
+    ("piston", re.compile(r"\b(cap|bore|kolben|boden|piston|blind|bottom)\b")),
+    ("rod", re.compile(r"\bp ?(b|2|tr|r)\b|\b(b|2|tr)\b")),
+    ("piston", re.compile(r"\bp ?(a|1|tp|k)\b|\b(a|1|tp)\b")),
 )
 
 

@@ -19,8 +19,8 @@ def contradictions(points: Sequence[ImplausiblePoint]) -> str:
     named = [f"{_where(point)}: {_measured(point)}" for point in beyond[:_NAMED]]
     more = [f"{len(beyond) - _NAMED} more"] if len(beyond) > _NAMED else []
     return (
-        "Friction opposes the motion, so the instruments, their zero or an area are in error, or a "
-        "load was not measured: "
+        "Friction opposes the motion, so a sign, the instruments, their zero or an area are in "
+        "error, or a load was not measured: "
         f"{'; '.join([*named, *more])}."
     )
 

@@ -13,6 +13,11 @@ RULE = (
     "limits are hbench's own; no standard sets them. Each fit has its own verdict."
 )
 _NO_TOLERANCES = "state the tolerances of the sensors in the {file}"
+_ALL_IMPLAUSIBLE = (
+    "if the position falls while the cylinder extends, turn its sign (scale: -1 in a map); if not, "
+    "check which pressure is that of the piston side, the sign of the load cell, the zeros and the "
+    "areas of the cylinder"
+)
 _CONTINUE = (
     "Continue the campaign: repeat its command with --resume, bench file and schedule unchanged"
 )
@@ -147,8 +152,13 @@ def next_step(
 
 
 def _step(check: QualityCheck) -> str:
-    """Return what improves a check; tolerances that are not known are stated first."""
+    """Return what improves a check; tolerances that are not known are stated first.
+
+    Friction that drives at all points is that of a position of the wrong sign.
+    """
     unknown = check.name == "instruments" and check.value is None
+    if check.name == "plausible_signs" and check.count == check.of:
+        return _ALL_IMPLAUSIBLE
     if check.drift is not None and not check.drift.significant:
         return STEPS["possible_drift"]
     return _NO_TOLERANCES if unknown else STEPS[check.name]
