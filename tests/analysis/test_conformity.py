@@ -451,6 +451,18 @@ def test_an_impossible_value_passes_no_limit(rule, quantity, limits, value, u95,
     ]
 
 
+@pytest.mark.parametrize("rule", ["simple", "guard_band", "shared_risk"])
+def test_a_leakage_against_its_pressure_passes_no_limit(rule):
+    requirement = Requirement("leakage", "ml/min", low=None, high=8e-8, leak="rod_side_out")
+    against, within = Measurement(-2e-8, 5e-9), Measurement(-4e-9, 5e-9)
+    decided = decide(requirement, against, rule, 0.5)
+    assert decided.decision == "NOT TESTED" and "negative by more than U" in decided.reason
+    assert decide(requirement, within, rule, 0.5).decision == "PASS"
+    check = ConformityCheck(requirement, against, None, "NOT TESTED", decided.reason)
+    ((_, step),) = next_steps([check])
+    assert "oil temperature" in step and "areas" not in step
+
+
 def test_a_value_that_is_impossible_within_its_uncertainty_is_decided():
     assert decide(HIGHEST, Measurement(-3.0, 11.0), "guard_band").decision == "PASS"
 
