@@ -23,6 +23,7 @@ from hbench.errors import ConfigError
 from hbench.records import Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.records.motions import Decay, Leakage, LeakCoefficient, Series
+from hbench.records.rod_pressure import series_key
 from hbench.report.conformity.decision_section import decision_section
 from hbench.report.conformity.text import complete_u, next_steps
 from hbench.store.campaign.folder import load_campaign
@@ -165,7 +166,9 @@ def test_each_series_is_decided_by_its_worst_speed(small):
     found = checks(small, {"quantity": "friction", "max": "1 kN"})
     curves = [curve for curve in small.curves if curve.kind == "steady"]
     assert len(found) == len(curves)
-    for check, curve in zip(found, curves, strict=True):
+    by_series = {series_key(check.measurement): check for check in found}
+    for curve in curves:
+        check = by_series[series_key(curve)]
         worst = max(curve.points, key=lambda point: abs(point.friction_n))
         assert check.measurement.value == pytest.approx(abs(worst.friction_n))
         assert check.measurement.u95 == worst.u95_n
@@ -374,6 +377,15 @@ def test_the_ripple_is_that_of_screening(small):
     found = checks(small, {"quantity": "speed_ripple", "max": "5 %"})
     assert found and all(0 < check.measurement.value < 0.05 for check in found)
     assert all(check.decision == "PASS" for check in found)
+
+
+def test_series_without_a_stated_speed_are_in_the_order_of_speed_direction_and_load(small):
+    """Runs are made in random order, and each series may have its worst ripple elsewhere."""
+    mixed = replace(small, runs=tuple(np.random.default_rng(4).permutation(np.array(small.runs))))
+    found = [each.measurement for each in checks(mixed, {"quantity": "speed_ripple", "max": "5 %"})]
+    places = [(round(1e3 * m.v_m_s, 1), m.direction, abs(m.f_load_n)) for m in found]
+    assert len({speed for speed, *_ in places}) > 1
+    assert places == sorted(places)
 
 
 @pytest.mark.parametrize(
