@@ -99,7 +99,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
     rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
     load, checks = without_common_load(without_common_rod_pressure(acceptance.checks))
     lines = [
-        f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
+        *wrapped(f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})"),
         *_decision_lines(checks),
     ]
     remarks = [
