@@ -22,7 +22,7 @@ from hbench.config.sensors import Instruments
 from hbench.errors import ConfigError
 from hbench.records import Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
-from hbench.records.motions import Decay, Leakage, LeakCoefficient, Series
+from hbench.records.motions import Breakaway, Decay, Leakage, LeakCoefficient, Series
 from hbench.records.rod_pressure import series_key
 from hbench.report.conformity.decision_section import decision_section
 from hbench.report.conformity.text import complete_u, next_steps
@@ -280,6 +280,32 @@ def test_the_way_back_of_a_plunger_is_not_passed_over_by_a_limit_in_bar(small):
     limit = {"quantity": "friction", "max": "9 bar"}
     *driven, back = checks(plunger, limit)
     assert {check.measurement.direction for check in driven} == {"extend"}
+    assert (back.decision, back.measurement) == ("NOT TESTED", None)
+    assert "retracting plunger" in back.reason
+    for other in (limit | {"direction": "extend"}, limit | {"max": "9 kN"}):
+        assert all(check.measurement for check in checks(plunger, other))
+
+
+def test_the_breakaway_of_a_plungers_way_back_is_not_passed_over_by_a_limit_in_bar(small):
+    area = small.curves[0].specimen.area_piston_m2
+
+    def breakaway(direction, breakaway_pa):
+        return Breakaway(
+            *(Series("", 0.0, None), direction, 60.0, 200.0, 400.0, 8.0, 12.0, 3, (400.0,) * 3),
+            *(1e-3, 5e5, None, 0.0, ("0001", "0002", "0003")),
+            breakaway_pa=breakaway_pa,
+        )
+
+    both = breakaway("extend", 400.0 / area), breakaway("retract", None)
+    plunger = replace(small, motions=replace(small.motions, breakaways=both))
+    runs = tuple(
+        replace(r, run=replace(r.run, plan=replace(r.run.plan, specimen=Specimen(area, 0.0))))
+        for r in small.runs
+    )
+    plunger = replace(plunger, runs=runs)
+    limit = {"quantity": "breakaway", "max": "9 bar"}
+    driven, back = checks(plunger, limit)
+    assert driven.measurement.direction == "extend"
     assert (back.decision, back.measurement) == ("NOT TESTED", None)
     assert "retracting plunger" in back.reason
     for other in (limit | {"direction": "extend"}, limit | {"max": "9 kN"}):

@@ -61,7 +61,7 @@ def _checks(
     missing = list(rejected_points(results, requirement))
     for direction in undriven_directions(results, requirement):
         missing.append(
-            f"no oil drives the {DIRECTION_WORDS[direction]} plunger: limit its friction in N, and "
+            f"no oil drives the {DIRECTION_WORDS[direction]} plunger: limit its force in N, and "
             "give the limit in bar 'direction: extend'"
         )
     if not worst and not missing:
