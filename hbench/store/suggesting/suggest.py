@@ -79,10 +79,9 @@ def suggest_map(folder: Path) -> Suggestion:
     files = {name: file for p in alike for name, file in _more_of(folder, p, samples[p], alike)}
     suggested = _suggested_map(folder, list(files.values()), alike, len(names))
     if suggested.motion is None:
-        others = [pattern for pattern in patterns if pattern not in alike]
-        alike = joined_holds(alike, names)
-        patterns = [*others, *alike]
-        suggested = _suggested_map(folder, list(files.values()), alike, len(names))
+        joined = joined_holds(alike, names)
+        patterns = [*(pattern for pattern in patterns if pattern not in alike), *joined]
+        suggested = _suggested_map(folder, list(files.values()), joined, len(names))
     suggested = _verified(folder, suggested, patterns, faults)
     notes = (*_notes(suggested, faults), *_joined_or_split(samples, alike))
     return Suggestion(map_text(suggested), notes)
