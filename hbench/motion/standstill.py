@@ -31,7 +31,7 @@ def standstill(x_m: np.ndarray, dt_s: float) -> tuple[np.ndarray, np.ndarray]:
     if len(x_m) < long:
         return np.zeros(len(x_m), bool), np.zeros(len(x_m))
     whole = np.array([0, len(x_m)])
-    smooth = local_polynomials(x_m, whole, window, _ORDER, 0, 1.0)
+    smooth = _smooth(x_m, window)
     level, step = (local_polynomials(x_m, whole, long, 1, order, 1.0) for order in (0, 1))
     noise_m = _noise(x_m, smooth)
     still = np.ptp(sliding_window_view(x_m, long), axis=1) <= _STILL * noise_m
@@ -39,6 +39,15 @@ def standstill(x_m: np.ndarray, dt_s: float) -> tuple[np.ndarray, np.ndarray]:
     within_m = _ALIKE * noise_m * sqrt(noise_share(window, _ORDER))
     at_rest, step = _rests(still, long // 2, smooth, level, step, within_m)
     return at_rest, step / dt_s
+
+
+def noise_of_motion(x_m: np.ndarray, dt_s: float) -> float:
+    """Return the standard deviation of the noise [m] of a position with rests and strokes."""
+    return _noise(x_m, _smooth(x_m, odd_samples(_SMOOTH_S, dt_s, _FEWEST)))
+
+
+def _smooth(x_m: np.ndarray, window: int) -> np.ndarray:
+    return local_polynomials(x_m, np.array([0, len(x_m)]), window, _ORDER, 0, 1.0)
 
 
 def _noise(x_m: np.ndarray, smooth: np.ndarray) -> float:

@@ -22,7 +22,8 @@ from hbench.config.sensors import Instruments
 from hbench.errors import ConfigError
 from hbench.records import Specimen
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
-from hbench.records.motions import Decay, Leakage, LeakCoefficient, Series
+from hbench.records.motions import Breakaway, Decay, Leakage, LeakCoefficient, Series
+from hbench.records.rod_pressure import series_key
 from hbench.report.conformity.decision_section import decision_section
 from hbench.report.conformity.text import complete_u, next_steps
 from hbench.store.campaign.folder import load_campaign
@@ -165,7 +166,9 @@ def test_each_series_is_decided_by_its_worst_speed(small):
     found = checks(small, {"quantity": "friction", "max": "1 kN"})
     curves = [curve for curve in small.curves if curve.kind == "steady"]
     assert len(found) == len(curves)
-    for check, curve in zip(found, curves, strict=True):
+    by_series = {series_key(check.measurement): check for check in found}
+    for curve in curves:
+        check = by_series[series_key(curve)]
         worst = max(curve.points, key=lambda point: abs(point.friction_n))
         assert check.measurement.value == pytest.approx(abs(worst.friction_n))
         assert check.measurement.u95 == worst.u95_n
@@ -283,6 +286,32 @@ def test_the_way_back_of_a_plunger_is_not_passed_over_by_a_limit_in_bar(small):
         assert all(check.measurement for check in checks(plunger, other))
 
 
+def test_the_breakaway_of_a_plungers_way_back_is_not_passed_over_by_a_limit_in_bar(small):
+    area = small.curves[0].specimen.area_piston_m2
+
+    def breakaway(direction, breakaway_pa):
+        return Breakaway(
+            *(Series("", 0.0, None), direction, 60.0, 200.0, 400.0, 8.0, 12.0, 3, (400.0,) * 3),
+            *(1e-3, 5e5, None, 0.0, ("0001", "0002", "0003")),
+            breakaway_pa=breakaway_pa,
+        )
+
+    both = breakaway("extend", 400.0 / area), breakaway("retract", None)
+    plunger = replace(small, motions=replace(small.motions, breakaways=both))
+    runs = tuple(
+        replace(r, run=replace(r.run, plan=replace(r.run.plan, specimen=Specimen(area, 0.0))))
+        for r in small.runs
+    )
+    plunger = replace(plunger, runs=runs)
+    limit = {"quantity": "breakaway", "max": "9 bar"}
+    driven, back = checks(plunger, limit)
+    assert driven.measurement.direction == "extend"
+    assert (back.decision, back.measurement) == ("NOT TESTED", None)
+    assert "retracting plunger" in back.reason
+    for other in (limit | {"direction": "extend"}, limit | {"max": "9 kN"}):
+        assert all(check.measurement for check in checks(plunger, other))
+
+
 def test_a_campaign_of_two_sizes_of_cylinders_gets_no_certificate(small):
     """The certificate would state the bore of the first as that of its item."""
     first, *others = small.runs
@@ -376,6 +405,15 @@ def test_the_ripple_is_that_of_screening(small):
     assert all(check.decision == "PASS" for check in found)
 
 
+def test_series_without_a_stated_speed_are_in_the_order_of_speed_direction_and_load(small):
+    """Runs are made in random order, and each series may have its worst ripple elsewhere."""
+    mixed = replace(small, runs=tuple(np.random.default_rng(4).permutation(np.array(small.runs))))
+    found = [each.measurement for each in checks(mixed, {"quantity": "speed_ripple", "max": "5 %"})]
+    places = [(round(1e3 * m.v_m_s, 1), m.direction, abs(m.f_load_n)) for m in found]
+    assert len({speed for speed, *_ in places}) > 1
+    assert places == sorted(places)
+
+
 @pytest.mark.parametrize(
     "limits",
     [
@@ -449,6 +487,18 @@ def test_an_impossible_value_passes_no_limit(rule, quantity, limits, value, u95,
     assert [step for _, step in next_steps([check])] == [
         "check the signs, zeros and units of the channels, and the areas, then repeat hbench accept"
     ]
+
+
+@pytest.mark.parametrize("rule", ["simple", "guard_band", "shared_risk"])
+def test_a_leakage_against_its_pressure_passes_no_limit(rule):
+    requirement = Requirement("leakage", "ml/min", low=None, high=8e-8, leak="rod_side_out")
+    against, within = Measurement(-2e-8, 5e-9), Measurement(-4e-9, 5e-9)
+    decided = decide(requirement, against, rule, 0.5)
+    assert decided.decision == "NOT TESTED" and "negative by more than U" in decided.reason
+    assert decide(requirement, within, rule, 0.5).decision == "PASS"
+    check = ConformityCheck(requirement, against, None, "NOT TESTED", decided.reason)
+    ((_, step),) = next_steps([check])
+    assert "oil temperature" in step and "areas" not in step
 
 
 def test_a_value_that_is_impossible_within_its_uncertainty_is_decided():

@@ -23,9 +23,9 @@ NOT_MEASURED = {"quantity": "breakaway", "max": "5 bar"}
 def accept(tmp_path):
     one_load(tmp_path / "campaign")
 
-    def run(*limits, rule="guard_band", arguments=()):
+    def run(*limits, rule="guard_band", product="P", arguments=()):
         file = tmp_path / "limits.yaml"
-        file.write_text(yaml.safe_dump({"product": "P", "rule": rule, "limits": list(limits)}))
+        file.write_text(yaml.safe_dump({"product": product, "rule": rule, "limits": list(limits)}))
         line = ["accept", str(tmp_path / "campaign"), "--limits", str(file), *arguments]
         return CliRunner().invoke(app, line)
 
@@ -110,7 +110,9 @@ def test_a_friction_in_bar_says_over_which_area(accept):
 
 def test_no_line_of_the_decisions_is_wider_than_a_terminal(accept):
     ripple = {"quantity": "speed_ripple", "max": "50 %"}
-    assert max(map(len, accept(MET, ripple).stdout.splitlines())) <= 80
+    product = "hydraulic cylinder of the series 50/36 with a stroke of 250 mm and seals of NBR 70"
+    shown = accept(MET, ripple, product=product).stdout
+    assert max(map(len, shown.splitlines())) <= 80 and product in " ".join(shown.split())
 
 
 @pytest.mark.usefixtures("wide_terminal")

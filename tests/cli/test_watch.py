@@ -29,6 +29,7 @@ from hbench.store.campaign.live_file import LIVE, SCHEMA, read_live, write_live
 from hbench.store.campaign.stored_acceptance import stored_checks
 from hbench.workflow.watching import live, watch
 from hbench.workflow.watching.charts import limits_checked, station_charts
+from tests.support import ROOT
 from tests.support.report.browser import Browser
 from tests.support.report.spaces import ordinary_spaces
 
@@ -533,6 +534,22 @@ def test_a_run_that_was_stopped_has_one_reason_and_is_not_counted_as_rejected(
         re.search(rf'id="{name}"[^>]*>(.*?)<', dom)[1] for name in ("shares", "rejected-title")
     )
     assert " of 2 completed runs" in poor and "stopped: 1" in title
+
+
+def test_runs_without_a_constant_speed_are_counted_where_the_friction_would_be(
+    tmp_path, require_tool
+):
+    """An acceptance test begins with them, and a leakage test has no others."""
+    folder = tmp_path / "campaign"
+    shutil.copytree(ROOT / "data_samples" / "blind" / "none-5", folder)
+    path = folder / "campaign.yaml"
+    content = yaml.safe_load(path.read_text())
+    content["runs"] = [run for run in content["runs"] if run["plan"]["kind"] != "steady"]
+    path.write_text(yaml.safe_dump(content, sort_keys=False))
+    with watched(folder) as page:
+        dom = shown_by(require_tool("chromium"), page, tmp_path)
+    assert 'id="made-title">Accepted runs<' in dom
+    assert re.search(r'id="plot">4 triangles and 2 holds\. No steady run is accepted', dom)
 
 
 def test_a_station_shows_an_interrupted_campaign_and_its_rejected_runs(

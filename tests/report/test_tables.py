@@ -27,6 +27,7 @@ from hbench.report.campaign.terminal import summary_text
 from hbench.report.first_sheet import about_rows
 from hbench.report.headline import headline_words
 from hbench.report.render.numbers import with_ends, with_minus, without_powers
+from hbench.report.render.pdf_pen import words_of
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain
 from hbench.report.setting_words import value_words
@@ -380,3 +381,14 @@ def test_a_column_of_several_units_is_not_aligned_at_its_points():
     rows = (("velocity", "800 V/m"), ("rod pressure", "1.25·10⁻⁵ V/(Pa s)"))
     _, _, *lines = table_lines(WordTable("", ("loop", "gain"), rows))
     assert lines == ["velocity      800 V/m", "rod pressure  1.25e-5 V/(Pa s)"]
+
+
+def test_a_unit_in_a_narrow_head_stays_on_a_line():
+    for head, pieces in (
+        (
+            "U = 1.96 u (% points)",
+            ["U", "=\N{NO-BREAK SPACE}1.96", "u", "(%\N{NO-BREAK SPACE}points)"],
+        ),
+        ("Breakaway ± U (bar)", ["Breakaway", "±\N{NO-BREAK SPACE}U", "(bar)"]),
+    ):
+        assert words_of(head) == pieces

@@ -277,6 +277,19 @@ def test_several_values_of_a_column_in_a_series_are_reported(logs):
     assert "Temperatur (K) has the values 20 K, 40 K in these files" in text
 
 
+def test_holds_at_several_pressures_are_a_series(logs):
+    rng = np.random.default_rng(1)
+    t = np.arange(0.0, 8.0, 0.01)
+    for a, b, trial in ((20, 60, 1), (40, 80, 1), (60, 30, 1), (20, 60, 2), (60, 30, 2)):
+        x = 100 + 1e-3 * rng.standard_normal(len(t))
+        columns = np.column_stack([t, x, a * np.exp(-t / 90), b * np.exp(-t / 200)])
+        rows = "".join(f"{','.join(f'{each:.4f}' for each in row)}\n" for row in columns.tolist())
+        name = f"hold_{a}bar_{b}bar_{trial}.csv"
+        (logs / name).write_text(f"time_s,x_mm,pA_bar,pB_bar\n{rows}")
+    text = suggest_map(logs).text
+    assert text.count("- label:") == 1 and "5 files" in text and "kind: hold" in text
+
+
 def test_filtered_columns_that_are_left_out_are_reported(logs):
     run = there_and_back(0.05, 1000.0)
     names = {"t_s": "t [s]", "x_m": "x [m]", "p_tp_pa": "pA [Pa]", "p_tr_pa": "pB [Pa]"}

@@ -6,7 +6,7 @@ import pytest
 
 from hbench.store.formats.date_times import parse_date_time
 from hbench.store.suggesting.dialect import is_date_time, text_dialect
-from hbench.store.suggesting.file_names import name_patterns
+from hbench.store.suggesting.file_names import joined_holds, name_patterns
 from hbench.store.suggesting.quantities import meaning
 from hbench.store.suggesting.units import split_unit, unit_in
 
@@ -318,3 +318,18 @@ def test_a_12_hour_clock_is_read_with_the_month_first(text, meant):
 )
 def test_what_is_no_time_of_day_is_no_date_time(text):
     assert not is_date_time(text)
+
+
+def test_holds_named_by_two_pressures_are_one_series():
+    """Leaks are fitted to the holds of a series: one for each second pressure could not be."""
+    names = [f"hold_{a}bar_{a + 40}bar_{trial}.csv" for a in (20, 40, 60) for trial in (1, 2)]
+    names += [f"hold_20bar_80bar_{trial}.csv" for trial in (1, 2)]
+    patterns = name_patterns(sorted(names))
+    assert len(patterns) == 3  # of other kinds of runs, the second one may be the back pressure
+    (one,) = joined_holds(patterns, sorted(names))
+    assert one.files == "hold_{pressure}bar_*bar_{trial}.csv" and one.label == "hold"
+    assert sorted(one.names) == sorted(names)
+    others = name_patterns(["a_1bar.csv", "b_1bar.csv"])
+    assert [p.files for p in joined_holds(others, ["a_1bar.csv", "b_1bar.csv"])] == [
+        p.files for p in others
+    ]

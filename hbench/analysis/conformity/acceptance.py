@@ -34,7 +34,7 @@ def conformity_checks(
     rule: Rule,
     largest_uncertainty: float | None,
 ) -> tuple[ConformityCheck, ...]:
-    """Return the decisions, in the order of the requirements.
+    """Return the decisions, in the order of the requirements, of each by speed and series.
 
     Of several speeds of a series, the one with the smallest probability of conformity decides.
     """
@@ -57,11 +57,11 @@ def _checks(
         key = series_key(measured)
         if key not in worst or _goodness(check) < _goodness(worst[key]):
             worst[key] = check
-    yield from worst.values()
+    yield from sorted(worst.values(), key=_place)
     missing = list(rejected_points(results, requirement))
     for direction in undriven_directions(results, requirement):
         missing.append(
-            f"no oil drives the {DIRECTION_WORDS[direction]} plunger: limit its friction in N, and "
+            f"no oil drives the {DIRECTION_WORDS[direction]} plunger: limit its force in N, and "
             "give the limit in bar 'direction: extend'"
         )
     if not worst and not missing:
@@ -121,6 +121,15 @@ def _nearest(limit: float, values: list[float], unit: str) -> str:
 
 def _written(value: float, unit: str) -> str:
     return f"{float(f'{from_si(value, unit):.3g}'):.15g} {unit}".replace("-", "\N{MINUS SIGN}")
+
+
+def _place(check: ConformityCheck) -> tuple[float, str, float, float]:
+    """Return what checks of one requirement are ordered by; speeds equal as printed are equal."""
+    measured = check.measurement
+    assert measured is not None
+    speed = float(f"{measured.v_m_s or 0.0:.3g}")
+    load, back = abs(measured.f_load_n or 0.0), measured.p_lr_ref_pa or 0.0
+    return speed, measured.direction or "", load, back
 
 
 def _goodness(check: ConformityCheck) -> tuple[bool, float, float]:

@@ -11,7 +11,7 @@ Of the quantity Y, given a measured value y with the standard uncertainty u,
                   limits, FAIL beyond them                                       (JCGM 106, 8.3.2)
 
 A value that is impossible beyond its uncertainty decides nothing: it shows an error of a sign, a
-zero or an area.
+zero or an area, or of a leakage a drift of the pressures that no leak causes.
 """
 
 from typing import NamedTuple
@@ -33,6 +33,7 @@ _IMPOSSIBLE: dict[LimitQuantity, str] = {
     "friction": _DRIVES,
     "breakaway": _DRIVES,
     "efficiency": "the efficiency is above 100 %",
+    "leakage": "the leakage is negative by more than U, although no oil leaks against its pressure",
 }
 
 

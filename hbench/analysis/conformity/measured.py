@@ -226,13 +226,26 @@ def near(value: float | None, stated: float | None) -> bool:
 
 def undriven_directions(results: Results, requirement: Requirement) -> tuple[Direction, ...]:
     """Return the directions of measured series that have no driving area for a limit in bar."""
-    if not (requirement.is_pressure and requirement.quantity == "friction"):
+    if not requirement.is_pressure:
         return ()
+    if requirement.quantity == "breakaway":
+        return _undriven_breakaways(results, requirement) if has_areas(results) else ()
     directions = (
         curve.direction
         for curve in _steady(results.curves, requirement)
         if curve.specimen.area_piston_m2 and not curve.specimen.driving_area_m2(curve.direction)
         if any(near(abs(point.v_m_s), requirement.v_m_s) for point in curve.points)
+    )
+    return tuple(dict.fromkeys(directions))
+
+
+def _undriven_breakaways(results: Results, requirement: Requirement) -> tuple[Direction, ...]:
+    directions = (
+        each.direction
+        for each in results.motions.breakaways
+        if not each.breakaway_pa
+        and applies(each, each.series, requirement)
+        and near(each.dwell_s, requirement.dwell_s)
     )
     return tuple(dict.fromkeys(directions))
 

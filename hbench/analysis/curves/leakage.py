@@ -77,17 +77,25 @@ def _leakage(label: str, runs: Sequence[Run], chambers: Chambers) -> Leakage:
         if abs(n - 1.0) > half:
             found = _solved(_matrix(holds, n, p_0), moved, number, runs, chambers)
             exponent, exponent_ci95 = n, half
-    coefficients, messages, none = [], [], []
+    coefficients, messages = [], []
+    none: list[str] = []
+    negative: list[str] = []
     for i, name in enumerate(LEAK_NAMES):
         value, se, half = float(found.value[i]), float(found.se[i]), float(found.half[i])
         known = not found.unknown[i] and np.isfinite(half)
         interval = (value - half, value + half) if known else None
         if known and value <= half:
-            none.append(name)
+            (none if value >= -half else negative).append(name)
         shown = None if found.unknown[i] else value
         coefficients.append(LeakCoefficient(name, shown, se if known else None, interval))
     if none:
         messages.append(f"not significant at the 95 % level: {_listed(none)}")
+    if negative:
+        messages.append(
+            "negative by more than U, although no oil leaks against its pressure: "
+            f"{_listed(negative)}. Check the oil temperature, the drift of the pressure "
+            "transducers and the leakage of the valves"
+        )
     if found.unknown.any():
         unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(

@@ -30,6 +30,7 @@ from hbench.analysis.fitting.tustin import (
 from hbench.analysis.identification.friction_section import friction_section
 from hbench.analysis.identification.leuven import STEADY, fit_leuven
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
+from hbench.analysis.identification.position_noise import with_position_noise
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.analysis.statistics.intervals import fit_parameters, parameter_messages
 from hbench.config.fitting import Fitting
@@ -84,7 +85,7 @@ def identify_laws(
         (
             "lugre",
             moving,
-            lambda: fit_lugre(_reversing(motions), _start(fit_of("tustin")), _unknowns(motions)),
+            lambda: _lugre(_reversing(motions), fit_of("tustin")),
         ),
         ("leuven", moving, lambda: _leuven(motions, fit_of("lugre"))),
     ):
@@ -202,12 +203,22 @@ def _start(fit: Fit | None) -> FrictionParameters:
     return _UNKNOWN._replace(**values)
 
 
+def _lugre(motions: Sequence[LoggedMotion], tustin: Fit | None) -> Fit:
+    fit = fit_lugre(motions, _start(tustin), _unknowns(motions))
+    return with_position_noise(fit, motions, _deflection(_start(fit)))
+
+
+def _deflection(law: FrictionParameters) -> float:
+    """Return the deflection [m] of the bristles of LuGre's law before they slide."""
+    return law.stiction / law.bristle_stiffness
+
+
 def _leuven(motions: Sequence[LoggedMotion], lugre: Fit | None) -> Fit:
     """Fit Leuven's law: its elements for some Delta_max to some runs, then everything to all."""
     if lugre is None:
         raise _NotDetermined("its search starts at LuGre's fit, which is missing")
     known = _start(lugre)
-    length = known.stiction / known.bristle_stiffness
+    length = _deflection(known)
     elements = tuple(share * known.stiction for share in _SHARES)
     turning = sorted(filter(reverses, motions), key=lambda motion: len(motion.v_m_s))
     few = turning[: (len(turning) + 1) // 2]  # the shorter ones: many reversals, little sliding
@@ -221,4 +232,5 @@ def _leuven(motions: Sequence[LoggedMotion], lugre: Fit | None) -> Fit:
     seals = [name for name in _unknowns(motions) if name in _SEALS]
     names = (*STEADY, "sigma1_n_s_m", *seals, "delta_max_m")
     fit = fit_leuven(motions, best, names, spans=(1.0,))
-    return replace(fit, message="; ".join(filter(None, (fit.message, _SEVERAL_MINIMA))))
+    fit = replace(fit, message="; ".join(filter(None, (fit.message, _SEVERAL_MINIMA))))
+    return with_position_noise(fit, motions, length)

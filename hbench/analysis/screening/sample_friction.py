@@ -18,7 +18,7 @@ from hbench.analysis.screening.friction_channels import (
 )
 from hbench.errors import DataError
 from hbench.motion.local_polynomials import local_polynomials, odd_samples
-from hbench.motion.standstill import standstill
+from hbench.motion.standstill import noise_of_motion, standstill
 from hbench.records import Run
 from hbench.records.identification import MEMORY_M
 from hbench.sentences import listed
@@ -39,6 +39,7 @@ class LoggedMotion:
     compared: np.ndarray  # (n,) bool; False in the first 20 mm: the initial state is unknown
     f_applied_n: np.ndarray  # (n,) load cell, including the load side's inertia
     one_sided: int = _FEWEST // 2  # samples at each end whose derivatives are not centred
+    noise_m: float = 0.0  # standard deviation of the noise of the position
 
     @property
     def centred(self) -> slice:
@@ -79,6 +80,7 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         compared=np.cumsum(np.abs(v)) * dt > MEMORY_M,
         f_applied_n=run.channel("f_applied_n"),
         one_sided=window // 2,
+        noise_m=noise_of_motion(run.x_m, dt),
     )
 
 

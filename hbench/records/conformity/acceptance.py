@@ -53,11 +53,15 @@ class Requirement:
         return min(low, high)
 
     def is_impossible(self, measured: "Measurement") -> bool:
-        """Whether friction drives the motion, or an efficiency is above 100 %, by more than U."""
+        """Whether the sign contradicts physics, or an efficiency is above 100 %, by more than U.
+
+        Friction cannot drive the motion, and oil cannot leak against its pressure.
+        """
         u95 = measured.u95 or 0.0
         if self.quantity == "efficiency":
             return measured.value - u95 > 1.0
-        return self.quantity in ("friction", "breakaway") and measured.value + u95 < 0.0
+        signed = ("friction", "breakaway", "leakage")
+        return self.quantity in signed and measured.value + u95 < 0.0
 
     @property
     def is_pressure(self) -> bool:

@@ -1,8 +1,7 @@
-"""Acceptance of a cylinder for the terminal, and as JUnit XML for production servers."""
+"""Acceptance of a cylinder for the terminal, and its words for all documents."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from xml.etree import ElementTree
 
 from hbench.records import DIRECTION_WORDS, WordTable
 from hbench.records.conformity.acceptance import (
@@ -23,7 +22,6 @@ from hbench.report.render.terminal_table import lines_by_row
 from hbench.report.render.terminal_text import plain, wrapped
 from hbench.sentences import listed
 from hbench.units import from_si
-from hbench.untrusted_text import printable
 
 QUANTITIES: dict[LimitQuantity, str] = {
     "friction": "friction",
@@ -62,6 +60,9 @@ _STEPS: dict[Conformity, str] = {
 }
 _MEASURE = "measure what is missing"
 _CORRECT = "check the signs, zeros and units of the channels, and the areas"
+_CORRECT_HOLDS = (
+    "check the oil temperature, the drift of the pressure transducers and the leakage of the valves"
+)
 _REDUCE = "reduce U with more trials or more accurate instruments"
 
 
@@ -98,7 +99,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
     rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
     load, checks = without_common_load(without_common_rod_pressure(acceptance.checks))
     lines = [
-        f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
+        *wrapped(f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})"),
         *_decision_lines(checks),
     ]
     remarks = [
@@ -195,50 +196,18 @@ def next_steps(checks: Sequence[ConformityCheck]) -> Iterator[tuple[Conformity, 
     """Yield each kind of decision but PASS and what to do about it, the worst first."""
     untested = [check for check in checks if check.decision == "NOT TESTED"]
     ways = [_MEASURE] if any(check.measurement is None for check in untested) else []
-    impossible = [c.requirement.is_impossible(c.measurement) for c in untested if c.measurement]
-    ways += [_CORRECT] if any(impossible) else []
-    ways += [_REDUCE] if not all(impossible) else []
+    decided = [c for c in untested if c.measurement]
+    impossible = [
+        c for c in decided if c.measurement and c.requirement.is_impossible(c.measurement)
+    ]
+    of_holds = [check.requirement.quantity == "leakage" for check in impossible]
+    ways += [_CORRECT] if not all(of_holds) else []
+    ways += [_CORRECT_HOLDS] if any(of_holds) else []
+    ways += [_REDUCE] if len(impossible) < len(decided) else []
     steps = _STEPS | {"NOT TESTED": f"{' and '.join(ways)}, then repeat hbench accept"}
     for decision in WORST_FIRST:
         if any(check.decision == decision for check in checks) and decision in steps:
             yield decision, steps[decision]
-
-
-def junit_xml(acceptance: Acceptance) -> str:
-    """Return a test suite of the cylinder, a case for each decision; only PASS is no failure."""
-    checks = acceptance.checks
-    failed = [check for check in checks if check.decision in ("FAIL", "MARGINAL")]
-    untested = [check for check in checks if check.decision == "NOT TESTED"]
-    about = [acceptance.provenance.name]
-    about += [f"cylinder {acceptance.serial}"] if acceptance.serial else []
-    suite = ElementTree.Element(
-        "testsuite",
-        name=printable(f"hbench accept {', '.join(about)} ({acceptance.provenance.source})"),
-        tests=str(len(checks)),
-        failures=str(len(failed)),
-        errors=str(len(untested)),
-    )
-    for check in checks:
-        case = ElementTree.SubElement(
-            suite,
-            "testcase",
-            classname=printable(acceptance.product or acceptance.limits),
-            name=printable(check_words(check.requirement, check.measurement)),
-        )
-        if check.decision != "PASS":
-            tag = "error" if check.decision == "NOT TESTED" else "failure"
-            words = measured_words(check) if check.measurement is not None else ""
-            words += f"{'; ' * bool(words)}limit {limit_words(check.requirement)}"
-            message = "; ".join(filter(None, (check.reason, words)))
-            ElementTree.SubElement(case, tag, type=check.decision, message=printable(message))
-        if check.measurement is not None:
-            figures = (
-                f"measured {measured_words(check)}; limit {limit_words(check.requirement)}; "
-                f"conforms {probability_words(check.probability)}"
-            )
-            ElementTree.SubElement(case, "system-out").text = printable(figures)
-    ElementTree.indent(suite)
-    return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
 
 
 def check_words(requirement: Requirement, measured: Measurement | None) -> str:

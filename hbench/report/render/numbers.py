@@ -8,7 +8,7 @@ from operator import itemgetter
 _WITH_UNIT = re.compile(
     r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹] (?:%|k?N(?: s/m|/mm?|/bar)?|m?m(?:/s²?|²)?|m?V(?: s/m|/m|/\(Pa s\))?|[kM]?Pa"
     r"|bar|m?s|min|h|k?Hz|rad/s|dB|deg|J|kg|m?l/min(?:/bar| per bar)?|°C|K|nats)(?![\w/])"
-    r"|\((?:N s/m|Pa s|ml/min per bar)\)"
+    r"|\((?:N s/m|Pa s|ml/min per bar|% points)\)|± U\b"
 )
 _OF_SYMBOL = re.compile(r"\b(P_[TLS][pr]?) (?=−?\d)")  # a pressure before its value
 _RELATION = re.compile(r"(\bp )?([=<>≥≤]) (?=[−\d])")  # before a number, such as p = 0.01

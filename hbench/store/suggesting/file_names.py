@@ -15,6 +15,7 @@ from hbench.store.suggesting.name_fields import (
     SimilarNames,
     is_long,
     number_fields,
+    numbers_in,
     without_ending,
     without_numbers,
     words_of,
@@ -76,6 +77,25 @@ def name_patterns(names: Sequence[str]) -> list[NamePattern]:
         else:  # it matches names of another pattern too
             exact += [NamePattern(name, (name,)) for name in pattern.names]
     return _labelled([p for p in exact if p.matching(p.names)])
+
+
+def joined_holds(patterns: Sequence[NamePattern], names: Sequence[str]) -> list[NamePattern]:
+    """Return patterns of holds; those that differ in a second pressure only become one.
+
+    The holds of a cylinder at several pressures determine its leaks together.
+    """
+    by_files: dict[str, list[NamePattern]] = defaultdict(list)
+    for pattern in patterns:
+        files = pattern.files
+        for number in reversed(list(numbers_in(files))):
+            if number.field == "pressure":
+                files = f"{files[: number.start]}*{files[number.stop :]}"
+        by_files[files].append(pattern)
+    joined: list[NamePattern] = []
+    for files, group in by_files.items():
+        one = _merged(replace(group[0], files=files), group, names) if len(group) > 1 else None
+        joined += group if one is None else [one]
+    return _labelled(joined)
 
 
 def _patterns(names: Sequence[str]) -> Iterator[NamePattern]:

@@ -85,7 +85,7 @@ class SimilarNames:
     @classmethod
     def of(cls, names: Sequence[str]) -> "SimilarNames":
         """Find the numbers of ``names``."""
-        return cls({name: list(_numbers(name)) for name in names})
+        return cls({name: list(numbers_in(name)) for name in names})
 
     @property
     def first(self) -> tuple[str, Sequence[NameNumber]]:
@@ -122,6 +122,7 @@ def words_of(files: str) -> str:
     text = re.sub(rf"\{{({'|'.join(FIELDS)})\}}({_UNIT.pattern})?", "\0", text, flags=re.IGNORECASE)
     text = re.sub(rf"\{{[a-z]+\}}({_FACTOR_UNIT.pattern})?", "\0", text)
     text = re.sub(rf"((?<![A-Za-z])[A-Za-z])?\*{_FACTOR_UNIT.pattern}", "\0", text)
+    text = re.sub(rf"\*{_UNIT.pattern}", "\0", text, flags=re.IGNORECASE)
     for pattern in (*_WORDS.values(), *_FACTOR_WORDS.values()):
         text = re.sub(rf"{pattern.pattern[:-1]}\0", "\0", text, flags=re.IGNORECASE)
     return " ".join(re.sub(r"[\0_/* ]+", " ", text).split()).strip(" -.=#")
@@ -137,7 +138,7 @@ def is_long(text: str) -> bool:
     return len(text) > _LONGEST_TRIAL
 
 
-def _numbers(name: str) -> Iterator[NameNumber]:
+def numbers_in(name: str) -> Iterator[NameNumber]:
     """Yield the numbers of a name, and its dates as one number each."""
     end = _ENDING.search(name)
     stop = end.start() if end else len(name)

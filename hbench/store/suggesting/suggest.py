@@ -21,7 +21,7 @@ from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.duplicates import duplicates
 from hbench.store.suggesting.factors import column_factors
-from hbench.store.suggesting.file_names import NamePattern, name_patterns
+from hbench.store.suggesting.file_names import NamePattern, joined_holds, name_patterns
 from hbench.store.suggesting.force_balance import ForceBalance, force_balance
 from hbench.store.suggesting.map_yaml.map_text import map_text
 from hbench.store.suggesting.map_yaml.suggested_map import (
@@ -78,6 +78,10 @@ def suggest_map(folder: Path) -> Suggestion:
     alike = max(by_signature.values(), key=lambda group: sum(len(p.names) for p in group))
     files = {name: file for p in alike for name, file in _more_of(folder, p, samples[p], alike)}
     suggested = _suggested_map(folder, list(files.values()), alike, len(names))
+    if suggested.motion is None:
+        joined = joined_holds(alike, names)
+        patterns = [*(pattern for pattern in patterns if pattern not in alike), *joined]
+        suggested = _suggested_map(folder, list(files.values()), joined, len(names))
     suggested = _verified(folder, suggested, patterns, faults)
     notes = (*_notes(suggested, faults), *_joined_or_split(samples, alike))
     return Suggestion(map_text(suggested), notes)

@@ -10,7 +10,7 @@ from hbench.records.conformity.acceptance import Acceptance
 from hbench.report.campaign.quality.completeness import missing_words
 from hbench.report.campaign.quality.verdict import grade_words
 from hbench.report.conformity.acceptance_document import acceptance_json
-from hbench.report.conformity.text import junit_xml
+from hbench.report.conformity.junit import junit_xml
 from hbench.report.creep_words import creep_facts
 from hbench.report.quality_words import LOAD_CELL_ZERO
 from hbench.report.zero_words import zero_reserve

@@ -3,13 +3,15 @@
 import threading
 import time
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from hbench.errors import HbenchError
 from hbench.experiment.staged_plan import planned_runs
-from hbench.records import ScreenedRun
+from hbench.records import KINDS, ScreenedRun
+from hbench.sentences import listed
 from hbench.store.campaign.folder import JOURNAL, StoredCampaign, load_campaign
 from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.live_file import read_live
@@ -62,18 +64,26 @@ class Watch:
             campaign = self._campaign
             if campaign is None:
                 name = self._folder.resolve().name
-                return {"name": name, "source": "", "version": self._seen, "runs": []}
+                return {
+                    "name": name,
+                    "source": "",
+                    "version": self._seen,
+                    "runs": [],
+                    "without_speed": "",
+                }
             ended = [entry for entry in campaign.entries if entry.stop]
             attempts = Counter(entry.plan.run for entry in ended)
+            rows = [
+                self._rows[_key(entry)] | {"attempts": attempts[entry.plan.run]}
+                for entry in campaign.latest
+                if entry.stop
+            ]
             return {
                 "name": campaign.header["name"],
                 "source": campaign.header["source"],
                 "version": self._seen,
-                "runs": [
-                    self._rows[_key(entry)] | {"attempts": attempts[entry.plan.run]}
-                    for entry in campaign.latest
-                    if entry.stop
-                ],
+                "runs": rows,
+                "without_speed": _without_speed(rows),
             }
 
     def _version(self) -> str:
@@ -152,6 +162,14 @@ def _row(screened: ScreenedRun) -> dict[str, Any]:
         "v_m_s": means.v_m_s if means else None,
         "friction_n": means.friction_n if means else None,
     }
+
+
+def _without_speed(rows: Sequence[dict[str, Any]]) -> str:
+    """Count the accepted runs that have no friction at a constant speed, by kind."""
+    kinds = Counter(KINDS[row["kind"]] for row in rows if not row["reasons"])
+    return listed(
+        [kind.counted(count) for kind, count in kinds.items() if not kind.has_constant_speed]
+    )
 
 
 def _planned(campaign: StoredCampaign) -> int | None:

@@ -209,11 +209,19 @@ def _tested(certificate: Certificate, checks: Sequence[ConformityCheck]) -> Iter
     count = len(dict.fromkeys(check.requirement for check in checks))
     missing = [check for check in checks if check.decision == "NOT TESTED"]
     untested = [quantity_words(certificate, c) for c in missing if c.measurement is None]
-    undecided = [quantity_words(certificate, c) for c in missing if c.measurement is not None]
+    measured = [(c, c.measurement) for c in missing if c.measurement is not None]
+    impossible = {
+        quantity_words(certificate, c): None for c, m in measured if c.requirement.is_impossible(m)
+    }
+    undecided = [
+        quantity_words(certificate, c) for c, m in measured if not c.requirement.is_impossible(m)
+    ]
     why = [word("untested", quantities="; ".join(untested))] if untested else []
     decisions = len(checks) - len(missing)
     yield " ".join(
         (word("tested", tested=count - len(untested), count=count, decisions=decisions), *why)
     )
+    if impossible:
+        yield word("impossible", quantities="; ".join(impossible))
     if undecided:
         yield word("undecided", quantities="; ".join(dict.fromkeys(undecided)))

@@ -208,6 +208,9 @@ ENGLISH = {
     "tested": "Limits tested: {tested} of {count} (decisions: {decisions}, one for each series).",
     "untested": "Not measured for the others: {quantities}.",
     "not_measured": "Not measured: {quantities}.",
+    "impossible": "Measured, but not decided, because the value is impossible by more than its U; "
+    "a sign, a zero, an area or the drift of an instrument or of the oil temperature falsifies "
+    "it: {quantities}.",
     "undecided": "Measured, but not decided, because U is too large for the decision rule or "
     "not known: {quantities}.",
     "short": "{points} of {of} operating points have fewer accepted trials than planned.",

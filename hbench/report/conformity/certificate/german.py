@@ -213,6 +213,9 @@ GERMAN = {
     "jede Reihe).",
     "untested": "Für die übrigen nicht gemessen: {quantities}.",
     "not_measured": "Nicht gemessen: {quantities}.",
+    "impossible": "Gemessen, aber nicht entschieden, weil der Wert um mehr als U unmöglich ist; "
+    "ein Vorzeichen, ein Nullpunkt, eine Fläche oder die Drift eines Messmittels oder der "
+    "Öltemperatur verfälscht ihn: {quantities}.",
     "undecided": "Gemessen, aber nicht entschieden, weil U für die Entscheidungsregel zu groß "
     "oder nicht bekannt ist: {quantities}.",
     "short": "{points} von {of} Betriebspunkten haben weniger verwendete Wiederholungen als "

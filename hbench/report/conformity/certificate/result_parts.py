@@ -74,7 +74,7 @@ def _leak_law(certificate: Certificate) -> str:
         held = localized(certificate, span(across)) if across else ""
         holds = certificate.word("leak_holds", pressures=held) if held else ""
         flows = [value.measurement for value in certificate.of("leakage")]
-        if all(flow.u95 is not None and flow.value <= flow.u95 for flow in flows):
+        if all(flow.u95 is not None and abs(flow.value) <= flow.u95 for flow in flows):
             holds += certificate.word("leak_none")
         return certificate.word("leak_laminar", holds=holds)
     exponents = span([leak.exponent for leak in powers])
