@@ -277,16 +277,8 @@ def test_a_step_is_at_most_one_kind_longer_than_the_one_before():
     assert tried[7] == pytest.approx(shortest, rel=0.3) == tried[9]
 
 
-@pytest.mark.parametrize(
-    ("first", "again", "kept"),
-    [
-        ((8.0, 0.6, 0.1), (12.0, 0.7, 0.3), "again"),  # too small: with new columns it grows
-        ((8.0, 0.1, 0.5), (12.0, 0.7, 0.5), "again"),  # it explains too little
-        ((8.0, 0.6, 0.1), (-50.0, 0.7, 0.3), "first"),  # the refit predicts worse
-        ((8.0, 0.6, 0.5), (12.0, 0.7, 0.5), "first"),  # it is accepted as it is
-    ],
-)
-def test_a_candidate_that_is_not_accepted_is_refitted_and_the_better_fit_counts(first, again, kept):
+def judged_again(first, again):
+    """Return a search that judges a candidate as ``first``, and refitted as ``again``."""
     judged = {
         model: Candidate("end_cushion", *values, {}, "full", 5.0)
         for model, values in (("first", first), ("again", again))
@@ -296,10 +288,35 @@ def test_a_candidate_that_is_not_accepted_is_refitted_and_the_better_fit_counts(
         _cross_validate = refit = lambda *_: "again"
         _better = lambda *_: ("first", 0)  # noqa: E731
         _judged = lambda self, model, before, with_effect, joined: judged[with_effect]  # noqa: E731
+        _with_threshold = lambda self, each, *_: each  # noqa: E731
 
-    search = Rounds(None, np.arange(5), ("end_cushion",))
+    return Rounds(None, np.arange(5), ("end_cushion",)), judged
+
+
+@pytest.mark.parametrize(
+    ("first", "again", "kept"),
+    [
+        ((8.0, 0.1, 0.5), (12.0, 0.7, 0.5), "again"),  # it explains too little
+        ((8.0, 0.1, 0.5), (-50.0, 0.7, 0.5), "first"),  # the refit predicts worse
+        ((8.0, 0.6, 0.5), (12.0, 0.7, 0.5), "first"),  # it explains enough
+    ],
+)
+def test_a_candidate_that_explains_too_little_is_refitted_and_the_better_fit_counts(
+    first, again, kept
+):
+    search, judged = judged_again(first, again)
     evaluated = search._evaluate_at_best("model", "start", (), "end_cushion")
     assert evaluated.model == kept and evaluated.candidate is judged[kept]
+
+
+@pytest.mark.parametrize(
+    ("again", "added"),
+    [((12.0, 0.7, 0.3), "end_cushion"), ((12.0, 0.7, 0.2), None), ((-50.0, 0.7, 0.3), None)],
+)
+def test_the_best_candidate_is_refitted_before_it_is_too_small(again, added):
+    search, judged = judged_again((8.0, 0.6, 0.1), again)
+    step, _ = search._decided("model", (), [EvaluatedCandidate(judged["first"], "first")])
+    assert step.added == added
 
 
 # ---- rivals

@@ -414,7 +414,9 @@ def test_an_effect_too_small_to_be_named_that_explains_all_has_its_value_in_the_
     assert text.startswith("No missing effect is found that is large enough to be named. The ")
     assert "(matters above 12 N)" in text
     assert "Internal leakage (test cylinder 0.00580 (0.00560 to 0.00610) l/min/bar)" in text
-    assert "explains this; it is below 25 % of the typical size, and model.yaml does not" in text
+    assert (
+        "explains this; it is too small to be named (25 % of the typical size needed), and" in text
+    )
     assert "a small one is possible" not in text and "no known effect" not in text
     line = "add 'internal_leakage: {test: 0.0058 l/min/bar}' to its section 'effects'."
     assert line in summary(small) and "To include" not in summary(replace(small, small=()))

@@ -212,6 +212,9 @@ class CampaignSearch(EffectRefinement):
                 continue
             if accepted and each.model is None and self.criteria.accepts(each.candidate):
                 each = self._evaluate_in_full(model, added, each.candidate.name)
+            too_small = SMALL.accepts(each.candidate) and not CRITERIA.accepts(each.candidate)
+            if too_small and each.model and not accepted:
+                each = self._refitted_candidate(model, added, each)
             evaluated[i] = tested = self._with_threshold(each, added, names)
             if tested.model and self.criteria.accepts(tested.candidate):
                 accepted.append(tested)

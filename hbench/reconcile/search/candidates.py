@@ -149,18 +149,32 @@ class CandidateEvaluator(Refits):
                 break
             with_effect = better
         candidate = self._judged(model, before, with_effect, joined)
-        if candidate.score > CRITERIA.score and not CRITERIA.accepts(candidate):
-            # its law is not linear: with columns at its coefficients it may explain more, or grow
-            refitted = self.refit(with_effect, joined)
-            judged = self._judged(model, before, refitted, joined)
-            if judged.score > candidate.score:
-                with_effect, candidate = refitted, judged
-        if with_effect is start:  # no step is better: what is known is the linear fit
+        evaluated = EvaluatedCandidate(candidate, with_effect)
+        if candidate.score > CRITERIA.score and candidate.explained <= CRITERIA.explained:
+            evaluated = self._refitted_candidate(model, added, evaluated)
+        if evaluated.model is start:  # no step is better: what is known is the linear fit
             values = self._values(start, name, start.index(joined), self._fit(start, joined))
-            candidate = self._candidate(
-                name, candidate.score, candidate.explained, values, candidate.tried
+            evaluated = EvaluatedCandidate(
+                self._candidate(
+                    name, candidate.score, candidate.explained, values, candidate.tried
+                ),
+                start,
             )
-        return EvaluatedCandidate(candidate, with_effect)
+        return evaluated
+
+    def _refitted_candidate(
+        self, model: LinearisedModel, added: tuple[str, ...], evaluated: EvaluatedCandidate
+    ) -> EvaluatedCandidate:
+        """Return a candidate refitted with columns at its coefficients, if its score is higher.
+
+        Laws are not linear: there it may explain more, or be larger.
+        """
+        assert evaluated.model is not None
+        joined = (*added, evaluated.candidate.name)
+        refitted = self.refit(evaluated.model, joined)
+        candidate = self._judged(model, self._cross_validate(model, added), refitted, joined)
+        better = candidate.score > evaluated.candidate.score
+        return EvaluatedCandidate(candidate, refitted) if better else evaluated
 
     def _judged(
         self,

@@ -95,9 +95,9 @@ def small_words(diagnosis: Diagnosis) -> str:
     one = len(effects) == 1
     return (
         f"{capital(deviations(real))}. {capital(listed(effects))} "
-        f"{'explains' if one else 'explain'} this; {'it is' if one else 'they are'} below "
-        f"{100 * LEAST_SIZE:.0f} % of the typical size, and model.yaml does not contain "
-        f"{'it' if one else 'them'}."
+        f"{'explains' if one else 'explain'} this; {'it is' if one else 'they are'} too "
+        f"small to be named ({100 * LEAST_SIZE:.0f} % of the typical size needed), and model.yaml "
+        f"does not contain {'it' if one else 'them'}."
     )
 
 
