@@ -206,15 +206,13 @@ class CampaignSearch(EffectRefinement):
     ) -> tuple[SearchStep, LinearisedModel | None]:
         """Return the step that candidates, best first, give, and the refitted model."""
         evaluated, names = list(candidates), [each.candidate.name for each in candidates]
+        evaluated[:1] = (self._refitted_if_small(model, added, each) for each in evaluated[:1])
         accepted: list[EvaluatedCandidate] = []
         for i, each in enumerate(evaluated):
             if accepted and not may_be_rival(each.candidate, accepted[0].candidate):
                 continue
             if accepted and each.model is None and self.criteria.accepts(each.candidate):
                 each = self._evaluate_in_full(model, added, each.candidate.name)
-            too_small = SMALL.accepts(each.candidate) and not CRITERIA.accepts(each.candidate)
-            if too_small and each.model and not accepted:
-                each = self._refitted_candidate(model, added, each)
             evaluated[i] = tested = self._with_threshold(each, added, names)
             if tested.model and self.criteria.accepts(tested.candidate):
                 accepted.append(tested)
@@ -237,6 +235,13 @@ class CampaignSearch(EffectRefinement):
         ):
             return SearchStep(model, tuple(evaluated), None, ambiguous), None
         return SearchStep(model, tuple(evaluated), best, ()), refitted[best]
+
+    def _refitted_if_small(
+        self, model: LinearisedModel, added: tuple[str, ...], best: EvaluatedCandidate
+    ) -> EvaluatedCandidate:
+        """Return the best candidate, refitted where nothing but its size is too small."""
+        too_small = SMALL.accepts(best.candidate) and not CRITERIA.accepts(best.candidate)
+        return self._refitted_candidate(model, added, best) if too_small and best.model else best
 
     def _alike(
         self, accepted: Sequence[EvaluatedCandidate], added: tuple[str, ...]
