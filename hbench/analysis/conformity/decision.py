@@ -11,7 +11,7 @@ Of the quantity Y, given a measured value y with the standard uncertainty u,
                   limits, FAIL beyond them                                       (JCGM 106, 8.3.2)
 
 A value that is impossible beyond its uncertainty decides nothing: it shows an error of a sign, a
-zero or an area, or of a leakage a drift of the pressures that no leak causes.
+zero or an area. A negative leakage shows that the pressures changed for another reason than leaks.
 """
 
 from typing import NamedTuple
