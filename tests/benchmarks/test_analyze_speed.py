@@ -17,7 +17,7 @@ from tests.support.rig_campaign import measure_on_rig
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 LOADS = 1  # of four: 90 runs
-ROUNDS = 4
+ROUNDS = 10
 
 
 @pytest.fixture(scope="module")
