@@ -185,7 +185,7 @@ def assembled(
         why=why,
         where=where,
         effects=added_effects(measured, result, fits, held_out),
-        small=small_effects(measured, result, held_out),
+        small_effects=small_effects(measured, result, held_out),
         alternatives=last.ambiguous,
         rest=unexplained,
         next_experiment=proposal.words,

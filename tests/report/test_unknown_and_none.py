@@ -409,7 +409,8 @@ def test_a_model_that_deviates_from_held_out_runs_is_not_called_an_agreement(com
 
 def test_an_effect_too_small_to_be_named_that_explains_all_has_its_value_in_the_verdict(compared):
     """What exceeds its limit is no missing effect then, and no unknown one is possible."""
-    small = replace(compared, verdict="none", rest=(), small=(named().effects[0],), effects=())
+    leak = named().effects[0]
+    small = replace(compared, verdict="none", rest=(), effects=(), small_effects=(leak,))
     text = ordinary_spaces(verdict_words(small))
     assert text.startswith("No missing effect is found that is large enough to be named. The ")
     assert "(matters above 12 N)" in text
@@ -419,7 +420,7 @@ def test_an_effect_too_small_to_be_named_that_explains_all_has_its_value_in_the_
     )
     assert "a small one is possible" not in text and "no known effect" not in text
     line = "add 'internal_leakage: {test: 0.0058 l/min/bar}' to its section 'effects'."
-    assert line in summary(small) and "To include" not in summary(replace(small, small=()))
+    assert line in summary(small) and "To include" not in summary(replace(small, small_effects=()))
 
 
 @pytest.mark.parametrize(("given", "kept"), [(0.8, True), (3.0, False)])

@@ -206,9 +206,10 @@ class CampaignSearch(EffectRefinement):
     ) -> tuple[SearchStep, LinearisedModel | None]:
         """Return the step that candidates, best first, give, and the refitted model."""
         evaluated, names = list(candidates), [each.candidate.name for each in candidates]
-        evaluated[:1] = (self._refitted_if_small(model, added, each) for each in evaluated[:1])
         accepted: list[EvaluatedCandidate] = []
         for i, each in enumerate(evaluated):
+            if i == 0:
+                each = self._refitted_if_small(model, added, each)
             if accepted and not may_be_rival(each.candidate, accepted[0].candidate):
                 continue
             if accepted and each.model is None and self.criteria.accepts(each.candidate):

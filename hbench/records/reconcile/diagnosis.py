@@ -219,7 +219,7 @@ class Diagnosis:
     alternatives: tuple[Candidate, ...] = ()  # the ambiguous set
     rest: tuple[Gap, ...] = ()  # balances whose residuals no effect explains
     # Effects too small to be named, which the revised model lacks: with them ``rest`` is empty.
-    small: tuple[AddedEffect, ...] = ()
+    small_effects: tuple[AddedEffect, ...] = ()
     next_experiment: str | None = None  # in words
     next_schedule: dict[str, Any] | None = None  # for `hbench run`
     gap_heldout: GapTable = field(default_factory=GapTable)

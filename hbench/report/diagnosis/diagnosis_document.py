@@ -38,7 +38,7 @@ LAYOUTS: Layouts = {
     Diagnosis: {
         "schema": Constant(f"hbench.{NAME}"),
         **keys("provenance", "model", "verdict", "why", "working_point", "practice"),
-        **keys("where", "effects", "alternatives", "rest", "small"),
+        **keys("where", "effects", "alternatives", "rest", "small_effects"),
         **keys("next_experiment", "next_schedule"),
         "gap": {"heldout": "gap_heldout", "train": "gap_train", "runs": "gap_runs"},
         **keys("ranking", "threshold", "refitted", "refit_priors", "delays"),

@@ -261,7 +261,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.errors:
         yield "No missing effect is found."
         yield change_of_errors(diagnosis)
-    elif diagnosis.small:
+    elif diagnosis.small_effects:
         yield "No missing effect is found that is large enough to be named."
         yield small_words(diagnosis)
     else:
@@ -272,7 +272,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[str]:
     yield undetectable(diagnosis)
     yield "The runs of next.yaml would show more." if diagnosis.next_schedule else ""
     yield "" if diagnosis.errors else total_words(diagnosis)
-    yield "" if diagnosis.small else largest_deviation_words(diagnosis)
+    yield "" if diagnosis.small_effects else largest_deviation_words(diagnosis)
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[str]:

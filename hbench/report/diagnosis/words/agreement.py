@@ -91,7 +91,9 @@ def largest_deviation_words(diagnosis: Diagnosis) -> str:
 def small_words(diagnosis: Diagnosis) -> str:
     """State what effects that are too small to be named explain."""
     real = [gap for gap in exceeding(diagnosis.where) if gap.p_value < SIGNIFICANT_P]
-    effects = [f"{in_words(each.name)} ({coefficients_words(each)})" for each in diagnosis.small]
+    effects = [
+        f"{in_words(each.name)} ({coefficients_words(each)})" for each in diagnosis.small_effects
+    ]
     one = len(effects) == 1
     return (
         f"{capital(deviations(real))}. {capital(listed(effects))} "
@@ -105,7 +107,7 @@ def include_words(diagnosis: Diagnosis) -> str:
     """Return the lines that add the small effects to a model file; empty without any."""
     lines = [
         f"'{effect.name}: {{{', '.join(_entry(*each) for each in effect.parameters.items())}}}'"
-        for effect in diagnosis.small
+        for effect in diagnosis.small_effects
     ]
     if not lines:
         return ""
