@@ -1,5 +1,6 @@
 """The verdict and the answers where no effect is named."""
 
+import html
 import re
 from dataclasses import replace
 
@@ -419,8 +420,11 @@ def test_an_effect_too_small_to_be_named_that_explains_all_has_its_value_in_the_
         "explains this; it is too small to be named (25 % of the typical size needed), and" in text
     )
     assert "a small one is possible" not in text and "no known effect" not in text
-    line = "add 'internal_leakage: {test: 0.0058 l/min/bar}' to its section 'effects'."
-    assert line in summary(small) and "To include" not in summary(replace(small, small_effects=()))
+    line = "'internal_leakage: {test: 0.0058 l/min/bar}'"  # the keys that a file has
+    for text in (diagnosis_text(small), diagnosis_page(small, ())):
+        text = ordinary_spaces(" ".join(html.unescape(text).split()))
+        assert f"To include that effect too, add {line} to its section 'effects'." in text
+    assert "To include" not in summary(replace(small, small_effects=()))
 
 
 @pytest.mark.parametrize(("given", "kept"), [(0.8, True), (3.0, False)])

@@ -128,7 +128,8 @@ EDGES = {
     "flow_lr": ("supply", "tank"),
 }
 
-_KEY = re.compile(r"(?<!/)\b[a-z]+(?:_[a-z]+)+\b(?![/-]|\.\w)")  # of an effect; no file's name
+# Of an effect; no file's name, and no line for a file such as "valve_lag: {time: 3 ms}".
+_KEY = re.compile(r"(?<!/)\b[a-z]+(?:_[a-z]+)+\b(?![/-]|\.\w|: [{\d-])")
 _CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
 _VALUE_OF = re.compile(r"test cylinder (?=[−\d])")
 _PART = re.compile(r", test (cylinder|side)")
