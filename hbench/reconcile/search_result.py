@@ -19,6 +19,12 @@ class SearchStep:
     ambiguous: tuple[Candidate, ...]  # where none was added
     dropped: tuple[str, ...] = ()  # earlier effects that the added one makes superfluous
 
+    @property
+    def added_size(self) -> float:
+        """The size of the effect that was added, in typical sizes; 0 where none was."""
+        sizes = {each.candidate.name: each.candidate.size for each in self.evaluated}
+        return sizes[self.added] if self.added else 0.0
+
 
 @dataclass(frozen=True)
 class Unconfirmed:

@@ -63,13 +63,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
 
 def _small_words(small: SmallEffects) -> str:
     """Return the sentence about effects that explain what would otherwise be unexplained."""
-    found = {step.added: step.evaluated for step in small.steps}
-    sizes = [
-        f"{name} ({each.candidate.size:.2g} of a typical size)"
-        for name in small.names
-        for each in found[name]
-        if each.candidate.name == name
-    ]
+    sizes = [f"{step.added} ({step.added_size:.2g} of a typical size)" for step in small.steps]
     explain = plural(len(sizes), "explains", "explain")
     return (
         f"{listed(sizes)} {explain} all residuals that are large enough to matter, and "

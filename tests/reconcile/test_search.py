@@ -319,6 +319,27 @@ def test_the_best_candidate_is_refitted_before_it_is_too_small(again, added):
     assert step.added == added
 
 
+@pytest.mark.parametrize(("size", "names"), [(0.2, ("end_cushion",)), (0.3, None)])
+def test_an_effect_that_is_not_small_is_not_named_for_another_reason_and_explains_nothing(
+    monkeypatch, size, names
+):
+    module = "hbench.reconcile.search.campaign_search.unexplained_at"
+    monkeypatch.setattr(module, lambda gap_map, points: gap_map.left)
+    before, after = (
+        SimpleNamespace(gap_map=SimpleNamespace(points=range(5), left=left))
+        for left in (["flow_tp"], [])
+    )
+    candidate = Candidate("end_cushion", 12.0, 0.7, size, {}, "full", 5.0)
+
+    class Found(CampaignSearch):
+        def _step(self, model, added):
+            evaluated = (EvaluatedCandidate(candidate, None),)
+            return SearchStep(model, evaluated, "end_cushion", ()), after
+
+    found = Found(None, np.arange(5), ("end_cushion",)).small_effects(before)
+    assert (found and found.names) == names
+
+
 # ---- rivals
 
 

@@ -99,6 +99,8 @@ class CampaignSearch(EffectRefinement):
             step, with_effect = search._step(current, added_names(steps))
             if with_effect is None or len(steps) == _MOST_EFFECTS:
                 return None
+            if step.added_size >= CRITERIA.size:  # it is not named for another reason
+                return None
             steps.append(step)
             current = with_effect
         return SmallEffects(current, tuple(steps)) if steps else None
