@@ -60,7 +60,7 @@ class SearchResult:
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
     unconfirmed: Mapping[str, Unconfirmed] = field(default_factory=dict)  # not in the final model
     ruled_out: Mapping[str, str] = field(default_factory=dict)  # added, then not named: why
-    small: SmallEffects | None = None  # they explain all gaps of the final model, which lacks them
+    small: SmallEffects | None = None  # not in the final model; with them it has no gap
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -218,7 +218,7 @@ class Diagnosis:
     effects: tuple[AddedEffect, ...] = ()
     alternatives: tuple[Candidate, ...] = ()  # the ambiguous set
     rest: tuple[Gap, ...] = ()  # balances whose residuals no effect explains
-    # Effects too small to be named, which the revised model lacks: with them ``rest`` is empty.
+    # Effects too small to be named, and not in the revised model. With them ``rest`` is empty.
     small_effects: tuple[AddedEffect, ...] = ()
     next_experiment: str | None = None  # in words
     next_schedule: dict[str, Any] | None = None  # for `hbench run`
