@@ -29,7 +29,7 @@ from hbench.reconcile.measured.comparable_runs import comparable_runs, log_remar
 from hbench.reconcile.measured.contradictions import refuse_contradictions
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.nuisance import FACTORS, zero_tolerances
+from hbench.reconcile.nuisance import nuisances, zero_tolerances
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import revision, without_unconfirmed
 from hbench.reconcile.search.campaign_search import CampaignSearch
@@ -177,6 +177,7 @@ def assembled(
     fits = _fits(task.plant, result, estimates, rivals, train)
     point, practice = in_practice(measured, final.gap_map, fits)
     factors, sections = revision(task.plant_data, result, estimates)
+    priors = nuisances(task.plant)
     first, last = result.steps[0], result.steps[-1]
     return Diagnosis(
         provenance=task.provenance,
@@ -193,7 +194,7 @@ def assembled(
         ranking=tuple(each.candidate for each in first.evaluated),
         threshold=first.evaluated[0].candidate.threshold,
         refitted=factors,
-        refit_priors={path: FACTORS[path] for path in factors},
+        refit_priors={path: priors[path] for path in factors},
         delays=estimates.delays(),
         overlays=overlaid,
         heldout_runs=tuple(run.plan.run for run in runs if point_of(run.plan) in held_out_points),

@@ -8,7 +8,7 @@ drift of a sensor over the campaign (``measured/disturbances.py``) has half of i
 """
 
 from collections.abc import Mapping
-from math import sqrt
+from math import log1p, pi, sqrt
 from typing import Any
 
 from hbench.config.bench import Plant
@@ -69,10 +69,48 @@ BACKGROUND = frozenset({"valve_trim"})
 def nuisances(plant: Any) -> dict[str, float]:
     """Return the priors of the factors that a plant, or part of a plant, has, by dotted path.
 
-    Left out are values of zero, sections that a part of a plant does not have, and parameters of
-    other friction laws. Raises ``ConfigError`` for a path that no plant has.
+    A value that is smaller than its absolute accuracy has a wider one. Left out are values of zero,
+    sections that a part of a plant does not have, and parameters of other friction laws. Raises
+    ``ConfigError`` for a path that no plant has.
     """
-    return {path: prior for path, prior in FACTORS.items() if nuisance_value(plant, path)}
+    given = {path: nuisance_value(plant, path) for path in FACTORS}
+    least = absolute_accuracies(plant)
+    return {
+        path: max(prior, log1p(least.get(path, 0.0) / given[path]))
+        for path, prior in FACTORS.items()
+        if given[path]
+    }
+
+
+def absolute_accuracies(plant: Any) -> dict[str, float]:
+    """Return the assumed absolute accuracies [SI] of values that may be small, by dotted path.
+
+    A return line has a back pressure, and hoses contain oil, here a tenth of the swept volume.
+    Viscous friction at 1 m/s may be as large as static friction.
+    """
+    accuracies = {"supply.tank": 0.5e5}
+    for side in ("test", "load"):
+        piston, rod, stroke = (
+            nuisance_value(plant, f"{side}_cylinder.{key}")
+            for key in ("piston_diameter", "rod_diameter", "stroke")
+        )
+        for chamber, squares in (("piston", piston**2), ("rod", piston**2 - rod**2)):
+            path = f"{side}_cylinder.dead_volume_{chamber}"
+            accuracies[path] = 0.1 * stroke * pi / 4 * squares
+        accuracies[f"friction.{side}.viscous"] = nuisance_value(plant, f"friction.{side}.stiction")
+    return accuracies
+
+
+def zero_values(plant: Any) -> dict[str, float]:
+    """Return the values [SI] from which a refit starts where a plant file has 0, by dotted path.
+
+    No factor changes 0. A quarter of the accuracy: the bounds are then a hundred times as far.
+    """
+    return {
+        path: 0.25 * value
+        for path, value in absolute_accuracies(plant).items()
+        if value and not nuisance_value(plant, path)
+    }
 
 
 def nuisance_value(plant: Any, path: str) -> float:

@@ -1,6 +1,7 @@
 """Diagnosis of a campaign along its logs, measured with hbench or imported."""
 
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,12 @@ from hbench.errors import ConfigError
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, channels_missing
+from hbench.reconcile.nuisance import zero_values
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.records import Diagnosis, Run
+from hbench.sentences import listed
 from hbench.store.campaign.folder import StoredCampaign
+from hbench.units import from_si
 from hbench.workflow.board import check_effects
 
 _NO_BENCH = (
@@ -26,6 +30,15 @@ _ORDER_ASSUMED = (
     "they were measured in another order, warming oil and drifting sensors are not found as such. "
     "Logs whose times are dates (t_s with 'unit: date-time' in the import map) give start times."
 )
+_ZERO = (
+    "The model file has 0, or no value, for {}. A refit multiplies values, so it started from {}."
+)
+_UNITS = {  # of the values that may be 0, by the last key of their path
+    "tank": "bar",
+    "dead_volume_piston": "cm^3",
+    "dead_volume_rod": "cm^3",
+    "viscous": "N s/m",
+}
 
 
 def no_flows_without(runs: Sequence[Run], model_file: Path) -> tuple[str, ...]:
@@ -61,8 +74,10 @@ def diagnosed(
     sections = plant_sections(content, read_yaml(model_file), source)
     opposed = any(run.p_lp_pa is not None or run.p_lr_pa is not None for run in runs)
     try:
-        plant = validate(Plant, sections if opposed else _with_unused_load(sections), source)
+        plant = _validated(sections, opposed, source)
         check_effects(plant, model_file)
+        sections, zeros = _without_zeros(sections, plant)
+        plant = _validated(sections, opposed, source)
     except ConfigError as error:
         raise ConfigError(error.message, error.hint or ("" if content else _NO_BENCH)) from None
     simulate = simulator(bench, plant, report) if bench and not campaign.imported else None
@@ -87,9 +102,29 @@ def diagnosed(
             stage=stage,
         )
     )
-    if dated or not campaign.imported:
-        return diagnosis
-    return replace(diagnosis, notes=(*diagnosis.notes, _ORDER_ASSUMED))
+    notes = list(diagnosis.notes)
+    if zeros:
+        notes.append(_ZERO.format(listed(list(zeros)), listed(list(zeros.values()))))
+    if campaign.imported and not dated:
+        notes.append(_ORDER_ASSUMED)
+    return replace(diagnosis, notes=tuple(notes))
+
+
+def _validated(sections: dict[str, Any], opposed: bool, source: str) -> Plant:
+    return validate(Plant, sections if opposed else _with_unused_load(sections), source)
+
+
+def _without_zeros(sections: dict[str, Any], plant: Plant) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return a model's sections with small values where they have 0, and these by dotted path."""
+    changed, values = deepcopy(sections), {}
+    for path, value in zero_values(plant).items():
+        *parents, key = path.split(".")
+        section: Any = changed
+        for name in parents:
+            section = section.get(name, {})
+        if section:  # it has no load cylinder that is not used
+            section[key] = values[path] = f"{from_si(value, _UNITS[key]):.4g} {_UNITS[key]}"
+    return changed, values
 
 
 def _with_unused_load(sections: dict[str, Any]) -> dict[str, Any]:

@@ -51,6 +51,32 @@ def test_the_verdict_is_on_stdout_and_the_page_in_the_folder(finds, tmp_path):
     assert log[0].endswith(f"reading {SAMPLE}") and log[-1].endswith("  finished")
 
 
+def test_values_of_zero_in_the_model_file_are_refitted_from_small_ones(monkeypatch, tmp_path):
+    """No viscous friction and no dead volumes are what a user writes who does not know them."""
+    tasks = []
+
+    def diagnose(task):
+        tasks.append(task)
+        return made.named()
+
+    monkeypatch.setattr("hbench.workflow.campaign_diagnosis.diagnose", diagnose)
+    model = tmp_path / "model.yaml"
+    text = MODEL.read_text().replace("tank: 2 bar", "tank: 0 bar")
+    model.write_text(re.sub(r"viscous: 2500 N s/m", "viscous: 0 N s/m", text))
+    result = run(SAMPLE, "--model", model, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    (task,) = tasks
+    assert task.plant.supply.tank == pytest.approx(0.125e5)
+    assert task.plant_data["supply"]["tank"] == "0.125 bar"
+    assert task.plant.friction.test.viscous == pytest.approx(112.5)
+    assert task.plant.friction.load.viscous == pytest.approx(3000.0)
+    words = " ".join(result.stdout.split())
+    assert (
+        "The model file has 0, or no value, for supply.tank and friction.test.viscous. A refit "
+        "multiplies values, so it started from 0.125 bar and 112.5 N s/m."
+    ) in words
+
+
 def test_deviations_that_do_not_matter_are_those_of_the_library():
     (option,) = (p for p in get_command(app).commands["reconcile"].params if p.name == "material")
     assert option.default == pytest.approx(100 * MATERIAL)

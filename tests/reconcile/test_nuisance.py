@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import Bench, Plant
-from hbench.config.scaling import value_paths
+from hbench.config.scaling import replaced, scaled, value_paths
 from hbench.config.sensors import ForceInstrument, Instruments, PressureInstrument
 from hbench.config.stroke_model import parse_strokes
 from hbench.errors import ConfigError
@@ -16,12 +16,14 @@ from hbench.reconcile import nuisance
 from hbench.reconcile.hypothesis import effect_coefficients, typical_size
 from hbench.reconcile.nuisance import (
     BACKGROUND,
+    BOUND,
     FACTORS,
     nuisance_value,
     nuisances,
     standard_deviation,
     tolerances,
     zero_tolerances,
+    zero_values,
 )
 from tests.support.reconcile.rounds import plant_of
 
@@ -76,6 +78,40 @@ def test_a_part_of_a_plant_has_the_nuisances_of_its_own_sections_and_law(bench):
     assert nuisance_value(bench, "friction.test.viscous") == friction.viscous
     assert nuisance_value(plant, "friction.test.bristle_stiffness") == 0.0
     assert nuisance_value(plant, "valve.gain") == 0.0
+
+
+def test_a_small_value_has_a_wide_prior_and_one_of_zero_a_value_to_start_from(bench):
+    plant = plant_of(bench)
+    assert zero_values(plant) == {}
+    usual = nuisances(plant)
+    assert usual == {path: FACTORS[path] for path in usual}
+    paths = ("supply.tank", "test_cylinder.dead_volume_rod", "friction.load.viscous")
+    small = nuisances(scaled(plant, dict.fromkeys(paths, 0.01)))
+    assert {path for path in usual if small[path] != usual[path]} == set(paths)
+    nothing = scaled(plant, dict.fromkeys(paths, 0.0))
+    assert not set(nuisances(nothing)) & set(paths)
+    starts = zero_values(nothing)
+    assert starts == {
+        "supply.tank": pytest.approx(0.125e5),
+        "test_cylinder.dead_volume_rod": pytest.approx(
+            0.025 * plant.test_cylinder.area_rod_m2 * plant.test_cylinder.stroke
+        ),
+        "friction.load.viscous": pytest.approx(0.25 * plant.friction.load.stiction),
+    }
+    begun = plant
+    for path, value in starts.items():
+        begun = replaced(begun, path.split("."), lambda _, value=value: value)
+    reach = nuisances(begun)
+    for path in paths:
+        assert starts[path] * np.exp(BOUND * reach[path]) > nuisance_value(plant, path)
+
+
+def test_a_plungers_rod_side_has_no_volume_to_start_from(bench):
+    plant = plant_of(bench)
+    plunger = plant.test_cylinder.model_copy(
+        update={"rod_diameter": plant.test_cylinder.piston_diameter, "dead_volume_rod": 0.0}
+    )
+    assert zero_values(plant.model_copy(update={"test_cylinder": plunger})) == {}
 
 
 # ---- tolerances

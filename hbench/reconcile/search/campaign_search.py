@@ -117,6 +117,8 @@ class CampaignSearch(EffectRefinement):
         first = self.refit(given, (), renewed=())
         first = linearise(self.measured, first.hypothesis, first.columns)
         refitted = self.refit(first, ())
+        if refitted is first:  # no step is better with the columns at the given model
+            refitted = self.refit(self.with_columns(first, first.columns), ())
         held_out = np.setdiff1d(np.arange(len(given.gap_map.points)), self.train)
         held_out = held_out if len(held_out) else self.train
         before, after = (

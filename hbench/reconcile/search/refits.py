@@ -16,7 +16,7 @@ from hbench.reconcile.linearised import (
     linearise_residuals,
 )
 
-_REFIT_ROUNDS = 16  # steps, or new columns
+_REFIT_ROUNDS = 50  # steps, or new columns, at most: from a bad guess some 20
 _NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluation below
 # Radius of a step's damping, in priors of nuisances and typical sizes, and the share of the step.
 SHORTER = ((np.inf, 1.0), (np.inf, 0.5), (np.inf, 0.25))

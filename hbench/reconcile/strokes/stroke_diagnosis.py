@@ -22,7 +22,7 @@ from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.nuisance import FACTORS
+from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.separation.missing_data import missing_experiments
 from hbench.reconcile.strokes.leave_one_out import (
@@ -180,6 +180,7 @@ def _assembled(
         final = search.refit(result.refitted, names)
         estimates = search.estimates(final, names)
         by_load = leave_each_load_out(search, start, names)
+    priors = nuisances(strokes.plant)
     factors, best = search.factors(estimates), estimates.hypothesis(estimates.beta)
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
     alternatives = tuple(candidate for step in result.steps for candidate in step.ambiguous)
@@ -215,7 +216,7 @@ def _assembled(
         ranking=result.steps[0].evaluated,
         threshold=result.steps[0].evaluated[0].threshold,
         refitted=factors,
-        refit_priors={path: FACTORS[path] for path in factors},
+        refit_priors={path: priors[path] for path in factors},
         residuals_before=residual_map(before, points, "N"),
         residuals_after=residual_map(after, points, "N"),
         heldout_runs=tuple(run.run.plan.run for run in task.series[labels[0]] if run.accepted),
