@@ -158,7 +158,7 @@ def test_uncut_files_are_one_run_each(bring_in, rules, source):
 
 def test_screening_of_the_map_is_kept(bring_in, rules):
     rules["screening"] = {"max_gap": "0.35 s"}
-    assert bring_in()[1].screening() == Screening(max_gap="0.35 s")
+    assert bring_in()[1].screening() == Screening(max_gap="0.35 s", high_speed_error=None)
 
 
 def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, source):
