@@ -113,6 +113,19 @@ def test_a_load_cell_in_another_unit_is_out_of_balance(analysed):
     assert balance.grade == "poor"
 
 
+def test_a_bore_of_twice_the_size_is_named_where_one_direction_was_measured(analysed):
+    """Friction opposes the motion at all points, and grows by three times the load."""
+    results = analysed(bore=80.0, cut="none")
+    check = check_of(results, "load_share")
+    assert check.grade == results.quality.grade == "poor"
+    assert "Friction over load" in quality_verdict(results.quality)
+    assert not results.quality.implausible and 270 < check.value < 330
+
+
+def test_friction_of_one_direction_by_a_right_map_has_no_such_check(analysed):
+    assert check_of(analysed(cut="none"), "load_share") is None
+
+
 @pytest.mark.parametrize("named", [True, False])
 def test_a_load_that_opposes_the_only_direction_has_no_check_of_its_sign(analysed, named):
     results = analysed(loads_n=(1500.0,), cut="none", named=named)

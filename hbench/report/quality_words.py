@@ -18,6 +18,7 @@ NAMES = {
     "plausible_signs": "Plausible signs",
     "load_direction": "Direction of the load",
     "load_balance": "Balance over load",
+    "load_share": "Friction over load",
     "equal_directions": "Both directions",
     "constant_force": "Constant force",
     "instruments": "Instruments",
@@ -36,6 +37,7 @@ FINDINGS = {  # of the checks whose words depend on their numbers alone
     "load_direction": "at all {count} points the load helps the motion and supplies friction, "
     "{value} % of it (median)",
     "load_balance": "the mean friction of both directions changes by {value} % of the load",
+    "load_share": "friction changes by {value} % of the load",
     "equal_directions": "at {count} of {of} speeds and loads one direction has more than twice "
     "the friction of the other",
     "constant_force": "the mean friction of both directions is the same at all speeds and loads, "
@@ -62,6 +64,7 @@ LIMITS = {
     "load_direction": "good if the load opposes the motion at a point, or supplies up to {good:g} "
     "% of friction",
     "load_balance": "good to {good:g} % of the load, poor above {poor:g} %, less the interval",
+    "load_share": "good to {good:g} % of the load, poor above {poor:g} %, less the interval",
     "equal_directions": "good if no direction has more than twice the friction of the other",
     "constant_force": "good if the mean friction of both directions is within U or {good:g} % of "
     "friction, or differs between speeds or loads",
@@ -91,6 +94,8 @@ STEPS = {
     "-1 in a map)",
     "load_balance": "check the diameters of the cylinder, and the scale and sign of the pressures "
     "and of the load cell",
+    "load_share": "check the diameters of the cylinder, and the units, scales and signs of the "
+    "pressures and of the load cell",
     "equal_directions": "look for a force that is not measured, such as a weight on an upright "
     "cylinder, for a zero offset, and for a wrong diameter",
     "constant_force": "look for a force that is not measured, such as the weight of an upright "
