@@ -171,6 +171,15 @@ def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, sour
     assert "as a whole" in caught.value.hint and "kind: triangle" in caught.value.hint
 
 
+def test_a_stroke_that_a_wrong_unit_makes_too_short_is_not_taken_for_back_and_forth(
+    bring_in, rules
+):
+    rules["cut"], rules["min_stroke"] = "none", "1500 mm"
+    with pytest.raises(DataError, match="expected one stroke of at least min_stroke") as caught:
+        bring_in()
+    assert "units of x_m" in caught.value.hint and "reversals" not in caught.value.hint
+
+
 def test_strokes_that_the_ends_of_a_file_cut_off_are_called_so(bring_in, source):
     for trial in "12":  # 40 mm there and back
         (source / trial / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=2))
@@ -294,7 +303,7 @@ def test_a_map_that_cannot_work_is_refused_with_key_value_and_what_to_write(rule
         ({"pressure_unit": "N"}, "pressure_unit"),
         (
             {"cylinder": {"piston_diameter": "25 mm", "rod_diameter": "25 mm"}},
-            "rod_diameter",
+            "rod_diameter .*plunger.* p_tr_pa: 0 bar under constants",
         ),
     ],
 )

@@ -30,6 +30,11 @@ _CUT_OFF = (
     "The start or the end of the file cuts its strokes off: leave the file out, or import it as a "
     "whole ('kind: triangle' without 'cut'). Or a unit of x_m or t_s in the map is wrong."
 )
+_BACK_AND_FORTH = (
+    "For files with strokes in both directions, write 'cut: reversals' in the map; for several "
+    "constant speeds 'cut: plateaus'; for triangles or sines as a whole, whose reversals hbench "
+    "reconcile uses, 'kind: triangle'."
+)
 _TOO_SHORT = "Check the units of x_m and t_s in the map, or reduce 'min_stroke'."
 
 
@@ -70,9 +75,7 @@ def cut(
         raise DataError(
             f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
             f"one stroke of at least min_stroke = {1e3 * rules.min_stroke:g} mm",
-            "For files with strokes in both directions, write 'cut: reversals' in the map; for "
-            "several constant speeds 'cut: plateaus'; for triangles or sines as a whole, whose "
-            "reversals hbench reconcile uses, 'kind: triangle'.",
+            _TOO_SHORT if np.ptp(x_m) < rules.min_stroke else _BACK_AND_FORTH,
         )
     return _whole(t_s, x_m, name, rules, speed)
 
