@@ -36,6 +36,9 @@ _IMPORTED = {  # of another bench's logs
     "drive without pressures is f_drive_n",
     "too_short": "too little travel for this speed; state a shorter screening.settle_time and "
     "screening.min_window for fast strokes, a shorter screening.settle_travel for short ones",
+    "not_steady": "air in the oil, stick-slip, a position that is rounded to few digits, or a load "
+    "that comes late or changes along the stroke; if it is meant to, as that of a spring, state a "
+    "larger screening.friction_drift_relative in the map",
     "off_reference": "a speed in the map or in the names of the files that is not that of the "
     "motion; where the bench does not keep its speed, state a larger "
     "screening.low_speed_error_relative (default 3 %) in the map",
