@@ -78,9 +78,10 @@ STEPS = {
     "repeatability": "make more trials of each point, or find what changes between them",
     "unlike_trials": "look at the files of the trials that the notes list: a wrong sign, scale or "
     "channel",
-    "load_spread": "separate the loads: split files with several of them; in the map, write "
-    "{{load}} in 'files' where the names of the files have it, or make a series of each load with "
-    "a label of its own; in runs.csv, fill in f_load_n. Then import again",
+    "load_spread": "separate the loads: split files with several of them (hbench/store/README.md "
+    "has a recipe); in the map, write {{load}} in 'files' where the names of the files have it, or "
+    "make a series of each load with a label of its own; in runs.csv, fill in f_load_n. Then "
+    "import again",
     "nominal_load": "compare the loads in the names of the files with those of the load cell: its "
     "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
     "drift": "warm the bench up until friction no longer changes from run to run, and measure in "
