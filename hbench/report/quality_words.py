@@ -89,8 +89,8 @@ STEPS = {
     "possible_drift": "measure in random order, which separates drift from speed",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
-    "plausible_signs": "check the sign of the load cell, the instruments, their zeros and the "
-    "areas of the cylinder",
+    "plausible_signs": "check which pressure is that of the piston side, the sign of the load "
+    "cell, the instruments, their zeros and the areas of the cylinder",
     "load_direction": "if the load opposed the motion, correct the sign of the load cell (scale: "
     "-1 in a map)",
     "load_balance": "check the diameters of the cylinder, and the scale and sign of the pressures "

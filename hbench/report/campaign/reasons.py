@@ -34,6 +34,8 @@ _IMPORTED = {  # of another bench's logs
     "missing_channel": "a sensor that is not logged, or not named in the map; a known value can "
     "replace it under constants (p_tr_pa: 0 bar for a side open to the air), and the force of a "
     "drive without pressures is f_drive_n",
+    "sensor_saturated": "a sensor whose range is too small, a broken wire, a wrong zero, or a "
+    "number that the logger writes where it has no value, such as -9999: leave these cells empty",
     "too_short": "too little travel for this speed; state a shorter screening.settle_time and "
     "screening.min_window for fast strokes, a shorter screening.settle_travel for short ones",
     "not_steady": "air in the oil, stick-slip, a position that is rounded to few digits, or a load "

@@ -18,8 +18,9 @@ RUN_CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 # Tolerance between a logged reference and the plan's: a count of 1e-5 m/s, or 0.1 %.
 _SAME_SPEED_M_S, _SAME_SPEED = 1e-5, 1e-3
 SEVERAL_RUNS = (
-    "If the file contains several runs, write each to a file of its own; if its clock wraps, make "
-    "the times rise: hbench/store/README.md has recipes."
+    "If the file contains several runs, write each to a file of its own; if its clock wraps or "
+    "was set back, as at the end of summer time, make the times rise: hbench/store/README.md has "
+    "recipes."
 )
 
 
