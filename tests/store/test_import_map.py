@@ -234,6 +234,7 @@ def test_series_without_files_is_named(bring_in, rules):
     with pytest.raises(DataError, match=r"series 'NBR'.*none_\{pressure\}\.csv") as caught:
         bring_in()
     assert re.search(r"\d+/\d+bar.txt, ", caught.value.hint)
+    assert "{trial} a whole one; write a star" in caught.value.hint  # such as trials a, b and c
 
 
 def test_file_of_two_series_is_refused(bring_in, rules):
