@@ -36,6 +36,7 @@ _FIELD = re.compile(r"\{([^{}]*)\}")
 _FIELD_UNITS = {"pressure": "Pa", "load": "N", "speed": "m/s"}
 _USUAL_UNITS = {"Pa": "bar", "m": "mm", "m/s": "mm/s"}  # of examples in messages
 _UNIT_BEHIND = re.compile(r"\{(pressure|load|speed)\}([A-Za-z]+(?:_[a-z]+)?)")
+_MASS_BEHIND = re.compile(r"\{load\}kg(?![A-Za-z])")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
 
@@ -141,6 +142,10 @@ class FileSeries(ConfigSection):
                     f"files: {{{name}}} is followed by {behind}, which contradicts {name}_unit = "
                     f"{unit!r}; write {name}_unit: {behind}"
                 )
+        if _MASS_BEHIND.search(self.files) and self.load_unit not in ("kgf", "tf"):
+            raise ValueError(
+                "files: {load} is followed by kg, a mass; write load_unit: kgf, for its weight"
+            )
         if len(set(self.fields)) < len(self.fields):
             raise ValueError("files: a field may occur only once")
         for name, linear in _FIELD_UNITS.items():

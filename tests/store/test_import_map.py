@@ -302,6 +302,7 @@ def test_a_map_that_cannot_work_is_refused_with_key_value_and_what_to_write(rule
         ({"files": "{presure}.csv"}, "series.0: files: .*{pressure}, .* {trial}"),
         ({"files": "{trial}/{trial}.csv"}, "series.0: files: "),
         ({"pressure_unit": "N"}, "pressure_unit"),
+        ({"files": "{load}kg_{trial}.csv"}, "followed by kg, a mass; write load_unit: kgf"),
         (
             {"cylinder": {"piston_diameter": "25 mm", "rod_diameter": "25 mm"}},
             "rod_diameter .*plunger.* p_tr_pa: 0 bar under constants",
