@@ -86,6 +86,44 @@ UNITS: dict[str, Unit] = {
     "cSt": _unit(1e-6, m=2, s=-1),
 }
 
+# Spellings that are no units here, in lower case, without brackets, blanks and ^.
+SPELLINGS = {
+    **dict.fromkeys(("sec", "sek", "secs", "seconds", "sekunden", "sekunde", "second"), "s"),
+    **dict.fromkeys(("msec", "millisecond", "milliseconds", "millisekunden"), "ms"),
+    **dict.fromkeys(("usec", "microseconds"), "us"),
+    **dict.fromkeys(("min.", "minutes", "minuten"), "min"),
+    **dict.fromkeys(("meter", "metre", "meters"), "m"),
+    **dict.fromkeys(("millimeter", "millimetre", "millimeters"), "mm"),
+    **dict.fromkeys(("inch", "inches", "zoll"), "in"),
+    **dict.fromkeys(("n", "newton"), "N"),
+    **dict.fromkeys(("kn", "kilonewton"), "kN"),
+    "dan": "daN",
+    **dict.fromkeys(("kp", "kgf"), "kgf"),
+    **dict.fromkeys(("lb", "lbs"), "lbf"),
+    **dict.fromkeys(("kip", "kips"), "kip"),
+    **dict.fromkeys(("pa", "pascal"), "Pa"),
+    **dict.fromkeys(("hpa", "mbar"), "mbar"),
+    "kpa": "kPa",
+    "mpa": "MPa",
+    **dict.fromkeys(("barg", "bar(g)", "bar_g", "bara", "bar(a)", "bar"), "bar"),
+    **dict.fromkeys(("psig", "psia", "psi"), "psi"),
+    **dict.fromkeys(("kgf/cm2", "kg/cm2", "kp/cm2"), "kgf/cm^2"),
+    "n/mm2": "N/mm^2",
+    **dict.fromkeys(("volt", "volts", "v"), "V"),
+    **dict.fromkeys(("mps", "m_s", "m/sec", "m/sek", "m*s^-1", "m/s", "ms-1"), "m/s"),
+    **dict.fromkeys(("mmps", "mm_s", "mm/sec", "mm/sek", "mms", "mm/s"), "mm/s"),
+    **dict.fromkeys(("cmps", "cm_s", "cm/s"), "cm/s"),
+    **dict.fromkeys(("in/s", "ips", "in_s"), "in/s"),
+    **dict.fromkeys(("degc", "deg_c", "celsius", "gradcelsius"), "degC"),
+    **dict.fromkeys(("degf", "deg_f", "fahrenheit"), "degF"),
+    **dict.fromkeys(("deg", "degree", "degrees", "grad"), "deg"),
+    **dict.fromkeys(("deg/s", "deg_s", "degs"), "deg/s"),
+    **dict.fromkeys(("rad/s", "1/s", "rad_s", "rads"), "rad/s"),
+    **dict.fromkeys(("nm", "n*m", "newtonmeter"), "N m"),
+    "knm": "kN m",
+}
+_ABSOLUTE = ("bara", "psia")  # hbench's pressures are those above the atmosphere
+
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _LONGEST = 200  # characters of a quantity
 _RAISED = re.compile(r"⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
@@ -155,13 +193,22 @@ def _factors(text: str) -> Iterator[tuple[Unit, int, int]]:
 def _named(name: str, text: str) -> Unit:
     unit = UNITS.get(name)
     if unit is None:
-        known = ", ".join(sorted(UNITS))
-        similar = [each for each in UNITS if each.lower() == name.lower()]
-        question = f"; did you mean {' or '.join(map(repr, similar))}?" if similar else ""
-        raise ValueError(f"unknown unit {name!r}{question or f'; known are {known}'}")
+        raise ValueError(f"unknown unit {name!r}; {_meant(name)}")
     if unit.zero:
         raise ValueError(f"unit {text!r}: {name} is not a factor; write K for differences")
     return unit
+
+
+def _meant(name: str) -> str:
+    """Return what an unknown unit may be, or else the units that are known."""
+    lower = name.lower()
+    spelled = SPELLINGS.get(lower, "")
+    if lower in _ABSOLUTE:
+        return f"for an absolute pressure write {spelled!r} and offset: -1.013 bar"
+    similar = [each for each in UNITS if each.lower() == lower] or [spelled] * bool(spelled)
+    if similar:
+        return f"did you mean {' or '.join(map(repr, similar))}?"
+    return f"known are {', '.join(sorted(UNITS))}"
 
 
 def _exponent(digits: str, text: str) -> int:

@@ -10,6 +10,8 @@ import yaml
 from scipy.io import savemat
 
 from hbench import workflow
+from hbench.config.import_map import parse_import_map
+from hbench.errors import ConfigError
 from hbench.report.campaign.reasons import cause_of
 from hbench.store.campaign.folder import load_campaign
 
@@ -161,11 +163,11 @@ def test_a_copied_file_is_no_further_trial(tmp_path):
 
 
 def test_fast_strokes_are_accepted_with_the_limits_that_the_report_names(tmp_path):
-    """1005 mm/s for 1000 mm/s, and a log that ends 0.25 s after the piston has moved off."""
+    """1005 and 1045 mm/s for 1000 mm/s, and a log that ends 0.25 s after the piston moved off."""
     (tmp_path / "logs").mkdir()
     names = ("t_s", "x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")
-    for trial, end_s in ((1, 3.4), (2, 1.25)):
-        log = np.stack(stroke(1.005, 1500.0, seed=trial), axis=1)
+    for trial, v_m_s, end_s in ((1, 1.005, 3.4), (2, 1.045, 3.4), (3, 1.005, 1.25)):
+        log = np.stack(stroke(v_m_s, 1500.0, seed=trial), axis=1)
         log = log[log[:, 0] < end_s]
         file = tmp_path / f"logs/1000_{trial}.csv"
         np.savetxt(file, log, "%.8g", ",", header=",".join(names), comments="")
@@ -178,12 +180,39 @@ def test_fast_strokes_are_accepted_with_the_limits_that_the_report_names(tmp_pat
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
     workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", CLOCK)
     results = workflow.analyze(tmp_path / "out")
-    assert not any(run.accepted for run in results.runs)
+    assert [run.accepted for run in results.runs] == [True, False, False]
     causes = cause_of(results, "off_reference") + cause_of(results, "too_short")
-    limits = {"settle_time": "0.05 s", "min_window": "0.1 s", "high_speed_error": "10 mm/s"}
+    limits = {"settle_time": "0.05 s", "min_window": "0.1 s", "low_speed_error_relative": "5 %"}
     assert all(f"screening.{key}" in causes for key in limits)
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules | {"screening": limits}))
     workflow.import_runs(tmp_path / "logs", tmp_path / "out2", tmp_path / "map.yaml", CLOCK)
     (curve,) = workflow.analyze(tmp_path / "out2").curves
-    assert curve.points[0].friction_n == pytest.approx(friction(1.005), rel=0.01)
-    assert curve.points[0].n == 2
+    assert curve.points[0].friction_n == pytest.approx(friction(1.018), rel=0.01)
+    assert curve.points[0].n == 3
+
+
+@pytest.mark.parametrize(
+    ("stated", "accepted"), [({}, True), ({"high_speed_error": "2 mm/s"}, False)]
+)
+def test_the_sources_limit_of_the_speed_is_that_of_its_own_bench(tmp_path, stated, accepted):
+    """A limit that the map states holds as it is; an export keeps the limits of the map."""
+    (tmp_path / "logs").mkdir()
+    names = ("t_s", "x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")
+    log = np.stack(stroke(0.505, 1500.0, seed=1), axis=1)
+    np.savetxt(tmp_path / "logs/500_1.csv", log, "%.8g", ",", header=",".join(names), comments="")
+    size = {"piston_diameter": "40 mm", "rod_diameter": "25 mm"}
+    rules = {
+        "name": "fast",
+        "columns": {name: {"column": name} for name in names},
+        "series": [{"label": "A", "files": "{speed}_{trial}.csv", "cylinder": size}],
+        "screening": {"settle_time": "0.2 s"} | stated,
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", CLOCK)
+    workflow.export(tmp_path / "out", tmp_path / "csv", "csv")
+    workflow.import_runs(tmp_path / "csv", tmp_path / "again", None, CLOCK)
+    for campaign in ("out", "again"):
+        (run,) = workflow.analyze(tmp_path / campaign).runs
+        assert run.accepted is accepted
+    with pytest.raises(ConfigError, match="high_speed_error.* must be at most"):
+        parse_import_map(rules | {"screening": {"high_speed_error": "100 m/s"}}, "map")

@@ -8,7 +8,7 @@ from hbench import workflow
 from hbench.report.campaign.quality.verdict import next_step, quality_verdict
 from hbench.report.conformity.text import acceptance_text
 from hbench.store.campaign.stored_acceptance import stored_checks
-from tests.support.strokes import there_and_back
+from tests.support.strokes import AREA_P, there_and_back
 
 FRICTION_N = 150 + 900 * np.array([0.02, 0.04])  # of the logs
 LOADS_N = (200.0, 1500.0)
@@ -113,6 +113,19 @@ def test_a_load_cell_in_another_unit_is_out_of_balance(analysed):
     assert balance.grade == "poor"
 
 
+def test_a_bore_of_twice_the_size_is_named_where_one_direction_was_measured(analysed):
+    """Friction opposes the motion at all points, and grows by three times the load."""
+    results = analysed(bore=80.0, cut="none")
+    check = check_of(results, "load_share")
+    assert check.grade == results.quality.grade == "poor"
+    assert "Friction over load" in quality_verdict(results.quality)
+    assert not results.quality.implausible and 270 < check.value < 330
+
+
+def test_friction_of_one_direction_by_a_right_map_has_no_such_check(analysed):
+    assert check_of(analysed(cut="none"), "load_share") is None
+
+
 @pytest.mark.parametrize("named", [True, False])
 def test_a_load_that_opposes_the_only_direction_has_no_check_of_its_sign(analysed, named):
     results = analysed(loads_n=(1500.0,), cut="none", named=named)
@@ -212,3 +225,37 @@ def test_u_is_stated_to_be_without_the_instruments_where_their_tolerances_are_no
     assert (words in acceptance_text(acceptance)) != known
     stored = stored_checks(tmp_path / "out")
     assert [check.measurement.without_instruments for check in stored] == [not known] * 2
+
+
+def test_a_star_over_what_differs_makes_no_trials_of_two_conditions(tmp_path, clock):
+    """Friction differs by 120 N between 2 x 3 trials; it would not between their three means."""
+    (tmp_path / "logs").mkdir()
+    for temperature, more_n in ((20, 60.0), (60, -60.0)):
+        for trial in (1, 2, 3):
+            run = there_and_back(0.02, 1500.0, seed=temperature + trial, cycles=1)
+            run["p_tp_pa"] += more_n * np.sign(np.gradient(run["x_m"])) / AREA_P
+            run = {name: values[run["t_s"] < 4.0] for name, values in run.items()}
+            rows = np.stack(list(run.values()), axis=1)
+            np.savetxt(tmp_path / f"logs/20_{temperature}C_{trial}.csv", rows, "%.8g", ",",
+                       header=",".join(run), comments="")  # fmt: skip
+    size = {"piston_diameter": "40 mm", "rod_diameter": "25 mm"}
+    series = {"label": "A", "files": "{speed}_*_{trial}.csv", "cylinder": size}
+    channels = ("t_s", "x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")
+    rules = {"name": "stars", "columns": {name: {"column": name} for name in channels}}
+
+    def imported(series, folder):
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules | {"series": [series]}))
+        summary = workflow.import_runs(
+            tmp_path / "logs", tmp_path / folder, tmp_path / "map.yaml", clock
+        )
+        notes = [note for note in summary.notes if "counted as a further trial" in note]
+        return notes, workflow.analyze(tmp_path / folder)
+
+    (note,), results = imported(series, "stars")
+    assert note.startswith("3 files (20_60C_1.csv") and "{temperature}" in note
+    (point,) = [point for curve in results.curves for point in curve.points]
+    assert sorted(point.trials) == [1, 2, 3, 4, 5, 6] and point.ci95_n > 50
+    assert results.quality.grade == "poor"
+    series |= {"files": "{speed}_{temperature}C_{trial}.csv", "factors": {"temperature": "degC"}}
+    notes, results = imported(series, "factors")
+    assert not notes and [curve.points[0].trials for curve in results.curves] == 2 * [(1, 2, 3)]

@@ -156,7 +156,10 @@ class ImportedCylinder(ConfigSection):
                 f"displacement; found {' and '.join(given) or 'none'}"
             )
         if given == ["piston_diameter"] and self.rod_diameter >= (self.piston_diameter or 0):
-            raise ValueError("rod_diameter must be smaller than piston_diameter")
+            raise ValueError(
+                "rod_diameter must be smaller than piston_diameter; for a plunger, without a rod "
+                "side, leave it out and write p_tr_pa: 0 bar under constants"
+            )
         if self.rod_area is not None and given != ["piston_area"]:
             raise ValueError("rod_area needs piston_area")
         if (self.rod_area or 0.0) > (self.piston_area or math.inf):

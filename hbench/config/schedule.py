@@ -19,7 +19,7 @@ class Screening(ConfigSection):
     settle_travel: q.Length = 0.02  # and this much travel: about ten lengths of presliding
     min_window: q.Duration = 0.3
     high_speed: q.Speed = 0.15  # the source's limit holds above this
-    high_speed_error: q.Speed = 0.002
+    high_speed_error: q.Speed | None = 0.002  # None: the limits below it hold above it too
     low_speed_error: q.Speed = 0.0005  # below it: the larger of the absolute ...
     low_speed_error_relative: q.Ratio = 0.03  # ... and the relative limit
     speed_ripple: q.Speed = 0.002  # standard deviation of speed over 0.1 s means ...
@@ -38,7 +38,7 @@ class Screening(ConfigSection):
     def speed_limit(self, v_ref_m_s: float) -> float:
         """Return how far a mean speed may be off its reference [m/s]."""
         speed = abs(v_ref_m_s)
-        if speed > self.high_speed:
+        if speed > self.high_speed and self.high_speed_error is not None:
             return self.high_speed_error
         return max(self.low_speed_error, self.low_speed_error_relative * speed)
 

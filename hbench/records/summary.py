@@ -190,6 +190,7 @@ class QualityCheck:
         "plausible_signs",
         "load_direction",
         "load_balance",
+        "load_share",
         "equal_directions",
         "constant_force",
         "instruments",

@@ -83,6 +83,16 @@ def drift_reserve(drift: Drift | None) -> str:
     return "U does not contain this drift." if drift.significant else ""
 
 
+def drift_outside_u(drift: Drift | None) -> str:
+    """State that U and the probabilities of a decision lack such a drift; else empty."""
+    if not drift_reserve(drift) or drift is None:
+        return ""
+    text = "U and the probabilities of conformity do not contain a drift of friction"
+    if drift.significant:
+        return f"{text} between the trials ({p_equation(drift.p)}), whose size is not known"
+    return f"{text} of up to {possible_words(drift)}, which cannot be excluded"
+
+
 def drift_with_oil(drift: Drift) -> str:
     """Return the oil's change of temperature as a sentence; empty if it was not measured."""
     if drift.temp_change_k is None:

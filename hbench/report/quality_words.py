@@ -18,6 +18,7 @@ NAMES = {
     "plausible_signs": "Plausible signs",
     "load_direction": "Direction of the load",
     "load_balance": "Balance over load",
+    "load_share": "Friction over load",
     "equal_directions": "Both directions",
     "constant_force": "Constant force",
     "instruments": "Instruments",
@@ -36,6 +37,7 @@ FINDINGS = {  # of the checks whose words depend on their numbers alone
     "load_direction": "at all {count} points the load helps the motion and supplies friction, "
     "{value} % of it (median)",
     "load_balance": "the mean friction of both directions changes by {value} % of the load",
+    "load_share": "friction changes by {value} % of the load",
     "equal_directions": "at {count} of {of} speeds and loads one direction has more than twice "
     "the friction of the other",
     "constant_force": "the mean friction of both directions is the same at all speeds and loads, "
@@ -62,6 +64,7 @@ LIMITS = {
     "load_direction": "good if the load opposes the motion at a point, or supplies up to {good:g} "
     "% of friction",
     "load_balance": "good to {good:g} % of the load, poor above {poor:g} %, less the interval",
+    "load_share": "good to {good:g} % of the load, poor above {poor:g} %, less the interval",
     "equal_directions": "good if no direction has more than twice the friction of the other",
     "constant_force": "good if the mean friction of both directions is within U or {good:g} % of "
     "friction, or differs between speeds or loads",
@@ -75,9 +78,10 @@ STEPS = {
     "repeatability": "make more trials of each point, or find what changes between them",
     "unlike_trials": "look at the files of the trials that the notes list: a wrong sign, scale or "
     "channel",
-    "load_spread": "separate the loads: split files with several of them; in the map, write "
-    "{{load}} in 'files' where the names of the files have it, or make a series of each load with "
-    "a label of its own; in runs.csv, fill in f_load_n. Then import again",
+    "load_spread": "separate the loads: split files with several of them (hbench/store/README.md "
+    "has a recipe); in the map, write {{load}} in 'files' where the names of the files have it, or "
+    "make a series of each load with a label of its own; in runs.csv, fill in f_load_n. Then "
+    "import again",
     "nominal_load": "compare the loads in the names of the files with those of the load cell: its "
     "unit, scale or zero may be wrong, such as a load at rest that zero: rest subtracted",
     "drift": "warm the bench up until friction no longer changes from run to run, and measure in "
@@ -85,12 +89,14 @@ STEPS = {
     "possible_drift": "measure in random order, which separates drift from speed",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
-    "plausible_signs": "check the sign of the load cell, the instruments, their zeros and the "
-    "areas of the cylinder",
+    "plausible_signs": "check which pressure is that of the piston side, the sign of the load "
+    "cell, the instruments, their zeros and the areas of the cylinder",
     "load_direction": "if the load opposed the motion, correct the sign of the load cell (scale: "
     "-1 in a map)",
     "load_balance": "check the diameters of the cylinder, and the scale and sign of the pressures "
     "and of the load cell",
+    "load_share": "check the diameters of the cylinder, and the units, scales and signs of the "
+    "pressures and of the load cell",
     "equal_directions": "look for a force that is not measured, such as a weight on an upright "
     "cylinder, for a zero offset, and for a wrong diameter",
     "constant_force": "look for a force that is not measured, such as the weight of an upright "

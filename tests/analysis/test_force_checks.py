@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hbench.analysis.summary.force_checks import equal_directions, load_balance
+from hbench.analysis.summary.force_checks import equal_directions, load_balance, load_share
 
 SPEEDS = np.geomspace(5e-3, 0.2, 40)  # steps of a tenth
 CLOSE = np.arange(0.1, 0.2, 0.004)  # steps within 5 % of each other
@@ -53,6 +53,26 @@ def test_a_part_of_the_load_in_both_directions_is_found_whatever_the_steps_of_sp
 def test_a_change_that_is_small_beside_friction_does_not_matter():
     (balance,) = load_balance(curves([0.0, 50.0], middle=lambda load: 7 * load / 50))
     assert balance.grade == "good" and balance.value == pytest.approx(14, abs=0.1)
+
+
+@pytest.mark.parametrize("direction", ["extend", "retract"])
+@pytest.mark.parametrize(
+    ("share", "grade"), [(0.0, None), (0.3, None), (0.75, "with care"), (3.0, "poor")]
+)
+def test_friction_of_one_direction_that_takes_a_large_part_of_the_load_is_named(
+    direction, share, grade
+):
+    """A bore that is twice as large adds three times the load to the friction."""
+    both = curves([500.0, 4000.0], middle=lambda load: share * load)
+    assert not list(load_share(both))  # load_balance shows it
+    found = list(load_share(curve for curve in both if curve.direction == direction))
+    assert [check.grade for check in found] == ([grade] if grade else [])
+    assert all(check.value == pytest.approx(100 * share, abs=0.1) for check in found)
+
+
+def test_friction_of_one_direction_under_one_load_has_no_such_check():
+    alone = curves([1000.0], middle=lambda load: 3 * load)
+    assert not list(load_share(curve for curve in alone if curve.direction == "extend"))
 
 
 def test_a_difference_of_the_directions_within_the_instruments_uncertainty_is_none():

@@ -94,6 +94,18 @@ def test_noise_and_the_steps_of_a_position_are_no_oscillation(smooth, rate_hz, n
         assert not any("oscillates" in reason for reason in reasons), reasons
 
 
+def test_steps_of_a_position_that_hide_its_ripple_are_named(smooth, sticking):
+    """A position rounded to whole millimetres, and a ripple that its steps do not explain."""
+    slower = smooth * np.array([[0.55], [1.0], [0.55]])
+    rules = Screening(settle_travel="5 mm")
+    (reason,) = screen(logged(slower, 0.0055, 100, 0.0, 1e-3), rules).reasons
+    assert "varies by" in reason and "as the steps of 1 mm in the position cause; limit" in reason
+    slow = replace(logged(sticking, 0.01, 100), at_reference=None)
+    jerks = replace(slow, x_m=np.round(slow.x_m + 2e-3 * np.sin(6.0 * slow.t_s), 4))
+    (reason, *_) = screen(jerks, Screening()).reasons
+    assert "varies by" in reason and "the steps of" not in reason
+
+
 @pytest.mark.parametrize("rate_hz", [100, 200, 1000])
 def test_hum_of_a_position_is_no_oscillation(smooth, rate_hz):
     t = np.arange(smooth.shape[1]) / 1e4

@@ -187,6 +187,9 @@ def test_a_list_of_decimal_commas_is_told_what_a_comma_means_in_a_list():
     with pytest.raises(ConfigError) as error:
         parse_schedule(data, "my.yaml")
     assert "[0.5 kN, 5 kN]" in error.value.hint
+    with pytest.raises(ConfigError, match="must be at most") as error:
+        parse_schedule(changed(SCHEDULE, "experiments.0.loads", ["1e9 kN"]), "schedule.yaml")
+    assert not error.value.hint
 
 
 ENDS = {"first": "5 mm/s", "last": "200 mm/s"}

@@ -12,12 +12,14 @@ from hbench.report.campaign.results_document import results_json
 from hbench.report.drift import (
     drift_advice,
     drift_finding,
+    drift_outside_u,
     drift_reserve,
     drift_table,
     drift_with_oil,
     drift_words,
 )
 from hbench.report.drift_section import drift_sections
+from hbench.workflow.conformity.acceptance import decided
 
 CHANGES = ("change", "change_ci95", "change_percent", "change_percent_ci95")
 MEASURED = {
@@ -54,6 +56,34 @@ MEASURED = {
 )  # fmt: skip
 def test_the_words_have_the_size_the_test_and_the_plan(changes, words):
     assert words in drift_words(Drift(**MEASURED | changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, ""),
+        ({"separated": False}, ""),
+        ({"basis": "order"}, ""),
+        ({"basis": "order", "separated": False}, "between the trials (p < 0.0001), whose size is"),
+        ({"basis": "order", "separated": False, "p": 0.3}, "of up to 20 %, which cannot be ex"),
+        ({"basis": "order", "separated": False, "p": 0.3, "change_percent": 1.0}, ""),
+    ],
+)
+def test_a_decision_states_a_drift_that_its_probability_does_not_contain(changes, words):
+    found = drift_outside_u(Drift(**MEASURED | changes))
+    assert (words in found and found.startswith("U and the prob")) if words else found == ""
+
+
+@pytest.mark.parametrize(("quantity", "noted"), [("friction", True), ("drift", False)])
+def test_the_decision_on_friction_has_this_note(sample_results, tmp_path, quantity, noted):
+    unit = "N" if quantity == "friction" else "%"
+    limits = tmp_path / "limits.yaml"
+    limit = f"{{quantity: {quantity}, max: 900 {unit}}}"
+    limits.write_text(f"product: p\nrule: guard_band\nlimits: [{limit}]\n")
+    unknown = Drift(**MEASURED | {"basis": "order", "separated": False})
+    notes = decided(replace(sample_results, drift=unknown), limits).notes
+    assert (drift_outside_u(unknown) in notes) is noted
+    assert drift_outside_u(replace(unknown, separated=True)) == ""
 
 
 def test_curves_of_a_single_speed_have_nothing_to_separate():

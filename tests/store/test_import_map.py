@@ -158,7 +158,7 @@ def test_uncut_files_are_one_run_each(bring_in, rules, source):
 
 def test_screening_of_the_map_is_kept(bring_in, rules):
     rules["screening"] = {"max_gap": "0.35 s"}
-    assert bring_in()[1].screening() == Screening(max_gap="0.35 s")
+    assert bring_in()[1].screening() == Screening(max_gap="0.35 s", high_speed_error=None)
 
 
 def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, source):
@@ -169,6 +169,15 @@ def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, sour
         bring_in()
     assert "cut: reversals" in caught.value.hint
     assert "as a whole" in caught.value.hint and "kind: triangle" in caught.value.hint
+
+
+def test_a_stroke_that_a_wrong_unit_makes_too_short_is_not_taken_for_back_and_forth(
+    bring_in, rules
+):
+    rules["cut"], rules["min_stroke"] = "none", "1500 mm"
+    with pytest.raises(DataError, match="expected one stroke of at least min_stroke") as caught:
+        bring_in()
+    assert "units of x_m" in caught.value.hint and "reversals" not in caught.value.hint
 
 
 def test_strokes_that_the_ends_of_a_file_cut_off_are_called_so(bring_in, source):
@@ -225,6 +234,7 @@ def test_series_without_files_is_named(bring_in, rules):
     with pytest.raises(DataError, match=r"series 'NBR'.*none_\{pressure\}\.csv") as caught:
         bring_in()
     assert re.search(r"\d+/\d+bar.txt, ", caught.value.hint)
+    assert "{trial} a whole one; write a star" in caught.value.hint  # such as trials a, b and c
 
 
 def test_file_of_two_series_is_refused(bring_in, rules):
@@ -292,9 +302,10 @@ def test_a_map_that_cannot_work_is_refused_with_key_value_and_what_to_write(rule
         ({"files": "{presure}.csv"}, "series.0: files: .*{pressure}, .* {trial}"),
         ({"files": "{trial}/{trial}.csv"}, "series.0: files: "),
         ({"pressure_unit": "N"}, "pressure_unit"),
+        ({"files": "{load}kg_{trial}.csv"}, "followed by kg, a mass; write load_unit: kgf"),
         (
             {"cylinder": {"piston_diameter": "25 mm", "rod_diameter": "25 mm"}},
-            "rod_diameter",
+            "rod_diameter .*plunger.* p_tr_pa: 0 bar under constants",
         ),
     ],
 )

@@ -78,6 +78,15 @@ def test_time_that_goes_back_is_refused_all_the_same(bring_in, rules):
         bring_in(t, 100 * t, t, t)
 
 
+@pytest.mark.parametrize(
+    ("t", "hint"), [([0.3, 0.2, 0.2, 0.1], "sort them by time"), ([0.3, 0.2, 0.4], "several runs")]
+)
+def test_rows_with_the_newest_first_are_to_be_sorted(bring_in, t, hint):
+    with pytest.raises(DataError, match="expected increasing time") as caught:
+        bring_in(t, t, t, t)
+    assert hint in caught.value.hint
+
+
 def test_interval_means_are_those_of_straight_lines_between_the_samples():
     t = uneven(2, 60)
     y = np.sin(7 * t) + 0.3 * np.random.default_rng(1).standard_normal(len(t))

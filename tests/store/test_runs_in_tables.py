@@ -10,6 +10,7 @@ import pytest
 from hbench import workflow
 from hbench.errors import DataError
 
+AREA_M2 = np.pi / 4 * 0.04**2
 README = Path(__file__).parents[2] / "hbench" / "store" / "README.md"
 HEAD = ("Run", "Speed (mm/s)", "Load (N)", "Time (s)", "Position (mm)", "Pressure A (bar)")
 HEAD += ("Pressure B (bar)", "Load cell (N)")
@@ -140,3 +141,38 @@ def test_a_clock_that_wraps_or_restarts_is_made_to_rise(tmp_path, monkeypatch, c
     assert recipe("clock", tmp_path, monkeypatch) == ["20mm_s.csv"]
     made = np.loadtxt(tmp_path / "logs" / "20mm_s.csv", delimiter=",", skiprows=1)
     np.testing.assert_allclose(made[:, 0], t, atol=1e-6)
+
+
+def test_several_loads_in_a_file_are_split_and_each_gives_its_friction(
+    tmp_path, monkeypatch, clock
+):
+    """Friction is 100 N and 4 % of the load, so that a mean over loads is that of none of them."""
+    (tmp_path / "traces").mkdir()
+    for trial in (1, 2, 3):
+        cycle = np.array([0.0, 0.5, 4.5, 5.0, 9.0])
+        t = np.arange(0, 36, 0.01)
+        x = np.interp(t % 9.0, cycle, [50.0, 50.0, 250.0, 250.0, 50.0])
+        load = np.interp(t, [0, 17.95, 18.05, 36], [500, 500, 2000, 2000])
+        friction = np.sign(np.gradient(x)) * (100 + 0.04 * load)
+        noise = np.random.default_rng(trial).normal(0, 1, (2, len(t)))
+        p = (load + friction + noise[0]) / AREA_M2 / 1e5
+        table = np.column_stack([t, x, p, load + noise[1]])
+        np.savetxt(tmp_path / f"traces/50mm_s_{trial}.csv", table, "%.4f", ",",
+                   header="t,x,p,F", comments="")  # fmt: skip
+    names = recipe("loads", tmp_path, monkeypatch)
+    assert [name.split("_")[3] for name in names] == 3 * ["2000N", "500N"]
+    (tmp_path / "map.yaml").write_text(
+        "name: n\n"
+        "columns: {t_s: {column: t, unit: s}, x_m: {column: x, unit: mm},\n"
+        "  p_tp_pa: {column: p, unit: bar}, f_applied_n: {column: F, unit: N}}\n"
+        "constants: {p_tr_pa: 0 bar}\ncut: reversals\n"
+        "series: [{label: a, files: '{speed}mm_s_{trial}_{load}N_*.csv',\n"
+        "  cylinder: {piston_diameter: 40 mm}}]\n"
+    )
+    workflow.import_runs(tmp_path / "logs", tmp_path / "c", tmp_path / "map.yaml", clock)
+    results = workflow.analyze(tmp_path / "c")
+    found = {(c.f_load_n, c.direction): abs(c.points[0].friction_n) for c in results.curves}
+    for (load_n, _), friction_n in found.items():
+        assert friction_n == pytest.approx(100 + 0.04 * load_n, abs=1)
+    assert len(found) == 4 and results.curves[0].points[0].n == 3
+    assert not any(c.name == "load_spread" for c in results.quality.checks)

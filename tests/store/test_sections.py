@@ -181,3 +181,24 @@ def test_fast_strokes_that_settle_late_are_runs_without_common_positions(
     speeds = [1e3 * run.plan.v_ref_m_s for run in runs]
     assert speeds == pytest.approx([25, -25, 60, -60, 90, -90, 120, -120, 400, -400], rel=0.01)
     assert [run.plan.x_low_m is None for run in runs] == 8 * [False] + 2 * [True]
+
+
+@pytest.mark.parametrize(("back_mm_s", "noted"), [(50.0, True), (150.0, False)])
+def test_a_stroke_back_at_the_nominal_speed_that_is_not_used_is_noted(
+    rules, import_by, tmp_path, back_mm_s, noted
+):
+    """The speed of the file's name is 50 mm/s; a faster way back is none of its strokes."""
+    turn_s = 1.0 + 200.0 / 50.0
+    knots = [0.0, 1.0, turn_s, turn_s + 0.7, turn_s + 0.7 + 140.0 / back_mm_s]
+    times = np.arange(0.0, knots[-1] + 0.5, 0.004)
+    x = np.interp(times, knots, [80.0, 80.0, 280.0, 280.0, 140.0])
+    (tmp_path / "logs").mkdir()
+    table = np.column_stack([times, x, 30.0 + 4.0 * np.sign(np.gradient(x))])
+    np.savetxt(tmp_path / "logs/50_1.csv", table, "%.4f", ",", header="t,x,p", comments="")
+    columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+    rules["columns"] = {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()}
+    rules["constants"] = {"p_tr_pa": "0 bar", "f_applied_n": "0 N"}
+    rules["series"][0]["files"] = "{speed}_{trial}.csv"
+    (run,), notes = import_by(rules, tmp_path / "logs")
+    assert run.plan.v_ref_m_s == pytest.approx(0.05)
+    assert any("only extending is used (cut: reversals)" in note for note in notes) is noted

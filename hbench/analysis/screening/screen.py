@@ -25,6 +25,7 @@ from hbench.analysis.screening.saturation import (
     saturation_reasons,
 )
 from hbench.analysis.screening.steadiness import (
+    BLOCK_S,
     drift,
     line_change,
     load_step,
@@ -39,7 +40,7 @@ from hbench.analysis.screening.steady_window import (
 )
 from hbench.analysis.uncertainty.efficiency import SteadyForces, efficiency_of
 from hbench.config.schedule import Screening
-from hbench.motion.noise import noise_over_motion
+from hbench.motion.noise import noise_over_motion, resolution
 from hbench.motion.reversals import travel
 from hbench.motion.speeds import mean_speed
 from hbench.records import KINDS, TEMPERATURES, Run, ScreenedRun, SteadyMeans
@@ -257,10 +258,15 @@ def _ripple(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     foreign = run.plan.motion is None
     ripple = speed_ripple(t, x, noise_over_motion(run.t_s, run.x_m) if foreign else np.inf)
     limit = rules.ripple_limit(run.plan.v_ref_m_s)
-    if exceeds(ripple.total_m_s, np.hypot(limit, ripple.noise_m_s)):
+    largest = float(np.hypot(limit, ripple.noise_m_s))
+    if exceeds(ripple.total_m_s, largest):
+        step_m = resolution(run.x_m) if foreign else 0.0
+        by_steps = ripple.total_m_s <= np.hypot(largest, step_m / 2 / BLOCK_S)
+        cause = f", as the steps of {1e3 * step_m:.2g} mm in the position cause" if by_steps else ""
         yield (
             f"not_steady: speed over 0.1 s varies by {1e3 * ripple.total_m_s:.2f} mm/s (standard "
-            f"deviation); limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} mm/s noise"
+            f"deviation){cause}; limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} "
+            "mm/s noise"
         )
 
 

@@ -15,6 +15,9 @@ over the loads of each speed, with the intervals of the trials. A change that is
 friction does not matter. Friction that grows with the load in
 both directions leaves m as it is; if it grows in one alone, by 6 % of the load, s is 3 %.
 
+Where one direction alone was measured, s is that of its friction. Friction grows with the load, so
+only a large s shows an error: where it is 50 %, a newton more at the rod costs the piston 1.5 N.
+
 A force that is not measured, such as a weight on an upright cylinder, an error of a zero or one of
 an area under a single load is in m too. Seals have more friction in one direction, but rarely twice
 that of the other, which is |m| = h / 3 with h = (F_extend - F_retract) / 2. A smaller m is reported
@@ -33,6 +36,7 @@ from hbench.records import DIRECTION_WORDS, Curve, CurvePoint, Grade, Loop, Qual
 _SUPPLIED_GOOD = 5.0  # of the friction by the load, %
 _CHANGE_GOOD, _CHANGE_POOR = 3.0, 10.0  # of the mean of both directions, % of the load
 _SMALL = 5.0  # such a change, % of friction: it does not matter
+_ONE_GOOD, _ONE_POOR = 50.0, 100.0  # of the friction of one direction, % of the load
 _DIFFERENCE_GOOD = 100 / 3  # half the difference of the directions, % of their mean
 _SAME_FORCE = 0.2  # largest distance of an m from their mean, as a share of it
 _SAME_SPEED = 0.05  # relative difference of speeds with the same reference
@@ -48,8 +52,17 @@ class _Directions(NamedTuple):
     half_n: float  # h
 
 
+class _Friction(NamedTuple):
+    """What is compared over the loads: friction of one direction, or the mean of both."""
+
+    load_n: float
+    value_n: float
+    u_n: float
+    friction_n: float  # its size
+
+
 class _Change(NamedTuple):
-    """Change of the mean of both directions with the load, in % of it."""
+    """Change with the load, in % of it."""
 
     change: float
     half_width: float  # of its interval
@@ -89,17 +102,56 @@ def load_balance(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
         yield QualityCheck("load_balance", grade, found.change, "%", _CHANGE_GOOD, _CHANGE_POOR)
 
 
+def load_share(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
+    """Yield the change of friction with the load, % of it, where one direction was measured.
+
+    Only a change that friction can't have is yielded.
+    """
+    curves = tuple(curves)
+    if len({curve.direction for curve in curves if curve.points}) != 1:
+        return
+    found = _change(_one_direction(curves))
+    if found is not None and found.least > _ONE_GOOD:
+        grade: Grade = "poor" if found.least > _ONE_POOR else "with care"
+        yield QualityCheck("load_share", grade, found.change, "%", _ONE_GOOD, _ONE_POOR)
+
+
+def _one_direction(curves: Iterable[Curve]) -> Iterator[list[_Friction]]:
+    """Yield what was measured in one direction: a list for each speed, an entry for each load."""
+    series: dict[tuple, list[tuple[float, list[_Friction]]]] = defaultdict(list)
+    for curve in curves:
+        conditions = curve.kind, curve.label, curve.factors, curve.specimen, curve.a_ref_m_s2
+        speeds = series[*conditions, curve.p_lr_ref_pa]
+        for point in curve.points:
+            friction_n, u_n = point.friction_n, point.ci95_n or 0.0
+            row = _Friction(point.f_applied_n, friction_n, u_n, abs(friction_n))
+            same = [rows for v_m_s, rows in speeds if _is_same(v_m_s, point.v_m_s)]
+            if same:
+                same[0].append(row)
+            else:
+                speeds.append((point.v_m_s, [row]))
+    yield from (rows for speeds in series.values() for _, rows in speeds)
+
+
 def _change_with_load(curves: Iterable[Curve]) -> _Change | None:
     """Return the change of the mean of both directions with the load; None if it is not known."""
+    return _change(
+        [_Friction(e.load_n, e.middle_n, e.u_n, abs(e.half_n)) for e in loads]
+        for loads in _both_directions(curves)
+    )
+
+
+def _change(speeds: Iterable[Sequence[_Friction]]) -> _Change | None:
+    """Return the change over the loads of all speeds; None where there is one load."""
     rows = []
-    for loads in _both_directions(curves):
+    for loads in speeds:
         mean_n = fmean(each.load_n for each in loads)
-        rows += [(e.load_n - mean_n, e.middle_n, e.u_n, abs(e.half_n)) for e in loads]
-    x, middle, u, friction = np.array(rows).reshape(-1, 4).T
+        rows += [each._replace(load_n=each.load_n - mean_n) for each in loads]
+    x, values, u, friction = np.array(rows).reshape(-1, 4).T
     square = float(x @ x)
     if square == 0.0:
         return None
-    change = 100 * abs(float(x @ middle)) / square
+    change = 100 * abs(float(x @ values)) / square
     half = 100 * float(np.linalg.norm(x * u)) / square
     least = max(change - half, 0.0)
     if least * np.ptp(x) < _SMALL * friction.mean():

@@ -16,6 +16,7 @@ from hbench.analysis.summary.force_checks import (
     equal_directions,
     load_balance,
     load_direction,
+    load_share,
 )
 from hbench.analysis.summary.plausibility import implausible_points
 from hbench.analysis.summary.unlike_trials import unlike_check
@@ -109,6 +110,7 @@ def _checks(
     moving = [*map(sliding, curves)]
     yield from load_direction(moving)
     yield from load_balance(moving)
+    yield from load_share(moving)
     found = [*equal_directions(moving)]
     yield from found or constant_force(moving)
     yield _instruments(frictions)

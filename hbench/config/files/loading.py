@@ -258,7 +258,7 @@ def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
 def _hint(faults: list["ErrorDetails"]) -> str:
     if any(fault["type"] == "extra_forbidden" for fault in faults):
         return "Correct or remove the key; see the commented examples."
-    of_items = (fault for fault in faults if not isinstance(fault["input"], dict))
-    if any(isinstance(key, int) for fault in of_items for key in fault["loc"][-1:]):
+    without_unit = (fault for fault in faults if "has no unit" in fault["msg"])
+    if any(isinstance(key, int) for fault in without_unit for key in fault["loc"][-1:]):
         return "Separate the values of a list by commas, each with its unit: [0.5 kN, 5 kN]."
     return ""

@@ -31,11 +31,19 @@ _AT_REST = {  # of runs with closed valves
     "the leakage itself moves it, state a larger screening.rest_travel",
 }
 _IMPORTED = {  # of another bench's logs
-    "too_short": "too little travel for this speed; for fast strokes state a shorter "
-    "screening.settle_time and screening.min_window in the map",
+    "missing_channel": "a sensor that is not logged, or not named in the map; a known value can "
+    "replace it under constants (p_tr_pa: 0 bar for a side open to the air), and the force of a "
+    "drive without pressures is f_drive_n",
+    "sensor_saturated": "a sensor whose range is too small, a broken wire, a wrong zero, or a "
+    "number that the logger writes where it has no value, such as -9999: leave these cells empty",
+    "too_short": "too little travel for this speed; state a shorter screening.settle_time and "
+    "screening.min_window for fast strokes, a shorter screening.settle_travel for short ones",
+    "not_steady": "air in the oil, stick-slip, a position that is rounded to few digits, or a load "
+    "that comes late or changes along the stroke; if it is meant to, as that of a spring, state a "
+    "larger screening.friction_drift_relative in the map",
     "off_reference": "a speed in the map or in the names of the files that is not that of the "
-    "motion; where the bench does not keep its speed, state a larger screening.high_speed_error "
-    "(above 150 mm/s) or screening.low_speed_error in the map",
+    "motion; where the bench does not keep its speed, state a larger "
+    "screening.low_speed_error_relative (default 3 %) in the map",
 }
 _ABORTED, _UNFINISHED = "aborted", "unfinished"  # codes of the reasons
 _NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."

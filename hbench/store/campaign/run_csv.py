@@ -18,8 +18,9 @@ RUN_CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 # Tolerance between a logged reference and the plan's: a count of 1e-5 m/s, or 0.1 %.
 _SAME_SPEED_M_S, _SAME_SPEED = 1e-5, 1e-3
 SEVERAL_RUNS = (
-    "If the file contains several runs, write each to a file of its own; if its clock wraps, make "
-    "the times rise: hbench/store/README.md has recipes."
+    "If the file contains several runs, write each to a file of its own; if its clock wraps or "
+    "was set back, as at the end of summer time, make the times rise: hbench/store/README.md has "
+    "recipes."
 )
 
 
@@ -99,6 +100,13 @@ def _check_flags(channels: Mapping[str, np.ndarray], table: Table) -> None:
             )
 
 
+def _hint_on_time(t_s: np.ndarray, row: int, hint: str) -> str:
+    if t_s[row] == t_s[row - 1]:
+        return hint
+    newest_first = row == 1 and bool(np.all(np.diff(t_s) <= 0))
+    return "The rows are in reverse order: sort them by time." if newest_first else SEVERAL_RUNS
+
+
 def check_time(
     t_s: np.ndarray, table: Table, rows: np.ndarray | None = None, hint: str = ""
 ) -> None:
@@ -114,7 +122,7 @@ def check_time(
         raise DataError(
             f"{table.source}: {position}: time goes from {t_s[row - 1]:.6g} s to {t_s[row]:.6g} s; "
             "expected increasing time",
-            hint if t_s[row] == t_s[row - 1] else SEVERAL_RUNS,
+            _hint_on_time(t_s, row, hint),
         )
     if t_s[-1] - t_s[0] > LONGEST_S:
         raise DataError(

@@ -110,9 +110,15 @@ def refuse_empty(folder: Path, matches: FolderMatches) -> None:
     """Raise ``DataError`` for a series that matches no file."""
     for series in matches.empty:
         names = sorted([*matches.unmatched, *(match.name for match in matches.files)])
+        fields = (
+            " A field such as {speed} is a number such as 0.5, {trial} a whole one; write a star "
+            "for other characters."
+            if series.fields
+            else ""
+        )
         raise DataError(
             f"{folder}: no file matches series {series.label!r}, files: {series.files}",
-            f"Give paths from the imported folder, which contains {listed(names)}.",
+            f"Give paths from the imported folder, which contains {listed(names)}.{fields}",
         )
 
 

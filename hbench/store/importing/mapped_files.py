@@ -90,7 +90,9 @@ def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns
     pieces, stuck = _without_stuck_sensors(pieces, stuck_sensors(activity), folder, rules, store)
     notes += [*stuck, *_left_out(folder, unusable)]
     on_all = _on_all(pieces, matches.unmatched, rules)
-    return ImportedRuns(runs_of(pieces, rules), (*merged(notes), *on_all))
+    plans = plans_of(pieces, rules)
+    notes += _same_trials(pieces, plans)
+    return ImportedRuns(runs_of(pieces, plans), (*merged(notes), *on_all))
 
 
 def map_is_wrong(unusable: int, files: int) -> bool:
@@ -173,33 +175,28 @@ def channels_of(mapped: MappedFile, section: Section) -> dict[str, np.ndarray]:
     return {name: values[section.samples] for name, values in mapped.read.channels.items()}
 
 
-def runs_of(pieces: Sequence[Piece], rules: ImportMap) -> tuple[ImportedRun, ...]:
-    """Return a run for each piece; nominal speed and trial depend on the other pieces."""
+def runs_of(pieces: Sequence[Piece], plans: Sequence[RunPlan]) -> tuple[ImportedRun, ...]:
+    """Return a run for each piece with its plan."""
     return tuple(
         ImportedRun(plan, piece.log, piece.file, piece.lines, start=piece.start)
-        for plan, piece in zip(plans_of(pieces, rules), pieces, strict=True)
+        for plan, piece in zip(plans, pieces, strict=True)
     )
 
 
 def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
-    """Return the plan of each piece.
-
-    Where the name has no trial, the runs of one nominal speed are trials, in their order.
-    """
+    """Return the plan of each piece; nominal speed and trial depend on the other pieces."""
     nominal = _nominal_speeds(pieces, rules)
-    trials: dict[tuple, int] = defaultdict(int)
     plans = []
-    for piece, v_ref in zip(pieces, nominal, strict=True):
+    for piece, v_ref, trial in zip(pieces, nominal, _trials(pieces, nominal), strict=True):
         match, cylinder = piece.match, piece.match.series.cylinder
         kind = rules.of(match.series).kind
         constant = KINDS[kind].has_constant_speed
-        trials[key := (*piece.series, v_ref)] += 1
         low, high = piece.section.positions or (None, None)
         plans.append(
             RunPlan(
                 run=piece.run,
                 kind=kind,
-                trial=trials[key] if match.trial is None else match.trial,
+                trial=trial,
                 v_ref_m_s=v_ref,
                 specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
                 f_load_n=match.f_load_n,
@@ -211,6 +208,47 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
             )
         )
     return plans
+
+
+def _trials(pieces: Sequence[Piece], nominal: Sequence[float]) -> list[int]:
+    """Return the trial of each piece: that of the file's name, unless another file has it too.
+
+    A second file with it at the same point is a further trial: what differs is not known. Where the
+    name has no trial, the runs of one nominal speed are trials, in their order.
+    """
+    keys = [(*piece.series, v_ref) for piece, v_ref in zip(pieces, nominal, strict=True)]
+    last: dict[tuple, int] = defaultdict(int)
+    for key, piece in zip(keys, pieces, strict=True):
+        last[key] = max(last[key], piece.match.trial or 0)
+    of_files: dict[tuple, dict[str, int]] = defaultdict(dict)
+    trials = []
+    for key, piece in zip(keys, pieces, strict=True):
+        stated, known = piece.match.trial, of_files[key]
+        if stated is None:
+            last[key] += 1
+            trials.append(last[key])
+            continue
+        if piece.match.name not in known:
+            if stated in known.values():
+                last[key] = stated = last[key] + 1
+            known[piece.match.name] = stated
+        trials.append(known[piece.match.name])
+    return trials
+
+
+def _same_trials(pieces: Sequence[Piece], plans: Sequence[RunPlan]) -> Iterator[FileNote]:
+    """Yield a note on each file whose trial is that of another file at the same point."""
+    runs = zip(pieces, plans, strict=True)
+    names = (
+        piece.match.name for piece, plan in runs if piece.match.trial not in (None, plan.trial)
+    )
+    for name in dict.fromkeys(names):
+        yield FileNote(
+            name,
+            "trial, load, direction and speed are those of another file: counted as a further "
+            "trial. If anything else differs between these files, name it: in 'files' a field such "
+            "as {temperature} in place of a star, with its unit under factors",
+        )
 
 
 def _nominal_speeds(pieces: Sequence[Piece], rules: ImportMap) -> list[float]:

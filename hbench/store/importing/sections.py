@@ -8,7 +8,7 @@ import numpy as np
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.covered_positions import Positions, covered_positions, shared_positions
-from hbench.motion.plateaus import plateaus
+from hbench.motion.plateaus import SAME_SPEED, plateaus
 from hbench.motion.reversals import (
     LONGEST_STEP_S,
     SAME_LENGTH,
@@ -29,6 +29,11 @@ _MOSTLY = 0.6  # of the travel: more than the top of a sine has
 _CUT_OFF = (
     "The start or the end of the file cuts its strokes off: leave the file out, or import it as a "
     "whole ('kind: triangle' without 'cut'). Or a unit of x_m or t_s in the map is wrong."
+)
+_BACK_AND_FORTH = (
+    "For files with strokes in both directions, write 'cut: reversals' in the map; for several "
+    "constant speeds 'cut: plateaus'; for triangles or sines as a whole, whose reversals hbench "
+    "reconcile uses, 'kind: triangle'."
 )
 _TOO_SHORT = "Check the units of x_m and t_s in the map, or reduce 'min_stroke'."
 
@@ -70,9 +75,7 @@ def cut(
         raise DataError(
             f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
             f"one stroke of at least min_stroke = {1e3 * rules.min_stroke:g} mm",
-            "For files with strokes in both directions, write 'cut: reversals' in the map; for "
-            "several constant speeds 'cut: plateaus'; for triangles or sines as a whole, whose "
-            "reversals hbench reconcile uses, 'kind: triangle'.",
+            _TOO_SHORT if np.ptp(x_m) < rules.min_stroke else _BACK_AND_FORTH,
         )
     return _whole(t_s, x_m, name, rules, speed)
 
@@ -104,7 +107,8 @@ def _whole(
     """Return the whole file as a run, whose speed is that of its longest plateau."""
     whole = slice(0, len(x_m))
     if speed is not None:
-        return Sections((Section(whole, float(np.copysign(speed, x_m[-1] - x_m[0]))),))
+        v_m_s = float(np.copysign(speed, x_m[-1] - x_m[0]))
+        return Sections((Section(whole, v_m_s),), tuple(_unused(t_s, x_m, name, rules, v_m_s)))
     constant = plateaus(t_s, x_m, least_m=rules.min_stroke)
     if not constant:
         return Sections((Section(whole, stroke_speed(t_s, x_m)),))
@@ -114,6 +118,20 @@ def _whole(
         text = "{count} sections of constant speed; only the longest is used (cut: plateaus)"
         notes.append(FileNote(name, text, {"count": len(constant)}))
     return Sections((Section(whole, longest.v_m_s),), tuple(notes))
+
+
+def _unused(
+    t_s: np.ndarray, x_m: np.ndarray, name: str, rules: ImportMap, v_m_s: float
+) -> Iterator[FileNote]:
+    """Yield a note on sections at the nominal speed against the direction of the whole file."""
+    forward_m = x_m * np.sign(v_m_s)
+    if np.max(np.maximum.accumulate(forward_m) - forward_m) < rules.min_stroke:
+        return
+    found = plateaus(t_s, x_m, rules.screening.min_window, rules.min_stroke)
+    if any(abs(plateau.v_m_s / v_m_s + 1) < SAME_SPEED for plateau in found):
+        used = "extending" if v_m_s > 0 else "retracting"
+        text = f"moves both ways at the nominal speed; only {used} is used (cut: reversals)"
+        yield FileNote(name, text)
 
 
 def _at_plateaus(t_s: np.ndarray, x_m: np.ndarray, source: str, rules: ImportMap) -> Sections:

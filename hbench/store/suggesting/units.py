@@ -2,44 +2,8 @@
 
 import re
 
-from hbench.units import in_ascii, parse_unit
+from hbench.units import SPELLINGS, in_ascii, parse_unit
 
-# Spellings that are no units of ``hbench.units``, in lower case, without brackets and blanks.
-_SPELLINGS = {
-    **dict.fromkeys(("sec", "sek", "secs", "seconds", "sekunden", "sekunde", "second"), "s"),
-    **dict.fromkeys(("msec", "millisecond", "milliseconds", "millisekunden"), "ms"),
-    **dict.fromkeys(("usec", "microseconds"), "us"),
-    **dict.fromkeys(("min.", "minutes", "minuten"), "min"),
-    **dict.fromkeys(("meter", "metre", "meters"), "m"),
-    **dict.fromkeys(("millimeter", "millimetre", "millimeters"), "mm"),
-    **dict.fromkeys(("inch", "inches", "zoll"), "in"),
-    **dict.fromkeys(("n", "newton"), "N"),
-    **dict.fromkeys(("kn", "kilonewton"), "kN"),
-    "dan": "daN",
-    **dict.fromkeys(("kp", "kgf"), "kgf"),
-    **dict.fromkeys(("lb", "lbs"), "lbf"),
-    **dict.fromkeys(("kip", "kips"), "kip"),
-    **dict.fromkeys(("pa", "pascal"), "Pa"),
-    **dict.fromkeys(("hpa", "mbar"), "mbar"),
-    "kpa": "kPa",
-    "mpa": "MPa",
-    **dict.fromkeys(("barg", "bar(g)", "bar_g", "bara", "bar(a)", "bar"), "bar"),
-    **dict.fromkeys(("psig", "psia", "psi"), "psi"),
-    **dict.fromkeys(("kgf/cm2", "kg/cm2", "kp/cm2"), "kgf/cm^2"),
-    "n/mm2": "N/mm^2",
-    **dict.fromkeys(("volt", "volts", "v"), "V"),
-    **dict.fromkeys(("mps", "m_s", "m/sec", "m/sek", "m*s^-1", "m/s", "ms-1"), "m/s"),
-    **dict.fromkeys(("mmps", "mm_s", "mm/sec", "mm/sek", "mms", "mm/s"), "mm/s"),
-    **dict.fromkeys(("cmps", "cm_s", "cm/s"), "cm/s"),
-    **dict.fromkeys(("in/s", "ips", "in_s"), "in/s"),
-    **dict.fromkeys(("degc", "deg_c", "celsius", "gradcelsius"), "degC"),
-    **dict.fromkeys(("degf", "deg_f", "fahrenheit"), "degF"),
-    **dict.fromkeys(("deg", "degree", "degrees", "grad"), "deg"),
-    **dict.fromkeys(("deg/s", "deg_s", "degs"), "deg/s"),
-    **dict.fromkeys(("rad/s", "1/s", "rad_s", "rads"), "rad/s"),
-    **dict.fromkeys(("nm", "n*m", "newtonmeter"), "N m"),
-    "knm": "kN m",
-}
 _POWERS = str.maketrans({" ": "", "^": ""})
 ANGLES = ("deg", "rad")  # units of a position that have no dimension
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\[\](){}<>]*(?:\([^()]*\))?)\s*[\])}>]\s*$")
@@ -62,7 +26,7 @@ def unit_in(text: str) -> str | None:
     bare = in_ascii(bare)
     if bare == "pA":  # the pressure at port A
         return None
-    spelled = _SPELLINGS.get(bare.lower().translate(_POWERS))
+    spelled = SPELLINGS.get(bare.lower().translate(_POWERS))
     for unit in (spelled, bare):
         try:
             if not unit or not unit[0].isalpha():

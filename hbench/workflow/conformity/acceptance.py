@@ -12,6 +12,7 @@ from hbench.report.campaign.quality.verdict import grade_words
 from hbench.report.conformity.acceptance_document import acceptance_json
 from hbench.report.conformity.junit import junit_xml
 from hbench.report.creep_words import creep_facts
+from hbench.report.drift import drift_outside_u
 from hbench.report.quality_words import LOAD_CELL_ZERO
 from hbench.report.zero_words import zero_reserve
 from hbench.store.campaign.folder import load_campaign, write_results
@@ -43,6 +44,9 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
     elif results.motions.load_cell_zero_unchecked:
         notes.append(LOAD_CELL_ZERO)
     notes += [f"{name}: {words.removesuffix('.')}" for name, words in creep_facts(results)]
+    quantities = {limit.requirement.quantity for limit in limits.limits}
+    if quantities & {"friction", "efficiency"} and (reserve := drift_outside_u(results.drift)):
+        notes.append(reserve)
     checks = conformity_checks(
         results,
         [limit.requirement for limit in limits.limits],

@@ -59,7 +59,7 @@ def _value(check: QualityCheck) -> str:
     words = FINDINGS[check.name].format(
         value=value, count=check.count, of=check.of, good=check.good
     )
-    wrong = check.name == "load_balance" and check.grade != "good"
+    wrong = check.name in ("load_balance", "load_share") and check.grade != "good"
     return f"{words}{WRONG_BALANCE}" if wrong else words
 
 

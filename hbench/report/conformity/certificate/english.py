@@ -229,6 +229,7 @@ ENGLISH = {
     "check_plausible_signs": "signs of friction",
     "check_load_direction": "direction of the load",
     "check_load_balance": "balance of forces over the load",
+    "check_load_share": "change of friction with the load",
     "check_equal_directions": "difference of the directions",
     "check_constant_force": "constant force in both directions",
     "check_instruments": "uncertainty of the instruments",

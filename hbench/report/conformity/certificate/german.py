@@ -236,6 +236,7 @@ GERMAN = {
     "check_plausible_signs": "Vorzeichen der Reibung",
     "check_load_direction": "Richtung der Last",
     "check_load_balance": "Kräftebilanz über der Last",
+    "check_load_share": "Änderung der Reibung mit der Last",
     "check_equal_directions": "Unterschied der Richtungen",
     "check_constant_force": "gleichbleibende Kraft in beiden Richtungen",
     "check_instruments": "Unsicherheit der Messmittel",
