@@ -296,6 +296,27 @@ def test_a_cylinder_of_the_next_preferred_bore_is_refused_with_the_bore_that_fit
     assert "unit or scale of f_applied_n" in error.hint
 
 
+@pytest.mark.parametrize("part", ["test", "load"])
+@pytest.mark.parametrize("factor", [0.95, 1.05])
+def test_a_bore_that_is_a_little_off_is_refused_also_with_a_wrong_load_cell(
+    runs, model, part, factor
+):
+    """The rod is right, so the rod side's area is off by more. The cell shows 3 % more or less."""
+    own = getattr(model.par, part)
+    more_m2 = (factor**2 - 1) * own.area_piston_m2
+    wrong = own._replace(
+        area_piston_m2=own.area_piston_m2 + more_m2, area_rod_m2=own.area_rod_m2 + more_m2
+    )
+    off = replace(model, par=model.par._replace(**{part: wrong}))
+    bore_mm = 1e3 * np.sqrt(4 * own.area_piston_m2 / np.pi)
+    for gain in (0.97, 1.0, 1.03):
+        shown = [replace(run, f_applied_n=gain * run.f_applied_n) for run in runs]
+        error = refused(shown, off)
+        assert error.message.startswith(f"{part}_cylinder: pressures and force give areas of ")
+        said = float(error.hint.split("a bore of ")[1].split(" mm")[0])
+        assert said == pytest.approx(bore_mm, rel=0.02)
+
+
 def test_a_load_cell_that_shows_a_fifth_more_is_left_to_the_search(runs, model):
     refuse_contradictions(
         sessions([replace(run, f_applied_n=1.2 * run.f_applied_n) for run in runs]), model

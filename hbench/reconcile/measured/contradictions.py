@@ -16,7 +16,12 @@ import numpy as np
 from hbench.errors import DataError
 from hbench.reconcile.measured.balances import BalanceModel
 from hbench.reconcile.measured.command_checks import refuse_commands
-from hbench.reconcile.measured.force_checks import refuse_areas, refuse_driving_friction
+from hbench.reconcile.measured.force_checks import (
+    fit_areas,
+    refuse_areas,
+    refuse_driving_friction,
+    refuse_one_scale,
+)
 from hbench.reconcile.measured.moving_windows import moving_windows
 from hbench.reconcile.measured.session import Session
 
@@ -33,8 +38,18 @@ def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     refuse_driving_friction(moving, model.par)
     p_tp, p_tr, p_lp, p_lr = moving.pressures_pa
     stated = logs[0].runs[0].plan.specimen
-    refuse_areas("test_cylinder", model.par.test, p_tp, p_tr, moving, stated)
-    refuse_areas("load_cylinder", model.par.load, p_lp, p_lr, moving)
+    cylinders = {"test_cylinder": model.par.test, "load_cylinder": model.par.load}
+    fits = {
+        name: fit
+        for (name, cylinder), pressures in zip(
+            cylinders.items(), ((p_tp, p_tr), (p_lp, p_lr)), strict=True
+        )
+        if (fit := fit_areas(cylinder, *pressures, moving))
+    }
+    for name, fit in fits.items():
+        of_campaign = stated if name == "test_cylinder" else None
+        refuse_areas(name, cylinders[name], fit, of_campaign)
+    refuse_one_scale(fits, model.par)
 
 
 def _refuse_positions(logs: Sequence[Session], stroke_m: float) -> None:

@@ -5,6 +5,8 @@
   lowers that of the other.
 - **Scale.** The areas by the fit are both larger than those of the model file by more than a load
   cell's gain may be off, or smaller: the force has another unit, or the cylinder is another one.
+- **One scale.** Those of one cylinder alone are off: its diameters are wrong. A gain of the load
+  cell changes the areas of both cylinders alike.
 - **Areas.** The applied force is A_p P_p - A_r P_r less friction (2.12) and inertia, at the load
   cylinder plus friction. A fit of the areas with friction, a mass and an offset gives their ratio.
   Friction is dry, viscous and in proportion to each pressure, so strokes in both directions are
@@ -15,7 +17,9 @@
   areas come out negative, the pressures are exchanged, or the force has the wrong sign.
 """
 
-from math import log, pi, sqrt
+from collections.abc import Mapping
+from math import log, log1p, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -66,18 +70,37 @@ def refuse_driving_friction(moving: Moving, par: PlantParameters) -> None:
         )
 
 
-def refuse_areas(
-    name: str,
-    cylinder: CylinderParameters,
-    p_p: np.ndarray,
-    p_r: np.ndarray,
-    moving: Moving,
-    stated: Specimen | None = None,
-) -> None:
-    """Raise ``DataError`` for areas that do not fit; the campaign has the areas ``stated``.
+class AreaFit(NamedTuple):
+    """Areas by a fit of the applied force, in shares of those of the model file."""
 
-    The standard error of the ratio leaves out the correlation of both areas.
-    """
+    piston: float
+    rod: float
+    se: np.ndarray  # (2,)
+    own: tuple[float, float]  # part of each pressure that the other terms do not explain
+    rod_n: float  # norm over the windows of the force of the model's rod side by its own part
+    left_n: float  # norm of the force that the fit leaves
+
+    @property
+    def scale(self) -> float:
+        """Geometric mean of both."""
+        return sqrt(self.piston * self.rod)
+
+    @property
+    def scale_error(self) -> float:
+        """Relative standard error of the scale, without the correlation of both."""
+        return float(np.hypot(*(self.se / (self.piston, self.rod)))) / 2
+
+    @property
+    def has_scale(self) -> bool:
+        """Whether the force follows both pressures beyond doubt."""
+        sure = self.piston > SIGMAS * self.se[0] and self.rod > SIGMAS * self.se[1]
+        return bool(sure and self.rod * self.rod_n > _CLEAR * self.left_n)
+
+
+def fit_areas(
+    cylinder: CylinderParameters, p_p: np.ndarray, p_r: np.ndarray, moving: Moving
+) -> AreaFit | None:
+    """Fit a cylinder's areas to the applied force; None where the windows do not determine them."""
     v, piston_m2, rod_m2 = moving.v_m_s, cylinder.area_piston_m2, cylinder.area_rod_m2
     way = np.sign(v)
     friction = way, v, way * p_p, way * p_r
@@ -85,28 +108,37 @@ def refuse_areas(
     columns = np.column_stack([p_p * piston_m2, -p_r * rod_m2, *friction, *inertia])
     size = np.linalg.norm(columns, axis=0)
     if min(np.sum(way > 0), np.sum(way < 0)) < FEWEST or not size.all():
-        return
+        return None
     columns = columns / size
     fit = np.linalg.lstsq(columns, moving.force_n, rcond=None)[0]
     left = moving.force_n - columns @ fit
     covariance, _ = covariance_over_runs(columns, left, moving.run)
     (piston, rod), se = fit[:2] / size[:2], np.sqrt(np.diag(covariance)[:2]) / size[:2]
     if not np.isfinite(se).all():
-        return
+        return None
     own = _own_part(columns, 0), _own_part(columns, 1)
-    clear = _CLEAR * np.linalg.norm(left)
-    if piston < -SIGMAS * se[0] and rod < -SIGMAS * se[1] and -rod * size[1] * own[1] > clear:
+    return AreaFit(piston, rod, se, own, size[1] * own[1], float(np.linalg.norm(left)))
+
+
+def refuse_areas(
+    name: str, cylinder: CylinderParameters, fit: AreaFit, stated: Specimen | None = None
+) -> None:
+    """Raise ``DataError`` for areas that do not fit; the campaign has the areas ``stated``.
+
+    The standard error of the ratio leaves out the correlation of both areas.
+    """
+    piston, rod, se, own, rod_n, left_n = fit
+    piston_m2, rod_m2 = cylinder.area_piston_m2, cylinder.area_rod_m2
+    clear = _CLEAR * left_n
+    if piston < -SIGMAS * se[0] and rod < -SIGMAS * se[1] and -rod * rod_n > clear:
         raise _negative_areas(name, piston, rod, rod_m2 / piston_m2)
-    sure = piston > SIGMAS * se[0] and rod > SIGMAS * se[1]
-    if sure and rod * size[1] * own[1] > clear:
-        away = abs(log(piston * rod)) / 2 - SIGMAS * np.hypot(se[0] / piston, se[1] / rod) / 2
-        if away > log(_SCALE):
-            raise _other_scale(name, cylinder, piston, rod, stated)
+    if fit.has_scale and abs(log(fit.scale)) - SIGMAS * fit.scale_error > log(_SCALE):
+        raise _other_scale(name, cylinder, fit, stated)
     if min(own) < _LEAST_OWN:
         return  # friction may follow the pressures
     if piston < max(_LEAST_SHARE, SIGMAS * se[0]):
         return  # the force does not follow the pressures
-    if abs(rod - piston) * size[1] * own[1] < clear:
+    if abs(rod - piston) * rod_n < clear:
         return  # friction of another law may do the same
     off, error = rod / piston - 1, np.hypot(*se) / piston
     if abs(off) > max(_AREAS, SIGMAS * error):
@@ -121,11 +153,42 @@ def refuse_areas(
         )
 
 
+def refuse_one_scale(fits: Mapping[str, AreaFit], par: PlantParameters) -> None:
+    """Raise ``DataError`` where the areas of one cylinder alone are off, by name.
+
+    The gain of the load cell changes those of both by the same factor.
+    """
+    if len(fits) < 2 or not all(fit.has_scale for fit in fits.values()):
+        return
+    right, wrong = sorted(fits, key=lambda name: abs(log(fits[name].scale)))
+    off = fits[wrong].scale / fits[right].scale
+    error = np.hypot(fits[wrong].scale_error, fits[right].scale_error)
+    if abs(log(off)) - SIGMAS * error < log1p(_AREAS):
+        return
+    cylinder = {"test_cylinder": par.test, "load_cylinder": par.load}[wrong]
+    gain = fits[right].scale
+    bore, rod = _diameters_mm(
+        fits[wrong].piston / gain * cylinder.area_piston_m2,
+        fits[wrong].rod / gain * cylinder.area_rod_m2,
+    )
+    raise DataError(
+        f"{wrong}: pressures and force give areas of {_percent(fits[wrong])} % of the model "
+        f"file's, those of {right} {_percent(fits[right])} % (limit of the difference: "
+        f"{100 * _AREAS:.0f} %)",
+        f"Correct the diameters of {wrong} in the model file (a bore of {bore:.3g} mm and a rod "
+        f"of {rod:.3g} mm would fit), or the scale of its pressures in the import map.",
+    )
+
+
+def _percent(fit: AreaFit) -> str:
+    return f"{100 * fit.piston:.0f} and {100 * fit.rod:.0f}"
+
+
 def _other_scale(
-    name: str, cylinder: CylinderParameters, piston: float, rod: float, stated: Specimen | None
+    name: str, cylinder: CylinderParameters, fit: AreaFit, stated: Specimen | None
 ) -> DataError:
-    """Return the error for areas by the fit, in shares of the model file's, that are both off."""
-    scale = sqrt(piston * rod)
+    """Return the error for areas that are both off."""
+    piston, rod, scale = fit.piston, fit.rod, fit.scale
     map_hint = "the unit or scale of f_applied_n, or of the pressures, in the import map"
     bore, rod_mm = _diameters_mm(piston * cylinder.area_piston_m2, rod * cylinder.area_rod_m2)
     is_cylinder = 1 / _OTHER_SCALE < scale < _OTHER_SCALE
