@@ -309,6 +309,16 @@ def test_a_printed_certificate_has_two_sheets(browser, certificate, tmp_path, la
     assert len(re.findall(rb"/Type\s*/Page\b", browser.pdf())) == 2
 
 
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_printed_certificate_of_many_decisions_has_two_sheets(
+    browser, many_decisions, tmp_path, language
+):
+    page = tmp_path / "certificate.html"
+    page.write_text(certificate_page(many_decisions(language=language)))
+    browser.open(page)
+    assert len(re.findall(rb"/Type\s*/Page\b", browser.pdf())) == 2
+
+
 def test_an_aborted_campaign_has_its_alarm_on_the_first_screen_of_a_phone(browser, pages):
     browser.open(pages["aborted"], width=400)
     box = browser.run(
