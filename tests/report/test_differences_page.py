@@ -296,8 +296,8 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     assert "from a drift" not in page and "not explained by a drift" not in page
     assert mean == [
         "mean over all 2 curves",
-        "400",
-        "440",
+        "400.0",
+        "440.0",
         "40.0 +- 8.0",
         "significant",
         "-",
