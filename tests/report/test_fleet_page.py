@@ -5,16 +5,22 @@ import json
 import re
 import warnings
 from dataclasses import replace
+from datetime import timedelta
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from markupsafe import escape
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from hbench.records import QUANTITIES, Trend
 from hbench.records.conformity.acceptance import Requirement
 from hbench.records.fleet.campaign_names import distinct_names
 from hbench.records.fleet.campaigns import FleetNumber
 from hbench.report.fleet.charts import chart_table, step_table
+from hbench.report.fleet.dates import set_dates
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.names import range_words
 from hbench.report.fleet.overview import fleet_tiles, overview_table
@@ -27,6 +33,7 @@ from hbench.report.fleet.text import (
     worst_table,
 )
 from hbench.report.fleet.verdict import fleet_verdict, further_sentences, stepped_numbers
+from hbench.report.render import style
 from hbench.store.campaign.stored_acceptance import stored_decision
 from hbench.store.fleet.table import TABLE, cells_of, write_table
 from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of
@@ -267,6 +274,30 @@ def test_charts_are_over_the_dates_of_the_campaigns_however_long_their_names_are
     for drawing in charts:
         head, first, *_ = csv.reader(drawing.csv.decode().splitlines())
         assert first[head.index("Start of the campaign (UTC)")] == f"{fleet.first:%Y-%m-%d %H:%M}"
+
+
+@pytest.mark.parametrize("days", [0.06, 1.3, 14.0, 700.0])
+def test_dates_below_a_figure_have_letters_of_full_size_and_do_not_overlap(shifted, days):
+    fleet = replace(shifted, last=shifted.first + timedelta(days=days))
+    figure = Figure(figsize=(style.WIDTH_IN, 3.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    with rc_context(style.RC):
+        axes = figure.add_subplot()
+        axes.plot([0.0, days], [0.0, 1.0])
+        set_dates(axes, fleet)
+        figure.draw_without_rendering()
+    low, high = axes.get_xlim()
+    labels = [
+        label
+        for place, label in zip(axes.get_xticks(), axes.get_xticklabels(), strict=True)
+        if low <= place <= high
+    ]
+    boxes = [label.get_window_extent() for label in labels]
+    assert len(labels) >= 3 and all(re.search(r"\d{4}-\d\d-\d\d$", x.get_text()) for x in labels)
+    assert {x.get_fontsize() for x in labels} == {axes.get_yticklabels()[0].get_fontsize()}
+    gaps = [after.x0 - before.x1 for before, after in pairwise(boxes)]
+    assert min(gaps) > 5.0
+    assert boxes[0].x0 > 0 and boxes[-1].x1 < figure.bbox.width
 
 
 def test_a_number_whose_mean_has_a_step_has_no_line_of_a_trend(shifted, undrawn):
