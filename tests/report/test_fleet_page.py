@@ -30,6 +30,7 @@ from hbench.report.fleet.text import (
     campaign_table,
     fleet_json,
     spread_table,
+    trend_table,
     worst_table,
 )
 from hbench.report.fleet.verdict import fleet_verdict, further_sentences, stepped_numbers
@@ -298,6 +299,14 @@ def test_dates_below_a_figure_have_letters_of_full_size_and_do_not_overlap(shift
     gaps = [after.x0 - before.x1 for before, after in pairwise(boxes)]
     assert min(gaps) > 5.0
     assert boxes[0].x0 > 0 and boxes[-1].x1 < figure.bbox.width
+
+
+def test_campaigns_of_less_than_a_day_have_no_slope_a_day(found):
+    assert "Slope a day" in trend_table(found).head
+    hours = replace(found, last=found.first + timedelta(hours=5))
+    table = trend_table(hours)
+    assert not any("Slope" in head for head in table.head)
+    assert {len(row) for row in table.rows} == {len(table.head)}
 
 
 def test_a_number_whose_mean_has_a_step_has_no_line_of_a_trend(shifted, undrawn):
