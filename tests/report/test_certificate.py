@@ -169,7 +169,7 @@ def test_the_certificate_states_whether_all_limits_were_tested(certificate):
     part = checks(certificate(), ("friction", "PASS", None), ("leakage", "NOT TESTED", None))
     text = page_text(part)
     assert "Limits tested: 1 of 2 (decisions: 1," in text
-    assert "series). Not measured for the others: limit 1: leakage (no run at this load)." in text
+    assert "series). Not measured for the others: limit 1: leakage (not at this load)." in text
     assert "The campaign has no runs that measure: breakaway." in text
     none = page_text(replace(part, acceptance=None))
     assert "Limits tested" not in none and "no runs that measure: breakaway; leakage." in none

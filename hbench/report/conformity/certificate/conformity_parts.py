@@ -228,7 +228,8 @@ def _tested(certificate: Certificate, checks: Sequence[ConformityCheck]) -> Iter
     for check in missing:
         if check.measurement is not None:
             for cause in check.causes:
-                words = quantity_words(certificate, check)
+                name = certificate.named(check.requirement.name)
+                words = name or quantity_words(certificate, check)
                 undecided.setdefault(cause, {})[words] = None
     for cause, quantities in undecided.items():
         yield word(cause, quantities="; ".join(quantities))

@@ -109,9 +109,9 @@ GERMAN = {
     "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
     "die Werte bei {pressure} bar.",
     "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der "
-    "Geschwindigkeiten zwischen den mittleren Positionen aufeinanderfolgender Abschnitte von "
-    "0,1 s, geteilt durch die mittlere Geschwindigkeit. Sie enthält 97 % einer Schwingung von "
-    "1 Hz, 41 % bei 5 Hz und nichts bei 10 Hz.",
+    "Geschwindigkeiten zwischen den mittleren Positionen über je 0,1 s, geteilt "
+    "durch die mittlere Geschwindigkeit. Sie enthält 97 % einer Schwingung von 1 Hz, "
+    "41 % bei 5 Hz und nichts bei 10 Hz.",
     "method_drift": "Die Drift ist die relative Änderung der Reibung vom ersten bis zum "
     "letzten Lauf, nach kleinsten Quadraten über den Startzeiten.",
     "software": "Ausgewertet mit hbench {version}; Firmware des Prüfstands: {firmware}.",
@@ -219,12 +219,12 @@ GERMAN = {
     "{quantities}.",
     "u_unknown": "Gemessen, aber nicht entschieden, weil U nicht bekannt ist: {quantities}.",
     "cause_quantity": "kein verwendeter Lauf bestimmt den Wert",
-    "cause_speed": "kein Lauf bei dieser Geschwindigkeit",
-    "cause_load": "kein Lauf bei dieser Last",
-    "cause_back_pressure": "kein Lauf bei diesem Gegendruck",
-    "cause_rest": "kein Lauf nach dieser Ruhezeit",
-    "cause_combination": "kein Lauf mit allen Angaben des Grenzwerts",
-    "cause_series": "nur Läufe anderer Reihen",
+    "cause_speed": "nicht bei dieser Geschwindigkeit",
+    "cause_load": "nicht bei dieser Last",
+    "cause_back_pressure": "nicht bei diesem Gegendruck",
+    "cause_rest": "nicht nach dieser Ruhezeit",
+    "cause_combination": "nicht mit allen Angaben des Grenzwerts",
+    "cause_series": "nur in anderen Reihen",
     "cause_pressure": "die Halteversuche erreichten {pressure} bar",
     "cause_times": "die Zeiten der Läufe sind nicht bekannt",
     "cause_area": "die treibende Fläche ist nicht bekannt",
