@@ -426,11 +426,11 @@ def test_the_verdict_names_campaigns_beyond_a_limit_and_what_to_do_about_a_step(
     steady = tuple(replace(chart, step=None, n_limits=chart.n) for chart in charts)
     assert "beyond a control limit (C-4" in fleet_verdict(replace(shifted, charts=steady))
     weak = replace(shifted, weak_checks=(("drift", 5),), drift_possible=0.351)
-    drift = "Drifts within the campaigns may also cause this: "
-    some = f"{drift}5 of 26 campaigns do not exclude one (up to 36 % in the worst)."
+    drift = "A drift within campaigns may also cause this: the data of "
+    some = f"{drift}5 of 26 allow one (up to 36 % in the worst)."
     assert some in fleet_verdict(weak)
     every = replace(weak, weak_checks=(("drift", 26),))
-    assert f"{drift}none of the 26 campaigns excludes one (" in fleet_verdict(every)
+    assert f"{drift}all 26 allow one (" in fleet_verdict(every)
     assert drift not in fleet_verdict(shifted)
 
 
