@@ -118,7 +118,7 @@ def fleet_station_and_comparison(folder: Path) -> None:
         note=lambda _: None,
     )
     workflow.write_fleet(folder / "fleet", fleet)
-    picture(folder / "fleet" / "fleet.html", DOCUMENTS / "fleet.png", height=1725)
+    picture(folder / "fleet" / "fleet.html", DOCUMENTS / "fleet.png", height=1432)
     with served(line) as address:
         picture(address, DOCUMENTS / "station.png", height=1100)
     comparison = workflow.compare(line / "HC-0001", line / f"HC-{CYLINDERS:04d}")
