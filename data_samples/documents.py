@@ -70,7 +70,7 @@ def diagnosis(folder: Path) -> None:
     campaign, model = HERE / "blind" / "internal_leakage-clear-1", CONFIGS / "bench-aau.yaml"
     found = workflow.reconcile(campaign, model, lambda done, total: None)
     workflow.write_diagnosis(folder / "diagnosis", found)
-    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png", height=1200)
+    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png", height=1550)
 
 
 def acceptance_and_certificate(folder: Path) -> None:
@@ -118,7 +118,7 @@ def fleet_station_and_comparison(folder: Path) -> None:
         note=lambda _: None,
     )
     workflow.write_fleet(folder / "fleet", fleet)
-    picture(folder / "fleet" / "fleet.html", DOCUMENTS / "fleet.png", height=1520)
+    picture(folder / "fleet" / "fleet.html", DOCUMENTS / "fleet.png", height=1432)
     with served(line) as address:
         picture(address, DOCUMENTS / "station.png", height=1100)
     comparison = workflow.compare(line / "HC-0001", line / f"HC-{CYLINDERS:04d}")

@@ -89,6 +89,8 @@ class MeanOfCurves:
     ci95_n: float | None = None  # half-width by the trials, which are independent
     p_value: float | None = None  # of no difference, by the trials alone
     speeds: tuple[MeanAtSpeed, ...] = ()  # rising; empty where the curves have different ones
+    u95_a: float | None = None  # expanded uncertainty of a_n; None where it is not known
+    u95_b: float | None = None  # the same of B's mean
 
     @property
     def drift_cancels(self) -> bool:

@@ -47,7 +47,9 @@ def effects(a, b, drift_a, drift_b):
         SimpleNamespace(curves=curves_a, drift=drift_a),
         SimpleNamespace(curves=curves_b, drift=drift_b),
     )
-    changed, mean = with_drift_effects(pairs, results, (clock_a, clock_b), SPEED_TOLERANCE)
+    changed, mean = with_drift_effects(
+        pairs, results, (clock_a, clock_b), (None, None), SPEED_TOLERANCE
+    )
     return [each.drift_n for each in changed], mean, [pair.mean_n.value for pair in pairs]
 
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from hbench.analysis.conformity.certified import certified_values
+from hbench.analysis.conformity.acceptance import conformity_checks
+from hbench.analysis.conformity.certified import certified_trials, certified_values
 from hbench.analysis.curves.band_trends import band_trends
 from hbench.config.conformity.certificate import completed, parse_certificate
 from hbench.records import (
@@ -29,6 +30,7 @@ from hbench.records import (
     Specimen,
     SteadyMeans,
 )
+from hbench.records.conformity.acceptance import Requirement
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.store.campaign.folder import load_campaign
@@ -325,6 +327,26 @@ def certificate(sample_campaign, sample_results, tmp_path_factory):
             raw=raw_data(sample_campaign),
             acceptance=decided(sample_results, limits),
         )
+
+    return make
+
+
+@pytest.fixture
+def many_decisions(certificate, sample_campaign, sample_results):
+    """Return a function that makes a simulated certificate of 17 decisions."""
+    limits = [
+        *(Requirement("friction", "N", None, 2e3, v_m_s=v) for v in (0.0082, 0.085)),
+        *(Requirement("speed_ripple", "%", None, 0.5, v_m_s=v) for v in (0.0082, 0.085)),
+        Requirement("drift", "%", -0.2, 0.2),
+    ]
+    checks = conformity_checks(sample_results, limits, "guard_band", None)
+    decided = [check.measurement for check in checks if check.measurement]
+    values, _ = certified_values(sample_results, sample_campaign.setup().instruments, decided)
+    values = (*values, *certified_trials(checks))
+
+    def make(**keys) -> Certificate:
+        made = certificate("simulated", **keys)
+        return replace(made, values=values, acceptance=replace(made.acceptance, checks=checks))
 
     return make
 

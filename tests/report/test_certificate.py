@@ -5,6 +5,7 @@ import string
 from dataclasses import replace
 from datetime import date
 from html import unescape
+from typing import get_args
 
 import pytest
 
@@ -16,7 +17,12 @@ from hbench.analysis.conformity.certified import (
 from hbench.analysis.conformity.measured import measurements
 from hbench.config.conformity.certificate import Image, completed, parse_certificate, read_logo
 from hbench.errors import ConfigError
-from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
+from hbench.records.conformity.acceptance import (
+    ConformityCheck,
+    Measurement,
+    Requirement,
+    UntestedCause,
+)
 from hbench.records.conformity.certified import Certified
 from hbench.records.motions import (
     Breakaway,
@@ -150,6 +156,7 @@ def checks(certificate, *decisions):
             None if decision == "NOT TESTED" else Measurement(1.0, 0.1, v_m_s=speed),
             1.0,
             decision,
+            causes=("load",) if decision == "NOT TESTED" else (),
         )
         for number, (quantity, decision, speed) in enumerate(decisions)
     )
@@ -162,10 +169,10 @@ def test_the_certificate_states_whether_all_limits_were_tested(certificate):
     part = checks(certificate(), ("friction", "PASS", None), ("leakage", "NOT TESTED", None))
     text = page_text(part)
     assert "Limits tested: 1 of 2 (decisions: 1," in text
-    assert "series). Not measured for the others: limit 1: leakage." in text
-    assert "Not measured: breakaway." in text
+    assert "series). Not measured for the others: limit 1: leakage (not at this load)." in text
+    assert "The campaign has no runs that measure: breakaway." in text
     none = page_text(replace(part, acceptance=None))
-    assert "Limits tested" not in none and "Not measured: breakaway; leakage." in none
+    assert "Limits tested" not in none and "no runs that measure: breakaway; leakage." in none
 
 
 @pytest.mark.parametrize("language", sorted(WORDS))
@@ -344,6 +351,39 @@ def test_imported_runs_have_no_schedule_to_deviate_from(certificate):
 
 def test_a_certificate_of_a_simulation_fills_two_sheets_in_both_languages(certificate):
     assert [len(sheets(certificate("simulated", language=each))) for each in ("en", "de")] == [2, 2]
+
+
+def test_a_certificate_of_many_decisions_fills_two_sheets_in_both_languages(many_decisions):
+    made = [many_decisions(language=language) for language in ("en", "de")]
+    assert [len(each.acceptance.checks) for each in made] == [17, 17]
+    assert [len(sheets(each)) for each in made] == [2, 2]
+
+
+def test_a_leakage_that_is_decided_at_100_bar_is_not_repeated(certificate):
+    """1e-17 m^3/(s Pa) are 6 ul/min at 100 bar."""
+    names = ("across_piston", "rod_side_out")
+    found = tuple(LeakCoefficient(name, 1e-17, 1e-18, (8e-18, 1.2e-17)) for name in names)
+    made = certificate()
+    motions = Motions(leakages=(Leakage("", found, (), 7.0e7, ""),))
+    values = tuple(Certified("leakage", Measurement(1e-17, 2e-18), None, leak=n) for n in names)
+    made = replace(made, values=values, results=replace(made.results, motions=motions))
+    assert len(content(made).parts["leakage"].tables[0].rows) == 2
+    for pressure, count in ((1e7, 1), (9e6, 2)):
+        limit = Requirement(
+            "leakage", "ml/min", None, 1e-6, leak="across_piston", pressure_pa=pressure
+        )
+        check = ConformityCheck(limit, Measurement(pressure * 1e-17, 2e-11), 1.0, "PASS")
+        shown = replace(made, acceptance=replace(made.acceptance, checks=(check,)))
+        rows = content(shown).parts["leakage"].tables[0].rows
+        assert len(rows) == count and rows[-1][0] == "from the rod side outwards"
+
+
+@pytest.mark.parametrize("language", sorted(WORDS))
+def test_each_cause_of_no_decision_has_its_words(language):
+    undecided = {"impossible", "u_unknown", "u_large"}
+    for cause in get_args(UntestedCause):
+        key = cause if cause in undecided else f"cause_{cause}"
+        assert key in WORDS[language]
 
 
 def test_each_sheet_has_the_number_and_page_x_of_y(certificate):
@@ -553,19 +593,33 @@ def test_what_is_not_stated_is_listed_and_printed(certificate):
     assert not {"customer.name", "test.date"} & set(certificate().missing)
 
 
-def test_decided_ripple_has_its_results_with_its_factor(certificate):
+def test_decided_ripple_has_no_table_of_its_own_but_its_runs_and_factor(certificate):
     measured = Measurement(0.0047, 0.00073, 2.0, direction="extend", v_m_s=0.002, runs=("1", "2"))
+    fewer = replace(measured, dof=1.0, u95=0.003, direction="retract", runs=("3",))
     requirement = Requirement("speed_ripple", "%", None, 0.1)
-    check = ConformityCheck(requirement, measured, 1.0, "PASS")
-    (value,) = certified_trials([check])
-    for language, title in (("en", "Results: speed ripple"), ("de", "Ergebnisse: Ungleich")):
-        made = replace(certificate(language=language), values=(value,))
-        part = content(made).parts["speed_ripple"]
-        shown = [cell.replace(",", ".") for cell in part.tables[0].rows[0]]
-        assert part.title.startswith(title) and shown[-3:] == ["2", "0.470 ± 0.073", "4.30"]
-    assert "U of speed ripple is that of the trials alone" in page_text(
-        replace(certificate(), values=(value,))
-    )
+    for language, alike, unlike in (
+        (
+            "en",
+            "speed ripple (2 runs each, k = 4.30) is",
+            "; 1 run, k = 12.71: retracting at 2 mm/s",
+        ),
+        (
+            "de",
+            "Ungleichförmigkeit (je 2 Läufe, k = 4,30).",
+            "; 1 Lauf, k = 12,71: einfahrend bei 2 mm/s",
+        ),
+    ):
+        made = certificate(language=language)
+        for ripples, words in (((measured,), alike), ((measured, fewer), unlike)):
+            each = tuple(ConformityCheck(requirement, m, 1.0, "PASS") for m in ripples)
+            values = (*made.values, *certified_trials(each))
+            decided = replace(made.acceptance, checks=each)
+            shown = replace(made, values=values, acceptance=decided)
+            parts = content(shown).parts
+            assert "speed_ripple" not in parts
+            cells = [cell for row in parts["conformity"].tables[0].rows for cell in row]
+            assert any("0.470 ± 0.073" in cell.replace(",", ".") for cell in cells)
+            assert words in page_text(shown)
 
 
 def test_remarks_on_accepted_runs_and_an_unchecked_load_cell_are_stated(certificate):
@@ -661,5 +715,5 @@ def test_no_efficiency_without_load_is_stated_and_a_remark_gives_the_reason(cert
         and "Results: friction at constant" in text
     )
     assert "Efficiency ±" not in text and "hydro-mechanical" not in text
-    (missing,) = re.findall(r"Not measured: ([^.]*)", text)
+    (missing,) = re.findall(r"no runs that measure: ([^.]*)", text)
     assert "efficiency" not in missing

@@ -86,10 +86,10 @@ def test_many_decisions_are_drawn_in_figures_of_about_the_same_length_and_on_one
         for way in ("extend", "retract")
     ]
     drawings = decision_drawings(made, "guard_band", simulated=True)
-    assert [len(rows(each)) for each in drawings] == [14, 13, 13]
+    assert [len(rows(each)) for each in drawings] == [10, 10, 10, 10]
     assert len({row["quantity"] for row in rows(*drawings)}) == 20
     assert len({each.caption for each in drawings}) == 1
-    assert [each.title[-5:] for each in drawings] == ["(1/3)", "(2/3)", "(3/3)"]
+    assert [each.title[-5:] for each in drawings] == ["(1/4)", "(2/4)", "(3/4)", "(4/4)"]
 
 
 def test_there_is_no_figure_without_decisions():

@@ -61,7 +61,10 @@ def test_a_difference_that_is_not_significant_is_not_in_the_verdict(found):
     page = ordinary_spaces(differences_page(replace(found, curves=(none,)), ()))
     verdict = page[page.index('<p class="verdict"') : page.index("<dl")]
     assert " 1 of 1 " not in verdict and "±" not in verdict
-    assert "40.0 N (U 8.0 N)" in verdict  # the largest, with its uncertainty
+    assert "40.0 N (U 8.0 N), which exceeds its uncertainty but may be chance (p = 0.30)" in verdict
+    small = replace(one, mean_n=replace(one.mean_n, b=405.0, p_holm=0.3))
+    page = ordinary_spaces(differences_page(replace(found, curves=(small,)), ()))
+    assert "the largest is 5.0 N (U 8.0 N)." in page
     single = replace(none, mean_n=replace(one.mean_n, p_holm=None, ci95=None, u95=None))
     page = ordinary_spaces(differences_page(replace(found, curves=(single,)), ()))
     assert "40.0 N (no interval)" in page
@@ -296,8 +299,8 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     assert "from a drift" not in page and "not explained by a drift" not in page
     assert mean == [
         "mean over all 2 curves",
-        "400",
-        "440",
+        "400.0",
+        "440.0",
         "40.0 +- 8.0",
         "significant",
         "-",

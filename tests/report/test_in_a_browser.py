@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from hbench.records import Line, Panel, Phenomenon, WordTable
+from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.conformity.certificate.page import certificate_page
+from hbench.report.conformity.decision_section import decision_drawings, decision_section
 from hbench.report.design.page import design_page
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.fleet.figures import draw_fleet
@@ -266,6 +268,39 @@ def test_a_list_names_the_number_that_its_rows_begin_with(browser, tmp_path):
     assert browser.run(firsts) == ["Speed (mm/s)8.0", "Speed (mm/s)24.8"]  # a gap is between them
 
 
+def test_decisions_are_seen_on_a_phone_without_scrolling_in_figure_and_table(browser, tmp_path):
+    """Of 16 decisions, in two figures that are side by side on a desktop."""
+    checks = [
+        ConformityCheck(
+            Requirement("friction", "bar", None, 4e5, name="no-load friction at crawling speed"),
+            Measurement(4.4e5 if direction == "extend" else 3e5, 3e4, 2.0, f"test {i}", direction),
+            0.5,
+            "FAIL" if direction == "extend" else "PASS",
+        )
+        for i in range(8)
+        for direction in ("extend", "retract")
+    ]
+    drawings = decision_drawings(checks, "guard_band", simulated=True)
+    section = decision_section("FAIL", checks, "guard_band", drawings=drawings)
+    path = tmp_path / "page.html"
+    path.write_text(page(Document("Decisions", "", (section,))))
+    browser.open(path, width=1440)
+    boxes = "[...document.querySelectorAll('figure')].map(f => f.getBoundingClientRect().top)"
+    assert len(drawings) == 2 and len(set(browser.run(boxes))) == 1
+    browser.width(400)
+    settled = "new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))"
+    browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
+    hidden = (
+        "[...document.querySelectorAll('.canvas, .scroll')].map(s => s.scrollWidth - s.clientWidth)"
+    )
+    assert browser.run(hidden) == [0] * 3
+    letters = (
+        "Math.min(...[...document.querySelectorAll('svg.plot')].map(p => "
+        "9.5 * p.getBoundingClientRect().width / p.viewBox.baseVal.width))"
+    )
+    assert browser.run(letters) > 10.5  # pixels
+
+
 def test_a_certificates_tables_are_lists_on_a_phone(browser, certificate, tmp_path):
     """Each value has its column's head before it, and no table needs scrolling."""
     page = tmp_path / "certificate.html"
@@ -305,6 +340,16 @@ def test_no_column_of_a_certificate_is_hidden_on_a_screen(browser, certificate, 
 def test_a_printed_certificate_has_two_sheets(browser, certificate, tmp_path, language):
     page = tmp_path / "certificate.html"
     page.write_text(certificate_page(certificate("simulated", language=language)))
+    browser.open(page)
+    assert len(re.findall(rb"/Type\s*/Page\b", browser.pdf())) == 2
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_printed_certificate_of_many_decisions_has_two_sheets(
+    browser, many_decisions, tmp_path, language
+):
+    page = tmp_path / "certificate.html"
+    page.write_text(certificate_page(many_decisions(language=language)))
     browser.open(page)
     assert len(re.findall(rb"/Type\s*/Page\b", browser.pdf())) == 2
 

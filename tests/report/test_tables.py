@@ -27,7 +27,8 @@ from hbench.report.campaign.terminal import summary_text
 from hbench.report.first_sheet import about_rows
 from hbench.report.headline import headline_words
 from hbench.report.render.numbers import with_ends, with_minus, without_powers
-from hbench.report.render.pdf_pen import words_of
+from hbench.report.render.pdf_pen import Pen, width_of, words_of
+from hbench.report.render.pdf_table import set_table
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain
 from hbench.report.setting_words import value_words
@@ -392,3 +393,15 @@ def test_a_unit_in_a_narrow_head_stays_on_a_line():
         ("Breakaway ± U (bar)", ["Breakaway", "±\N{NO-BREAK SPACE}U", "(bar)"]),
     ):
         assert words_of(head) == pieces
+
+
+def test_a_bold_row_of_a_pdf_takes_no_room_from_rows_that_need_it():
+    """One short bold row leaves the plain rows as they are."""
+    rows = [["a quantity with a long name at 100 bar", "NOT TESTED"]] * 4 + [["short", "PASS"]]
+    broken = []
+    for bold in ((), (4,)):
+        pen = Pen()
+        pen.width = 7.2 * sum(width_of(cell, "normal") for cell in rows[0]) + 10
+        set_table(pen, ("Quantity", "Decision"), rows, (), bold=bold)
+        broken.append([text.get_text() for text in pen.done[0].texts])
+    assert broken[0] == broken[1] and rows[0][0] in broken[0]

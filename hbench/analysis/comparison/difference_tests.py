@@ -26,8 +26,13 @@ from scipy.special import stdtr
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import satterthwaite, student_factor
-from hbench.analysis.uncertainty.budget import StandardUncertainty, combined
+from hbench.analysis.uncertainty.budget import (
+    StandardUncertainty,
+    combined,
+    friction_contributions,
+)
 from hbench.analysis.uncertainty.input_errors import is_resolution
+from hbench.config.sensors import Instruments
 from hbench.records import Curve, Difference
 
 Contributions = dict[str, StandardUncertainty]  # of the instruments' errors, with their signs
@@ -112,6 +117,37 @@ def mean_with_test(value: float, curves: Iterable[WeightedCurve]) -> tuple[float
 
     Both are those of the trials alone. None where a point has a single trial, or no scatter.
     """
+    error = _mean_error(curves)
+    if error is None:
+        return None
+    se, dof = error
+    return float(student_factor(dof) * se), float(2 * stdtr(dof, -abs(value) / se))
+
+
+def mean_u95(curves: Sequence[WeightedCurve], instruments: Instruments | None) -> float | None:
+    """Return the expanded uncertainty of a mean of |F| over curves of one campaign.
+
+    An instrument's error is the same in all curves: its contributions are added with their signs,
+    which differ between the directions, before they are squared. None where a part is not known.
+    """
+    if instruments is None:
+        return None
+    points = [(c, w, c.curve.points[i]) for c in curves for i, w in c.weights.items()]
+    errors = [
+        (
+            c.factor * w * c.curve.against_motion,
+            friction_contributions(point, c.curve.specimen, instruments),
+        )
+        for c, w, point in points
+    ]
+    if not all(contributions for _, contributions in errors):
+        return None
+    drift = sum(c.factor * w * (point.sigma_drift_n or 0.0) for c, w, point in points)
+    return _own_u95(_mean_error(curves), weighted(errors), drift)
+
+
+def _mean_error(curves: Iterable[WeightedCurve]) -> tuple[float, float] | None:
+    """Return standard error and degrees of freedom of a mean over curves, by the trials alone."""
     sums: dict[tuple, np.ndarray] = {}
     for factor, curve, weights, setups in curves:
         for i, weight in weights.items():
@@ -121,11 +157,7 @@ def mean_with_test(value: float, curves: Iterable[WeightedCurve]) -> tuple[float
             key = (factor > 0, shared, tuple(sorted(point.trials)))
             trials = factor * weight * curve.against_motion * np.array(point.trials_n)[order]
             sums[key] = sums.get(key, 0.0) + trials
-    error = welch([(1.0, trials.tolist()) for trials in sums.values()])
-    if error is None:
-        return None
-    se, dof = error
-    return float(student_factor(dof) * se), float(2 * stdtr(dof, -abs(value) / se))
+    return welch([(1.0, trials.tolist()) for trials in sums.values()])
 
 
 def untested(a: float, b: float, reason: str) -> Difference:

@@ -17,9 +17,10 @@ from dataclasses import replace
 from math import hypot
 from statistics import fmean
 
-from hbench.analysis.comparison.difference_tests import WeightedCurve, mean_with_test
+from hbench.analysis.comparison.difference_tests import WeightedCurve, mean_u95, mean_with_test
 from hbench.analysis.comparison.point_weights import Weights, mean_weights, paired_weights
 from hbench.analysis.summary.run_clock import RunClock, campaign_place
+from hbench.config.sensors import Instruments
 from hbench.records import (
     KINDS,
     Curve,
@@ -38,11 +39,13 @@ def with_drift_effects(
     curves: Sequence[CurveDifference],
     results: tuple[Results, Results],
     clocks: tuple[RunClock, RunClock],
+    instruments: tuple[Instruments | None, Instruments | None],
     tolerance: float,
 ) -> tuple[tuple[CurveDifference, ...], MeanOfCurves | None]:
     """Return the steady curves' differences with their ``drift_n``, and the mean of these curves.
 
-    ``results`` and ``clocks`` are those of A and B, ``tolerance`` as in ``campaign_differences``.
+    ``results``, ``clocks`` and ``instruments`` are those of A and B, ``tolerance`` as in
+    ``campaign_differences``.
     The drift is left out where that of a campaign is not known, or is extrapolated from neighbours
     in an order of the runs that may be that of their files.
     """
@@ -51,7 +54,7 @@ def with_drift_effects(
     if not steady:
         return tuple(curves), None
     if drift_a is None or drift_b is None or drift_a.of_unknown_size or drift_b.of_unknown_size:
-        return tuple(curves), _mean_of_curves(steady, None, clocks, tolerance)
+        return tuple(curves), _mean_of_curves(steady, None, clocks, instruments, tolerance)
     places = [
         campaign_place(filter(_is_steady, each.curves), clock)
         for each, clock in zip(results, clocks, strict=True)
@@ -75,13 +78,14 @@ def with_drift_effects(
     changed = tuple(
         replace(curve, drift_n=effect([curve])) if curve in steady else curve for curve in curves
     )
-    return changed, _mean_of_curves(steady, effect(steady), clocks, tolerance)
+    return changed, _mean_of_curves(steady, effect(steady), clocks, instruments, tolerance)
 
 
 def _mean_of_curves(
     curves: Sequence[CurveDifference],
     drift_n: DriftEffect | None,
     clocks: tuple[RunClock, RunClock],
+    instruments: tuple[Instruments | None, Instruments | None],
     tolerance: float,
 ) -> MeanOfCurves | None:
     """Return the mean difference; None for one curve, or where one has no interval."""
@@ -92,9 +96,16 @@ def _mean_of_curves(
         return None
     value, a_n = fmean(mean.value for mean in means), fmean(mean.a for mean in means)
     members = [mean_weights(curve.a, curve.b, tolerance) for curve in curves]
-    ci95_n, p_value = mean_with_test(value, _both(curves, members, clocks)) or (None, None)
+    both = list(_both(curves, members, clocks))
+    ci95_n, p_value = mean_with_test(value, both) or (None, None)
+    u95_a, u95_b = (
+        mean_u95([each for each in both if sign * each.factor > 0], known)
+        for sign, known in zip((-1, 1), instruments, strict=True)
+    )
     speeds = tuple(_at_speeds(curves, clocks, tolerance))
-    return MeanOfCurves(value, fmean(known), a_n, len(means), drift_n, ci95_n, p_value, speeds)
+    return MeanOfCurves(
+        value, fmean(known), a_n, len(means), drift_n, ci95_n, p_value, speeds, u95_a, u95_b
+    )
 
 
 def _both(

@@ -14,10 +14,11 @@ from hbench.analysis.conformity.measured import (
 )
 from hbench.analysis.conformity.rejected import rejected_points
 from hbench.records import DIRECTION_WORDS, Results
-from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule
+from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule, UntestedCause
 from hbench.records.rod_pressure import SeriesKey, series_key
 from hbench.units import from_si
 
+_Reason = tuple[str, tuple[UntestedCause, ...]]  # in words and as codes
 _NOT_MEASURED = {
     "friction": "no accepted steady runs",
     "breakaway": "no accepted runs of kind breakaway",
@@ -52,63 +53,74 @@ def _checks(
     for measured in measurements(results, requirement):
         decided = decide(requirement, measured, rule, largest_uncertainty)
         check = ConformityCheck(
-            requirement, measured, decided.probability, decided.decision, decided.reason
+            *(requirement, measured, decided.probability, decided.decision),
+            *(decided.reason, decided.causes),
         )
         key = series_key(measured)
         if key not in worst or _goodness(check) < _goodness(worst[key]):
             worst[key] = check
     yield from sorted(worst.values(), key=_place)
-    missing = list(rejected_points(results, requirement))
+    missing: list[_Reason] = [
+        (words, ("rejected",)) for words in rejected_points(results, requirement)
+    ]
     for direction in undriven_directions(results, requirement):
-        missing.append(
+        words = (
             f"no oil drives the {DIRECTION_WORDS[direction]} plunger: limit its force in N, and "
             "give the limit in bar 'direction: extend'"
         )
+        missing.append((words, ("undriven",)))
     if not worst and not missing:
         missing = [_why_not(results, requirement)]
-    for reason in missing:
-        yield ConformityCheck(requirement, None, None, "NOT TESTED", reason)
+    for words, causes in missing:
+        yield ConformityCheck(requirement, None, None, "NOT TESTED", words, causes)
 
 
-def _why_not(results: Results, requirement: Requirement) -> str:
+def _why_not(results: Results, requirement: Requirement) -> _Reason:
     """Return the reason for which nothing was measured: what is required and was not measured."""
     if requirement.leak and (leakages := tuple(leaks_measured(results, requirement))):
         highest = max(leakage.highest_pa(requirement.leak) for leakage in leakages)
         if requirement.pressure_pa and requirement.pressure_pa > (1 + TOLERANCE) * highest:
-            return f"the holds reached {from_si(highest, 'bar'):.3g} bar"
+            return f"the holds reached {from_si(highest, 'bar'):.3g} bar", ("pressure",)
     if requirement.quantity == "drift" and results.drift is not None:
-        return (
+        words = (
             "the times of the runs are not known, and the order of their files does not separate a "
             "drift from speed: map a column of date-times as t_s if the files have one"
         )
+        return words, ("times",)
     if requirement.is_pressure and not has_areas(results):
-        return "the driving area, on which a pressure is limited, is not known"
+        return "the driving area, on which a pressure is limited, is not known", ("area",)
     anywhere = replace(
         requirement, label=None, direction=None, f_load_n=None, p_lr_ref_pa=None, v_m_s=None
     )
     others = measurements(results, replace(anywhere, dwell_s=None))
     if not others:
-        return _NOT_MEASURED[requirement.quantity]
-    asked = [
-        (requirement.v_m_s, "speed", "mm/s", [each.v_m_s for each in others]),
-        (requirement.f_load_n, "load", "N", [each.f_load_n for each in others]),
-        (requirement.p_lr_ref_pa, "rod-side pressure", "bar", [e.p_lr_ref_pa for e in others]),
-        (requirement.dwell_s, "rest", "s", [each.dwell_s for each in others]),
+        return _NOT_MEASURED[requirement.quantity], ("quantity",)
+    asked: list[tuple[float | None, str, UntestedCause, str, list[float | None]]] = [
+        (requirement.v_m_s, "speed", "speed", "mm/s", [each.v_m_s for each in others]),
+        (requirement.f_load_n, "load", "load", "N", [each.f_load_n for each in others]),
+        (
+            *(requirement.p_lr_ref_pa, "rod-side pressure", "back_pressure", "bar"),
+            [each.p_lr_ref_pa for each in others],
+        ),
+        (requirement.dwell_s, "rest", "rest", "s", [each.dwell_s for each in others]),
     ]
     absent = [
-        f"no {name} within {100 * TOLERANCE:g} % of {_written(limit, unit)} was measured; "
-        f"{_nearest(limit, known, unit)}"
-        for limit, name, unit, values in asked
+        (
+            f"no {name} within {100 * TOLERANCE:g} % of {_written(limit, unit)} was measured; "
+            f"{_nearest(limit, known, unit)}",
+            cause,
+        )
+        for limit, name, cause, unit, values in asked
         if limit is not None
         and (known := [value for value in values if value is not None])
         and not any(near(value, limit) for value in known)
     ]
     if absent:
-        return "; ".join(absent)
+        return "; ".join(words for words, _ in absent), tuple(cause for _, cause in absent)
     stated = [name for limit, name, *_ in asked if limit is not None]
     if len(stated) > 1 and requirement.label is None and requirement.direction is None:
-        return f"{' and '.join(stated)} were measured, but not together"
-    return "only other series were measured"
+        return f"{' and '.join(stated)} were measured, but not together", ("combination",)
+    return "only other series were measured", ("series",)
 
 
 def _nearest(limit: float, values: list[float], unit: str) -> str:

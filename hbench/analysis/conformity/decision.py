@@ -26,6 +26,7 @@ from hbench.records.conformity.acceptance import (
     Measurement,
     Requirement,
     Rule,
+    UntestedCause,
 )
 
 _DRIVES = "friction has the direction of the motion"
@@ -43,6 +44,7 @@ class Decision(NamedTuple):
     decision: Conformity
     probability: float | None
     reason: str = ""
+    causes: tuple[UntestedCause, ...] = ()
 
 
 def decide(
@@ -53,13 +55,13 @@ def decide(
 ) -> Decision:
     """Return the decision on a measured value; ``largest_uncertainty`` is a share of the limit."""
     if requirement.is_impossible(measured):
-        return Decision("NOT TESTED", None, _IMPOSSIBLE[requirement.quantity])
+        return Decision("NOT TESTED", None, _IMPOSSIBLE[requirement.quantity], ("impossible",))
     probability = probability_of_conformity(requirement, measured)
     inside = requirement.margin(measured.value)
     if rule == "simple":
         return Decision("PASS" if inside >= 0 else "FAIL", probability)
     if measured.u95 is None:
-        return Decision("NOT TESTED", None, "the uncertainty is not known")
+        return Decision("NOT TESTED", None, "the uncertainty is not known", ("u_unknown",))
     if rule == "shared_risk":
         share = measured.u95 / requirement.tolerance
         if largest_uncertainty is None or share > largest_uncertainty:
@@ -67,7 +69,7 @@ def decide(
             reason = f"U is {100 * share:.0f} % of the limit, more than {most:g} %"
             if -inside > measured.u95:
                 reason += "; the value is beyond its limit by more than U"
-            return Decision("NOT TESTED", probability, reason)
+            return Decision("NOT TESTED", probability, reason, ("u_large",))
         return Decision("PASS" if inside >= 0 else "FAIL", probability)
     if inside < 0:
         return Decision("FAIL", probability)

@@ -11,6 +11,27 @@ from hbench.records.summary import Grade
 LimitQuantity = Literal["friction", "breakaway", "efficiency", "leakage", "speed_ripple", "drift"]
 Rule = Literal["simple", "shared_risk", "guard_band"]
 Conformity = Literal["PASS", "MARGINAL", "FAIL", "NOT TESTED"]
+# Why a limit was not tested: nothing was measured of its quantity, or at its speed, load, back
+# pressure or rest, or not at all of them together, or in other series only; the holds had lower
+# pressures; times or driving areas are not known; no oil drives the direction; no run was accepted;
+# the value is impossible; its U is not known or too large.
+UntestedCause = Literal[
+    "quantity",
+    "speed",
+    "load",
+    "back_pressure",
+    "rest",
+    "combination",
+    "series",
+    "pressure",
+    "times",
+    "area",
+    "undriven",
+    "rejected",
+    "impossible",
+    "u_unknown",
+    "u_large",
+]
 WORST_FIRST: tuple[Conformity, ...] = ("FAIL", "NOT TESTED", "MARGINAL", "PASS")
 
 
@@ -101,6 +122,7 @@ class ConformityCheck:
     probability: float | None  # of conformity; None where the uncertainty is not known
     decision: Conformity
     reason: str = ""  # why not tested
+    causes: tuple[UntestedCause, ...] = ()  # codes of the reason
 
     @property
     def margin_in_u(self) -> float | None:

@@ -25,6 +25,11 @@ class Certified:
     pressure_u95_pa: float | None = None
     leak: Leak | None = None
 
+    @property
+    def has_table(self) -> bool:
+        """Whether a certificate has a table of its quantity; others are with their decisions."""
+        return self.quantity in CERTIFIED_QUANTITIES
+
 
 @dataclass(frozen=True)
 class RawData:

@@ -54,8 +54,8 @@ def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[st
         for half in (difference.u95, difference.ci95)
     )
     return (
-        _with_u95(scale * difference.a, difference.u95_a, scale),
-        _with_u95(scale * difference.b, difference.u95_b, scale),
+        with_u95(scale * difference.a, difference.u95_a, scale),
+        with_u95(scale * difference.b, difference.u95_b, scale),
         u95,
         trials,
         difference.untested or (real if difference.real else NOT_SIGNIFICANT),
@@ -63,7 +63,7 @@ def cells(difference: Difference, scale: float, mixed: bool = False) -> tuple[st
     )
 
 
-def _with_u95(value: float, u95: float | None, scale: float) -> str:
+def with_u95(value: float, u95: float | None, scale: float = 1.0) -> str:
     """Write A's or B's number with its own U; without one, with four digits."""
     return significant(value, 4) if u95 is None else with_interval(value, scale * u95)
 

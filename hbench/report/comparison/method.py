@@ -15,8 +15,12 @@ _READ_U = (
 )  # fmt: skip
 _READ_TRIALS = (("± trials", "Half-width of the 95 % interval of the trials alone."),)
 _MEAN = (
-    "Its p is that of a single test of independent trials. Its U is the mean of those of the "
+    "Its p is that of a single test of independent trials. U of B − A is the mean of those of the "
     "curves, as if their errors were the same."
+)
+_MEAN_U = (
+    " U of A and of B: trials are independent; the error of an instrument is the same in all "
+    "curves and is added with its sign, so that it cancels in part between the directions."
 )
 _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
@@ -79,7 +83,8 @@ def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
         return ()
     facts = []
     if mean.p_value is not None:
-        facts.append(("Mean over all curves", _MEAN))
+        own = _MEAN_U if mean.u95_a is not None and mean.u95_b is not None else ""
+        facts.append(("Mean over all curves", _MEAN + own))
     if unseparated(differences) and mean.real and (words := drift_words(differences)):
         facts.append(("Drift", words))
     return tuple(facts)

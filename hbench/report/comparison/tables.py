@@ -20,13 +20,13 @@ from hbench.report.comparison.cells import (
     cells,
     difference_table,
     label_of,
+    with_u95,
 )
 from hbench.report.render.numbers import (
     NONE,
     half_width,
     number,
     p_words,
-    significant,
     with_interval,
 )
 from hbench.units import from_si
@@ -110,7 +110,8 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
     trials = with_interval(mean.value_n, mean.ci95_n)
     with_u = with_interval(mean.value_n, mean.half_n)
     p = NONE if mean.p_value is None else p_words(mean.p_value)
-    a, b = (significant(each, 3) for each in (mean.a_n, mean.a_n + mean.value_n))
+    a = with_u95(mean.a_n, mean.u95_a)
+    b = with_u95(mean.a_n + mean.value_n, mean.u95_b)
     row = (
         f"mean over all {mean.curves} curves{'' if mean.p_value is None else ', one test'}",
         a,

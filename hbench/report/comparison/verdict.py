@@ -10,6 +10,7 @@ from hbench.report.render.numbers import (
     alike,
     half_width,
     number,
+    p_equation,
     percent_span,
     significant,
     with_interval,
@@ -203,7 +204,9 @@ def _verdict(differences: CampaignDifferences) -> str:
         where = f"any of {every} curves" if every > 1 else "the only curve"
         text = f"No difference of mean friction is significant in {where}"
         largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
-        return f"{text}; the largest is {_largest(largest)}." if largest else f"{text}."
+        if largest is None:
+            return f"{text}."
+        return f"{text}; the largest is {_largest(largest)}{_by_chance(largest, len(means))}."
     hidden = {id(curve) for curve in hidden_curves(differences)}
     drift = _MAY_BE if all(id(curve) in hidden for curve, _ in real) else ""
     count = f"{len(real)} of {len(differences.curves)} curves{drift}"
@@ -246,6 +249,15 @@ def _largest(mean: Difference) -> str:
     if half is None:
         return f"{value} N (no interval)"
     return f"{value} N ({_widest([mean])})".replace("up to ", "")
+
+
+def _by_chance(mean: Difference, count: int) -> str:
+    """State why a difference beyond its uncertainty is not significant; empty for another one."""
+    if mean.p_holm is None or abs(mean.value) <= (mean.u95 or mean.ci95 or 0.0):
+        return ""
+    tests = f", corrected for {count} tests" if count > 1 else ""
+    p = p_equation(mean.p_holm)
+    return f", which exceeds its uncertainty but may be chance ({p}{tests})"
 
 
 def _widest(means: Sequence[Difference]) -> str:

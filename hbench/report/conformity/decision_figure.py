@@ -29,8 +29,8 @@ _TWO_SIDED = (
 _EFFICIENCY = "Efficiency: loss as a share of the permitted loss."
 _LOWER = "Lower limit: 100 % is the limit, 0 % is twice the limit."
 _READ_AS, _GUARD_BAND = "Bar: measured value ± U.", "Hatched: guard band, as wide as U."
-_MOST_ROWS = 16  # of a figure
-_LABEL, _HEADING = 22, 54  # letters of a line
+_MOST_ROWS = 10  # of a figure: two side by side fit below the head of a sheet
+_LABEL, _HEADING, _NOTE = 20, 52, 60  # letters of a line
 _ROW_IN, _LINE_IN, _REST_IN = 0.13, 0.165, 0.95  # heights: of a row without its lines, of a line
 _HALF = 0.33  # height of a strip
 _LEAST, _MOST = -0.5, 2.0  # shares of the limit beyond which a value is an arrow at the edge
@@ -107,9 +107,9 @@ def _draw(
     rule: Rule | None,
     simulated: bool,
 ) -> Figure:
-    lines = [_lines(row.series, _LABEL) for row in rows]
+    lines = [_lines(row.series, _LABEL, 2) for row in rows]
     headings = [
-        _lines(row.quantity, _HEADING) if i == 0 or row.quantity != rows[i - 1].quantity else []
+        _lines(row.quantity, _HEADING, 3) if i == 0 or row.quantity != rows[i - 1].quantity else []
         for i, row in enumerate(rows)
     ]
     # The centre of each row and the top of its heading, in inches from the top.
@@ -123,8 +123,9 @@ def _draw(
         depth += height
     guard = rule == "guard_band"
     note = " ".join(filter(None, (_READ_AS, _GUARD_BAND if guard else "")))
-    note = textwrap.fill(note, 76)
-    figure = style.new_figure(height_in=depth + _REST_IN + 0.13 * note.count("\n"))
+    note = textwrap.fill(note, _NOTE)
+    height_in = depth + _REST_IN + 0.13 * note.count("\n")
+    figure = style.new_figure(height_in, narrow=True)
     axes = figure.add_subplot()
     axes.set(xlim=ends, ylim=(depth, 0), xlabel="Share of the limit (%)")
     axes.grid(visible=False, axis="y")
@@ -239,10 +240,12 @@ def _columns(rows: Sequence[DecisionRow]) -> dict[str, list[float | str]]:
     return {"quantity": quantities, "measured": measured, "± measured": halves, "unit": units}
 
 
-def _lines(text: str, width: int) -> list[str]:
-    """Break a text into at most two lines of about the width of ``width`` letters."""
+def _lines(text: str, width: int, most: int) -> list[str]:
+    """Break a text into at most ``most`` lines of about the width of ``width`` letters."""
     lines = textwrap.wrap(unit_kept(text), width, break_on_hyphens=False) or [""]
-    return lines if len(lines) <= 2 else [lines[0], textwrap.shorten(" ".join(lines[1:]), width)]
+    if len(lines) <= most:
+        return lines
+    return [*lines[: most - 1], textwrap.shorten(" ".join(lines[most - 1 :]), width)]
 
 
 def _plain(line: str) -> str:

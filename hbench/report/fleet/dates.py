@@ -6,7 +6,7 @@ from matplotlib.ticker import MaxNLocator
 from hbench.records import Fleet
 from hbench.report.render.series import DaysAsDates
 
-_TICKS = 5  # dates side by side below a figure
+_TICKS = 4  # distances between the dates below a figure, at most
 _HOURS = 2.0  # days: campaigns closer together are shown with the time of day
 
 
@@ -21,7 +21,6 @@ def set_dates(axes: Axes, fleet: Fleet) -> None:
         return
     days = (fleet.last - fleet.first).total_seconds() / 86_400
     hours = days < _HOURS
-    axes.xaxis.set_major_locator(MaxNLocator(_TICKS - hours, integer=not hours))
+    axes.xaxis.set_major_locator(MaxNLocator(_TICKS, integer=not hours))
     axes.xaxis.set_major_formatter(DaysAsDates(fleet.first, hours))
-    axes.tick_params(axis="x", labelsize=8)
     axes.set_xlabel("Start of the campaign (UTC)")

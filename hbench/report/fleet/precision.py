@@ -65,11 +65,11 @@ def limits_table(fleet: Fleet) -> WordTable:
         )
     head = (
         "Quantity",
-        "s_r",
-        "s_R",
+        "Repeatability s_r (95 %)",
+        "Reproducibility s_R (95 %)",
         "Limit r",
         "Limit R",
-        "Of two campaigns",
+        "Limit for two campaigns",
         "%GRR of all",
         "%GRR of tolerance",
         "ndc",

@@ -210,7 +210,8 @@ def resolved(spread: Spread, value: float) -> str:
 def trend_table(fleet: Fleet) -> WordTable:
     """Return trends over the whole span, and their slopes, with 95 % intervals.
 
-    A number whose mean has a step has no row: the table of change points contains it.
+    A number whose mean has a step has no row: the table of change points contains it. Campaigns of
+    less than a day have no slope a day.
     """
     rows = []
     span = float(max(fleet.compared - 1, 1))
@@ -229,7 +230,8 @@ def trend_table(fleet: Fleet) -> WordTable:
         )
     unit = "a day" if fleet.by_date else "a campaign"
     head = ("Quantity", "Change over the span", f"Slope {unit}", "p (Holm)", "Verdict")
-    return WordTable("Drifts", head, tuple(rows))
+    kept = [i for i in range(len(head)) if i != 2 or span >= 1]
+    return with_columns(WordTable("Drifts", head, tuple(rows)), kept)
 
 
 def worst_table(fleet: Fleet, most: int) -> WordTable:

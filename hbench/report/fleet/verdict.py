@@ -145,10 +145,8 @@ def _drift_within(fleet: Fleet, changes: list[tuple[str, dict[str, list[str]]]])
     if changes and count:
         size = fleet.drift_possible
         most = "" if size is None else f" (up to {math.ceil(100 * size)} % in the worst)"
-        known = f"{count} of {fleet.compared} campaigns do not exclude one"
-        if count == fleet.compared:
-            known = f"none of the {count} campaigns excludes one"
-        yield f"Drifts within the campaigns may also cause this: {known}{most}."
+        which = f"{count} of {fleet.compared}" if count < fleet.compared else f"all {count}"
+        yield f"A drift within campaigns may also cause this: the data of {which} allow one{most}."
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:

@@ -38,6 +38,7 @@ class Drawing:
     svg: bytes
     png: bytes = b""  # for a PDF only
     wide: bool = False  # over the page's whole width
+    narrow: bool = False  # fits a phone
     csv: bytes = b""  # its data
     seen: str = ""  # its text alternative
     read: str = ""  # how to read it, which the figure has in small letters
@@ -67,10 +68,11 @@ def _draw_sketch(sketch: Sketch, png: bool) -> Drawing:
     svg = as_svg(figure)
     pixels = as_png(figure) if png else b""
     csv = data_csv(series).encode() if series else b""
-    wide = figure.get_figwidth() > WIDTH_IN
+    width_in = figure.get_figwidth()
+    wide, narrow = width_in > WIDTH_IN, width_in < WIDTH_IN
     seen = alternative_text(title, series)
     read = without_math(figure.get_supxlabel())
-    return Drawing(name, section, title, caption, svg, pixels, wide, csv, seen, read)
+    return Drawing(name, section, title, caption, svg, pixels, wide, narrow, csv, seen, read)
 
 
 def of_section(drawings: Iterable[Drawing], section: str) -> tuple[Drawing, ...]:

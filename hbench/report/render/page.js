@@ -101,7 +101,7 @@
 
   // A short table that is wider than a phone becomes a list: each cell with its column's head.
   const phone = window.matchMedia("(max-width: 560px)");
-  const most = 12; // rows
+  const most = (table) => table.querySelector(".flag") ? 24 : 12; // rows; a verdict is not to be hidden
   const list = (table) => {
     const heads = table.tHead.rows[0].cells;
     table.classList.add("listed");
@@ -117,7 +117,7 @@
 
   const hint = (scroller) => {
     const table = scroller.querySelector("table:not(.sortable, .listed)");
-    if (phone.matches && table && table.tBodies[0].rows.length <= most && scroller.scrollWidth > scroller.clientWidth) list(table);
+    if (phone.matches && table && table.tBodies[0].rows.length <= most(table) && scroller.scrollWidth > scroller.clientWidth) list(table);
     const hidden = scroller.scrollWidth - scroller.clientWidth - scroller.scrollLeft;
     scroller.classList.toggle("more", hidden > 2);
   };

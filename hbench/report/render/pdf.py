@@ -37,7 +37,7 @@ from hbench.report.render.pdf_pen import (
     wrapped,
 )
 from hbench.report.render.pdf_table import CELLS, QUIET, least_height, set_table
-from hbench.report.render.style import RC
+from hbench.report.render.style import NARROW_IN, RC, WIDTH_IN
 from hbench.report.render.word_tables import Cell, Table
 
 _BODY, _SMALL = 8.5, 7.5  # size of letters, points
@@ -297,6 +297,8 @@ def _figure_row(pen: Pen, row: list[Drawing], captions: list[list[str]], below: 
 
 
 def _width(row: list[Drawing]) -> float:
+    if row[0].narrow:
+        return _FIGURE * NARROW_IN / WIDTH_IN
     return INNER if row[0].wide else _FIGURE
 
 

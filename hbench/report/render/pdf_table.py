@@ -25,15 +25,14 @@ def set_table(
     aligned to the right, ``bold`` the rows in bold letters. Letters become smaller, down to
     ``SMALLEST``, where the words of a row would not fit side by side.
     """
-    widest = "bold" if bold else "normal"
-    size = _size(head, rows, pen.width, widest)
-    widths = _widths(head, rows, pen.width, size, widest)
+    weights = ["bold" if number in bold else "normal" for number in range(len(rows))]
+    size = _size(head, rows, pen.width, weights)
+    widths = _widths(head, rows, pen.width, size, weights)
     heads = _cells(head, widths, size, "bold")
 
     def set_head() -> None:
         _line(pen, heads, widths, numbers, size, weight="bold", color=QUIET)
 
-    weights = ["bold" if number in bold else "normal" for number in range(len(rows))]
     lines = [_cells(row, widths, size, weight) for row, weight in zip(rows, weights, strict=True)]
 
     def go_on() -> None:
@@ -42,7 +41,7 @@ def set_table(
             pen.space(2)
         set_head()
 
-    pen.room(least_height(pen, head, rows, widest))
+    pen.room(least_height(pen, head, rows, weights))
     set_head()
     pen.on_turn = go_on
     for number, cells in enumerate(lines):
@@ -54,17 +53,24 @@ def set_table(
 
 
 def least_height(
-    pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]], weight: str = "normal"
+    pen: Pen,
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    weights: Sequence[str] | None = None,
 ) -> float:
     """Return the height that a table needs on its first sheet.
 
     It is that of the whole table up to a tenth of a sheet, or else of the head and the first two
-    rows. ``weight`` is that of the rows.
+    rows. ``weights`` are those of the rows; all of them are normal without any.
     """
-    size = _size(head, rows, pen.width, weight)
-    widths = _widths(head, rows, pen.width, size, weight)
+    weights = weights or ["normal"] * len(rows)
+    size = _size(head, rows, pen.width, weights)
+    widths = _widths(head, rows, pen.width, size, weights)
     above = _height(_cells(head, widths, size, "bold"), size)
-    heights = [_height(_cells(row, widths, size, weight), size) for row in rows]
+    heights = [
+        _height(_cells(row, widths, size, weight), size)
+        for row, weight in zip(rows, weights, strict=True)
+    ]
     whole = above + sum(heights)
     return whole if whole <= _WHOLE else above + sum(heights[:2])
 
@@ -97,37 +103,46 @@ def _cells(row: Sequence[str], widths: list[float], size: float, weight: str) ->
     return [wrapped(cell, width, size, weight) for cell, width in zip(row, widths, strict=True)]
 
 
-def _least(head: Sequence[str], rows: Sequence[Sequence[str]], weight: str) -> list[float]:
+def _least(
+    head: Sequence[str], rows: Sequence[Sequence[str]], weights: Sequence[str]
+) -> list[float]:
     """Return the width of each column's widest word, per point of the letters' size."""
     least = [max(width_of(word, "bold") for word in words_of(cell)) for cell in head]
-    for row in rows:
+    for row, weight in zip(rows, weights, strict=True):
         for column, cell in enumerate(row):
             widest = max(width_of(word, weight) for word in words_of(cell))
             least[column] = max(least[column], widest)
     return least
 
 
-def _size(head: Sequence[str], rows: Sequence[Sequence[str]], width: float, weight: str) -> float:
+def _size(
+    head: Sequence[str], rows: Sequence[Sequence[str]], width: float, weights: Sequence[str]
+) -> float:
     free = width - _GAP * (len(head) - 1)
-    needed = sum(_least(head, rows, weight))
+    needed = sum(_least(head, rows, weights))
     return CELLS if not needed else min(CELLS, max(SMALLEST, free / needed))
 
 
 def _widths(
-    head: Sequence[str], rows: Sequence[Sequence[str]], width: float, size: float, weight: str
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    width: float,
+    size: float,
+    weights: Sequence[str],
 ) -> list[float]:
     """Return widths that fill ``width``: words are not broken if possible.
 
     Of the space that the widest words leave, the rows get what they need before the head, and the
     columns that need least first: short cells stay on a line, long ones are wrapped.
     """
-    widths = [size * each for each in _least(head, rows, weight)]
+    widths = [size * each for each in _least(head, rows, weights)]
     free = width - _GAP * (len(head) - 1)
     if sum(widths) >= free:  # words longer than the page is wide are broken
         return [free * each / sum(widths) for each in widths]
-    for bold, some in ((weight, rows), ("bold", [head])):
+    for some in (list(zip(rows, weights, strict=True)), [(head, "bold")]):
         longest = [
-            max((width_of(row[c], bold) for row in some), default=0.0) for c in range(len(head))
+            max((width_of(row[c], weight) for row, weight in some), default=0.0)
+            for c in range(len(head))
         ]
         wanted = [
             max(0.0, size * more - fewer) for more, fewer in zip(longest, widths, strict=True)

@@ -27,7 +27,10 @@ ColumnValues = Sequence[float | str] | np.ndarray
 
 
 class DaysAsDates(Formatter):
-    """Dates in place of days since ``first``, with the time of day if ``hours``."""
+    """Dates in place of days since ``first``, with the time of day if ``hours``.
+
+    Below an axis the time is above the date, so that neighbours have room in letters of full size.
+    """
 
     def __init__(self, first: datetime, hours: bool):
         self._first, self._hours = first, hours
@@ -35,7 +38,10 @@ class DaysAsDates(Formatter):
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the date of a tick or of a value."""
         moment = self._first + timedelta(days=float(x))
-        return f"{moment:%Y-%m-%d %H:%M}" if self._hours else f"{moment:%Y-%m-%d}"
+        date, time = f"{moment:%Y-%m-%d}", f"{moment:%H:%M}"
+        if not self._hours:
+            return date
+        return f"{date} {time}" if pos is None else f"{time}\n{date}"
 
 
 @dataclass(frozen=True)

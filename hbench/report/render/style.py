@@ -38,6 +38,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 QUIET = "#6b7280"
 
 WIDTH_IN = 5.2  # two side by side on a desktop page; the type stays legible at half this width
+NARROW_IN = 4.3  # as wide as a phone, without scrolling
 _TITLE_LINE = 30  # letters of a line of its title
 WIDE_IN = 10.8  # over the whole width of a desktop page
 
@@ -102,9 +103,10 @@ def series_style(index: int, hollow: bool = False) -> dict[str, Any]:
     return {"color": colour, "marker": marker, "markerfacecolor": face}
 
 
-def new_figure(height_in: float, wide: bool = False) -> Figure:
-    """Return an empty figure of the report's width."""
-    return Figure(figsize=(WIDE_IN if wide else WIDTH_IN, height_in), layout="constrained")
+def new_figure(height_in: float, wide: bool = False, narrow: bool = False) -> Figure:
+    """Return an empty figure of the report's width, of a whole page's or of a phone's."""
+    width_in = WIDE_IN if wide else NARROW_IN if narrow else WIDTH_IN
+    return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
 def head(axes: Axes, title: str, results: Measured, last: Axes | None = None) -> None:

@@ -1,9 +1,17 @@
 """Parts with the statement of conformity, and with what was not tested."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
-from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
+from hbench.records import KINDS
+from hbench.records.conformity.acceptance import (
+    Acceptance,
+    ConformityCheck,
+    LimitQuantity,
+    Requirement,
+    UntestedCause,
+)
 from hbench.records.conformity.certified import CERTIFIED_QUANTITIES
+from hbench.records.kinds import Analysis
 from hbench.records.rod_pressure import differs_in_rod_pressure
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.layout import (
@@ -11,6 +19,7 @@ from hbench.report.conformity.certificate.layout import (
     Part,
     localized,
     on_a_line,
+    series_words,
     without_empty,
 )
 from hbench.report.render.numbers import NONE, short, significant, unbroken, with_interval
@@ -18,6 +27,12 @@ from hbench.sentences import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 
+_ANALYSES: dict[LimitQuantity, Analysis] = {  # of the runs that a quantity is from
+    "friction": "steady_curve",
+    "efficiency": "steady_curve",
+    "breakaway": "breakaway",
+    "leakage": "leakage",
+}
 _MOST_REMARKS = 5  # on runs; the report has all
 
 
@@ -28,11 +43,10 @@ def conformity_part(certificate: Certificate) -> Part:
         return Part("conformity", word("conformity"), paragraphs=(word("no_limits"),))
     keys = ("quantity", "limit", "series", "measured", "conforms", "decision")
     measured = [check.measurement for check in acceptance.checks if check.measurement is not None]
-    stated = [value.measurement for value in certificate.values]  # in their tables
+    stated = [value.measurement for value in certificate.values if value.has_table]
     pressures, loads = ({each.p_lr_ref_pa for each in stated}, {each.f_load_n for each in stated})
-    back = differs_in_rod_pressure(measured) or any(
-        each.p_lr_ref_pa not in pressures for each in measured
-    )
+    decided = {each.p_lr_ref_pa for each in measured} - {None}
+    back = differs_in_rod_pressure(measured) or not decided <= pressures
     of_series = {each.f_load_n for each in measured if each.direction}
     load = len(of_series) > 1 or not of_series <= loads
     rows = tuple(_decision_row(certificate, check, load, back) for check in acceptance.checks)
@@ -99,17 +113,12 @@ def _decision_row(
     certificate: Certificate, check: ConformityCheck, with_load: bool, with_back_pressure: bool
 ) -> tuple[str, ...]:
     word, measured, unit = certificate.word, check.measurement, check.requirement.unit
-    series = measured or check.requirement
-    load = ""
-    if series.f_load_n is not None and (with_load or measured is None):
-        load = word("of_load", load=localized(certificate, short(series.f_load_n)))
-    direction = word(series.direction) if series.direction else ""
-    pressure = ""
-    if series.p_lr_ref_pa is not None and (with_back_pressure or measured is None):
-        back = localized(certificate, short(from_si(series.p_lr_ref_pa, "bar")))
-        pressure = word("at_back_pressure", pressure=back)
-    label = certificate.named(series.label or "")
-    where = filter(None, (label, direction, load, pressure))
+    where = series_words(
+        certificate,
+        measured or check.requirement,
+        load=with_load or measured is None,
+        back_pressure=with_back_pressure or measured is None,
+    )
     text, percent = NONE, NONE
     if measured is not None:
         half = None if measured.u95 is None else from_si(measured.u95, unit)
@@ -121,7 +130,7 @@ def _decision_row(
     return (
         quantity_words(certificate, check),
         on_a_line(limit_words(certificate, check.requirement), 20),
-        on_a_line(", ".join(where), 20) or NONE,
+        on_a_line(where, 20) or NONE,
         localized(certificate, text),
         localized(certificate, percent),
         unbroken(word(check.decision)),
@@ -175,9 +184,7 @@ def not_tested_part(certificate: Certificate) -> Part:
         stated |= {check.requirement.quantity for check in certificate.acceptance.checks}
     if certificate.has_no_load:
         stated.add("efficiency")  # measured; a remark states why it has no value
-    others = [word(f"q_{key}") for key in CERTIFIED_QUANTITIES if key not in stated]
-    if others:
-        paragraphs.append(word("not_measured", quantities="; ".join(others)))
+    paragraphs += _not_measured(certificate, stated)
     rejected = sum(not run.accepted for run in results.runs)
     deviations = []
     if complete.short_points:
@@ -208,20 +215,50 @@ def _tested(certificate: Certificate, checks: Sequence[ConformityCheck]) -> Iter
     word = certificate.word
     count = len(dict.fromkeys(check.requirement for check in checks))
     missing = [check for check in checks if check.decision == "NOT TESTED"]
-    untested = [quantity_words(certificate, c) for c in missing if c.measurement is None]
-    measured = [(c, c.measurement) for c in missing if c.measurement is not None]
-    impossible = {
-        quantity_words(certificate, c): None for c, m in measured if c.requirement.is_impossible(m)
+    untested = [check for check in missing if check.measurement is None]
+    whys = {
+        f"{_limited_words(certificate, check)} ({_causes(certificate, check)})": None
+        for check in untested
     }
-    undecided = [
-        quantity_words(certificate, c) for c, m in measured if not c.requirement.is_impossible(m)
-    ]
-    why = [word("untested", quantities="; ".join(untested))] if untested else []
+    tested = count - len(dict.fromkeys(check.requirement for check in untested))
+    why = [word("untested", quantities="; ".join(whys))] if whys else []
     decisions = len(checks) - len(missing)
-    yield " ".join(
-        (word("tested", tested=count - len(untested), count=count, decisions=decisions), *why)
-    )
-    if impossible:
-        yield word("impossible", quantities="; ".join(impossible))
-    if undecided:
-        yield word("undecided", quantities="; ".join(dict.fromkeys(undecided)))
+    yield " ".join((word("tested", tested=tested, count=count, decisions=decisions), *why))
+    undecided: dict[UntestedCause, dict[str, None]] = {}
+    for check in missing:
+        if check.measurement is not None:
+            for cause in check.causes:
+                name = certificate.named(check.requirement.name)
+                words = name or quantity_words(certificate, check)
+                undecided.setdefault(cause, {})[words] = None
+    for cause, quantities in undecided.items():
+        yield word(cause, quantities="; ".join(quantities))
+
+
+def _limited_words(certificate: Certificate, check: ConformityCheck) -> str:
+    """Write a quantity without a measured value, with the series that its limit states."""
+    series = series_words(certificate, check.requirement, load=True, back_pressure=True)
+    return ", ".join(filter(None, (quantity_words(certificate, check), series)))
+
+
+def _causes(certificate: Certificate, check: ConformityCheck) -> str:
+    """Write why a limited quantity was not measured."""
+    leak, motions = check.requirement.leak, certificate.results.motions
+    highest = [leakage.highest_pa(leak) for leakage in motions.leakages if leak is not None]
+    bar = localized(certificate, short(from_si(max(highest, default=0.0), "bar")))
+    causes = (certificate.word(f"cause_{cause}", pressure=bar) for cause in check.causes)
+    return ", ".join(causes)
+
+
+def _not_measured(certificate: Certificate, stated: Collection[str]) -> Iterator[str]:
+    """Yield the quantities that are not among the stated ones, by whether runs were made."""
+    made = {KINDS[each.run.plan.kind].analysis for each in certificate.results.runs}
+    others = [key for key in CERTIFIED_QUANTITIES if key not in stated]
+    without = [key for key in others if _ANALYSES[key] not in made]
+    for key, quantities in (
+        ("no_runs", without),
+        ("not_determined", [each for each in others if each not in without]),
+    ):
+        if quantities:
+            words = (certificate.word(f"q_{quantity}") for quantity in quantities)
+            yield certificate.word(key, quantities="; ".join(words))

@@ -31,8 +31,6 @@ ENGLISH = {
     "friction_alone": "Results: friction at constant speed",
     "breakaway": "Results: breakaway",
     "leakage": "Results: leakage",
-    "speed_ripple": "Results: speed ripple",
-    "drift": "Results: drift of friction",
     "uncertainty": "Uncertainty of measurement",
     "conformity": "Statement of conformity",
     "not_tested": "Not tested and deviations",
@@ -110,7 +108,7 @@ ENGLISH = {
     "hoses included. {leak_law}",
     "leak_laminar": "It is assumed to be laminar, thus proportional to the pressure{holds}.",
     "leak_none": "; no leak was significant",
-    "leak_holds": "; across the piston, the holds had {pressures} bar",
+    "leak_holds": "; across the piston, the {count} holds had {pressures} bar",
     "leak_power": "It was found to be proportional to the pressure to the power {exponent}; the "
     "values stated are those at {pressure} bar.",
     "method_speed_ripple": "The speed ripple is the standard deviation of the speeds between the "
@@ -134,7 +132,6 @@ ENGLISH = {
     "pressure_u": "Equivalent pressure ± U (bar)",
     "efficiency_u": "Efficiency ± U (%)",
     "breakaway_u": "Breakaway ± U (N)",
-    "percent_u": "Value ± U (%)",
     "dwell": "Rest (s)",
     "k": "k",
     "n": "Runs",
@@ -158,6 +155,8 @@ ENGLISH = {
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
     "of_trials": "U of {quantities} is that of the trials alone (95 %).",
+    "each_of_runs": "{runs} runs each",
+    "of_a_run": "{runs} run",
     "leak_interval": f"U of leakage is {U_OF_LEAKAGE}. It has no factor k, since the assumed parts "
     f"are limits of error. {NOT_IN_U_OF_LEAKAGE}.",
     "load_cell_zero": f"{LOAD_CELL_ZERO[:1].upper()}{LOAD_CELL_ZERO[1:]}.",
@@ -207,12 +206,26 @@ ENGLISH = {
     # Not tested
     "tested": "Limits tested: {tested} of {count} (decisions: {decisions}, one for each series).",
     "untested": "Not measured for the others: {quantities}.",
-    "not_measured": "Not measured: {quantities}.",
+    "no_runs": "The campaign has no runs that measure: {quantities}.",
+    "not_determined": "Not determined by the runs made for it: {quantities}.",
     "impossible": "Measured, but not decided, because the value is impossible by more than its U; "
     "a sign, a zero, an area or the drift of an instrument or of the oil temperature falsifies "
     "it: {quantities}.",
-    "undecided": "Measured, but not decided, because U is too large for the decision rule or "
-    "not known: {quantities}.",
+    "u_large": "Measured, but not decided, because U is too large for the decision rule: "
+    "{quantities}.",
+    "u_unknown": "Measured, but not decided, because U is not known: {quantities}.",
+    "cause_quantity": "no accepted runs determine it",
+    "cause_speed": "not at this speed",
+    "cause_load": "not at this load",
+    "cause_back_pressure": "not at this back pressure",
+    "cause_rest": "not after this rest",
+    "cause_combination": "not with all that the limit states",
+    "cause_series": "only in other series",
+    "cause_pressure": "the holds reached {pressure} bar",
+    "cause_times": "the times of the runs are not known",
+    "cause_area": "the driving area is not known",
+    "cause_undriven": "no oil drives one of the directions",
+    "cause_rejected": "no run was accepted at one of the points",
     "short": "{points} of {of} operating points have fewer accepted trials than planned.",
     "rejected": "{runs} runs were rejected by screening and do not count.",
     "care": "The data is rated “with care” (grades: good, with care, poor); reason: {checks}.",

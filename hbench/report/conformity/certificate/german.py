@@ -29,8 +29,6 @@ GERMAN = {
     "friction_alone": "Ergebnisse: Reibung bei konstanter Geschwindigkeit",
     "breakaway": "Ergebnisse: Losbrechkraft",
     "leakage": "Ergebnisse: Leckage",
-    "speed_ripple": "Ergebnisse: Ungleichförmigkeit",
-    "drift": "Ergebnisse: Drift der Reibung",
     "uncertainty": "Messunsicherheit",
     "conformity": "Konformitätsaussage",
     "not_tested": "Nicht Geprüftes und Abweichungen",
@@ -107,15 +105,15 @@ GERMAN = {
     "einschließlich Luft im Öl und Schläuchen. {leak_law}",
     "leak_laminar": "Sie wird als laminar angenommen, also als proportional zum Druck{holds}.",
     "leak_none": "; keine Leckage war signifikant",
-    "leak_holds": "; am Kolben lagen während des Haltens {pressures} bar an",
+    "leak_holds": "; am Kolben lagen bei den {count} Halteversuchen {pressures} bar an",
     "leak_power": "Sie ist nach der Messung proportional zum Druck hoch {exponent}; angegeben sind "
     "die Werte bei {pressure} bar.",
     "method_speed_ripple": "Die Ungleichförmigkeit ist die Standardabweichung der "
-    "Geschwindigkeiten zwischen den mittleren Positionen aufeinanderfolgender Abschnitte von "
-    "0,1 s, geteilt durch die mittlere Geschwindigkeit. Sie enthält 97 % einer Schwingung von "
-    "1 Hz, 41 % einer von 5 Hz und nichts von einer von 10 Hz.",
+    "Geschwindigkeiten zwischen den mittleren Positionen über je 0,1 s, geteilt "
+    "durch die mittlere Geschwindigkeit. Sie enthält 97 % einer Schwingung von 1 Hz, "
+    "41 % bei 5 Hz und nichts bei 10 Hz.",
     "method_drift": "Die Drift ist die relative Änderung der Reibung vom ersten bis zum "
-    "letzten Lauf, nach kleinsten Quadraten über den Anfangszeiten der Läufe.",
+    "letzten Lauf, nach kleinsten Quadraten über den Startzeiten.",
     "software": "Ausgewertet mit hbench {version}; Firmware des Prüfstands: {firmware}.",
     "external": "Ergebnisse externer Anbieter: {external}.",
     "no_external": "Ergebnisse externer Anbieter sind nicht verzeichnet.",
@@ -132,7 +130,6 @@ GERMAN = {
     "pressure_u": "Äquivalenter Druck ± U (bar)",
     "efficiency_u": "Wirkungsgrad ± U (%)",
     "breakaway_u": "Losbrechkraft ± U (N)",
-    "percent_u": "Wert ± U (%)",
     "dwell": "Ruhe (s)",
     "k": "k",
     "n": "Läufe",
@@ -156,7 +153,9 @@ GERMAN = {
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
-    "of_trials": "U ({quantities}) ist das der Wiederholungen allein (95 %).",
+    "of_trials": "U ist das der Wiederholungen allein (95 %) für {quantities}.",
+    "each_of_runs": "je {runs} Läufe",
+    "of_a_run": "{runs} Lauf",
     "load_cell_zero": "Der Nullpunkt des Kraftaufnehmers wurde nicht geprüft: U enthält seine "
     "Abweichung nur, soweit eine Toleranz vom Endwert sie enthält.",
     "load_cell_zero_of_reading": "U enthält keine Nullpunktabweichung des Kraftaufnehmers: seine "
@@ -181,8 +180,7 @@ GERMAN = {
     "applies": "Die Aussage gilt für die Größen der Tabelle. „Konform“ ist die "
     "Wahrscheinlichkeit der Konformität (JCGM 106, 7), für eine Studentverteilung mit dem "
     "95-%-Intervall Messwert ± U; wo U keinen Faktor k hat, ist diese Verteilung angenommen.",
-    "not_calibrated": "U beruht auf angegebenen Toleranzen: Ein Kalibrierschein ist nicht "
-    "verzeichnet für {instruments}.",
+    "not_calibrated": "U beruht auf Toleranzen; ohne verzeichneten Kalibrierschein: {instruments}.",
     "worst_speed": "Wo ein Grenzwert keine Geschwindigkeit nennt, wird jede Reihe bei der "
     "Geschwindigkeit mit der kleinsten Wahrscheinlichkeit der Konformität entschieden.",
     "names": "Namen von Prüfungen und Grenzwerten sind die des Labors.",
@@ -212,12 +210,26 @@ GERMAN = {
     "tested": "Geprüfte Grenzwerte: {tested} von {count} (Entscheidungen: {decisions}, eine für "
     "jede Reihe).",
     "untested": "Für die übrigen nicht gemessen: {quantities}.",
-    "not_measured": "Nicht gemessen: {quantities}.",
+    "no_runs": "Die Kampagne enthält keine Läufe für: {quantities}.",
+    "not_determined": "Durch die Läufe dafür nicht bestimmt: {quantities}.",
     "impossible": "Gemessen, aber nicht entschieden, weil der Wert um mehr als U unmöglich ist; "
     "ein Vorzeichen, ein Nullpunkt, eine Fläche oder die Drift eines Messmittels oder der "
     "Öltemperatur verfälscht ihn: {quantities}.",
-    "undecided": "Gemessen, aber nicht entschieden, weil U für die Entscheidungsregel zu groß "
-    "oder nicht bekannt ist: {quantities}.",
+    "u_large": "Gemessen, aber nicht entschieden, weil U für die Entscheidungsregel zu groß ist: "
+    "{quantities}.",
+    "u_unknown": "Gemessen, aber nicht entschieden, weil U nicht bekannt ist: {quantities}.",
+    "cause_quantity": "kein verwendeter Lauf bestimmt den Wert",
+    "cause_speed": "nicht bei dieser Geschwindigkeit",
+    "cause_load": "nicht bei dieser Last",
+    "cause_back_pressure": "nicht bei diesem Gegendruck",
+    "cause_rest": "nicht nach dieser Ruhezeit",
+    "cause_combination": "nicht mit allen Angaben des Grenzwerts",
+    "cause_series": "nur in anderen Reihen",
+    "cause_pressure": "die Halteversuche erreichten {pressure} bar",
+    "cause_times": "die Zeiten der Läufe sind nicht bekannt",
+    "cause_area": "die treibende Fläche ist nicht bekannt",
+    "cause_undriven": "kein Öl treibt eine der Richtungen",
+    "cause_rejected": "an einem der Punkte wurde kein Lauf verwendet",
     "short": "{points} von {of} Betriebspunkten haben weniger verwendete Wiederholungen als "
     "geplant.",
     "rejected": "{runs} Läufe wurden bei der Sichtung verworfen und zählen nicht.",

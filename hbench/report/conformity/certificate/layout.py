@@ -4,8 +4,10 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from hbench.records.conformity.acceptance import Measurement, Requirement
 from hbench.report.conformity.certificate.certificate import Certificate
-from hbench.report.render.numbers import NONE, unbroken
+from hbench.report.render.numbers import NONE, short, unbroken
+from hbench.units import from_si
 
 _UNIT = re.compile(r"(\d) (mm/s|mm²|N/s|N|bar|%|°C|s|ml/min)(?![\w/])")
 
@@ -70,6 +72,26 @@ class Content:
 def localized(certificate: Certificate, text: str) -> str:
     """Return a number's text with the decimal sign of the certificate's language."""
     return text.replace(".", ",") if certificate.file.language == "de" else text
+
+
+def series_words(
+    certificate: Certificate,
+    series: Measurement | Requirement,
+    load: bool,
+    back_pressure: bool,
+) -> str:
+    """Write label and direction of a series, and its load and back pressure where asked for."""
+    word = certificate.word
+    words = [
+        certificate.named(series.label or ""),
+        word(series.direction) if series.direction else "",
+    ]
+    if load and series.f_load_n is not None:
+        words.append(word("of_load", load=localized(certificate, short(series.f_load_n))))
+    if back_pressure and series.p_lr_ref_pa is not None:
+        bar = short(from_si(series.p_lr_ref_pa, "bar"))
+        words.append(word("at_back_pressure", pressure=localized(certificate, bar)))
+    return ", ".join(filter(None, words))
 
 
 def on_a_line(text: str, longest: int) -> str:

@@ -28,7 +28,7 @@ from hbench.report.render.pdf_pen import (
     set_text,
     wrapped,
 )
-from hbench.report.render.pdf_table import QUIET, set_table
+from hbench.report.render.pdf_table import QUIET, least_height, set_table
 
 _ACCENT, _MARK = "#1d4e6f", "#9b1c1c"
 _GAP = 20.0  # between parts side by side
@@ -37,6 +37,7 @@ _LABEL = 0.34  # share of a fact's name
 _LOGO = (125.0, 60.0)  # largest
 _SIGNATURE = 50.0  # height
 _ABOVE, _BELOW = 4.5, 1.5  # a heading and its rule
+_TITLED = 22.0  # height of a heading with its rule and spaces
 _OPENING = 50.0  # height of a heading and the first lines of its text
 _PARAGRAPH = 2.0  # between paragraphs
 
@@ -165,12 +166,12 @@ def _fact_height(part: Part, width: float) -> float:
         )
         for name, text in part.facts
     )
-    return 22 + lines * _BODY * LINE
+    return _TITLED + lines * _BODY * LINE
 
 
 def _text_height(part: Part) -> float:
     lines = (len(wrapped(text, INNER, _BODY)) for text in part.paragraphs)
-    return 22 + sum(count * _BODY * LINE + _PARAGRAPH for count in lines)
+    return _TITLED + sum(count * _BODY * LINE + _PARAGRAPH for count in lines)
 
 
 def _signatures_height(shown: Content) -> float:
@@ -182,8 +183,11 @@ def _columns(shown: Content) -> int:
 
 
 def _part(pen: Pen, part: Part) -> None:
-    if part.tables or part.facts:
-        pen.room(22 + 3 * _BODY * LINE + (20 if part.tables else 0))  # no heading alone at the foot
+    if part.tables:  # no heading alone at the foot
+        table = part.tables[0]
+        pen.room(_TITLED + least_height(pen, table.head, _unbroken(table)))
+    elif part.facts:
+        pen.room(_TITLED + 3 * _BODY * LINE)
     else:
         pen.room(min(_text_height(part), _OPENING))
     pen.space(_ABOVE)
@@ -225,11 +229,15 @@ def _facts(pen: Pen, facts: Sequence[tuple[str, str]], share: float) -> None:
 
 
 def _table(pen: Pen, table: GridTable) -> None:
-    rows = [
+    set_table(pen, table.head, _unbroken(table), table.numbers, bold=table.emphasised)
+
+
+def _unbroken(table: GridTable) -> list[list[str]]:
+    """Return the rows of a table, with numbers that stay on a line."""
+    return [
         [unbroken(cell) if column in table.numbers else cell for column, cell in enumerate(row)]
         for row in table.rows
     ]
-    set_table(pen, table.head, rows, table.numbers, bold=table.emphasised)
 
 
 def _signatures(pen: Pen, shown: Content) -> None:

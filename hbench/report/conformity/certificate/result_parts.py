@@ -1,7 +1,9 @@
 """Parts with the method, the results and their uncertainty."""
 
+import math
 from collections.abc import Iterable, Iterator
 
+from hbench.records.conformity.acceptance import LimitQuantity
 from hbench.records.conformity.certified import Certified
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.layout import (
@@ -9,6 +11,7 @@ from hbench.report.conformity.certificate.layout import (
     Part,
     localized,
     on_a_line,
+    series_words,
     without_empty,
 )
 from hbench.report.conformity.text import step_words
@@ -16,6 +19,8 @@ from hbench.report.render.numbers import NONE, number, short, span, with_interva
 from hbench.sentences import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
+
+_PER_PA = 1e7  # pressure that leakages are stated for
 
 
 def method_part(certificate: Certificate) -> Part:
@@ -72,7 +77,7 @@ def _leak_law(certificate: Certificate) -> str:
         decays = [decay for leak in leaks for decay in leak.decays]
         across = [from_si(abs(decay.p_p_pa - decay.p_r_pa), "bar") for decay in decays]
         held = localized(certificate, span(across)) if across else ""
-        holds = certificate.word("leak_holds", pressures=held) if held else ""
+        holds = certificate.word("leak_holds", count=len(decays), pressures=held) if held else ""
         flows = [value.measurement for value in certificate.of("leakage")]
         if all(flow.u95 is not None and abs(flow.value) <= flow.u95 for flow in flows):
             holds += certificate.word("leak_none")
@@ -87,7 +92,10 @@ def _leak_law(certificate: Certificate) -> str:
 
 
 def result_parts(certificate: Certificate) -> Iterator[Part]:
-    """Yield a part for each kind of measurement."""
+    """Yield a part for each kind of measurement.
+
+    Speed ripple and drift have none: the statement of conformity has all of their values.
+    """
     word = certificate.word
     if certificate.of("friction") or certificate.of("efficiency"):
         remarks = (
@@ -104,41 +112,44 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
         )
     if certificate.of("breakaway"):
         yield Part("breakaway", word("breakaway"), tables=(_breakaways(certificate),))
-    if certificate.of("leakage"):
+    if leaks := _leaks(certificate):
         rows = tuple(
             (
                 word(value.leak or ""),
                 certificate.named(value.measurement.label),
                 _runs(value),
-                _interval(certificate, value, 100 * from_si(1.0, "ml/min") / from_si(1.0, "bar")),
+                _interval(certificate, value, _PER_PA * from_si(1.0, "ml/min")),
                 _factor(certificate, value) if value.k else "",
             )
-            for value in certificate.of("leakage")
+            for value in leaks
         )
         head = tuple(map(word, ("leak", "series", "n", "leakage_u", "k")))
         table = without_empty(GridTable(head, rows, frozenset({2, 3, 4})))
         yield Part("leakage", word("leakage"), tables=(table,))
-    for quantity in ("speed_ripple", "drift"):
-        if values := certificate.of(quantity):
-            yield Part(quantity, word(quantity), tables=(_of_trials(certificate, values),))
 
 
-def _of_trials(certificate: Certificate, values: Iterable[Certified]) -> GridTable:
-    """Return decided values whose U is that of the trials alone, in per cent."""
-    rows = tuple(
-        (
-            *_series(certificate, (m.label, m.direction, m.f_load_n, m.p_lr_ref_pa)),
-            "" if m.v_m_s is None else localized(certificate, number(1e3 * m.v_m_s)),
-            _runs(value),
-            _interval(certificate, value, 100.0),
-            _factor(certificate, value),
+def _leaks(certificate: Certificate) -> list[Certified]:
+    """Return the leakages without those that the statement of conformity has at 100 bar.
+
+    With several series of holds none is left out: the table has their numbers of runs.
+    """
+    leaks = list(certificate.of("leakage"))
+    if certificate.acceptance is None or len(certificate.results.motions.leakages) != 1:
+        return leaks
+    decided = [
+        (check.requirement.leak, check.measurement.value / _PER_PA)
+        for check in certificate.acceptance.checks
+        if check.measurement is not None
+        and math.isclose(check.requirement.pressure_pa or 0.0, _PER_PA)
+    ]
+    return [
+        each
+        for each in leaks
+        if not any(
+            leak == each.leak and math.isclose(per_pa, each.measurement.value)
+            for leak, per_pa in decided
         )
-        for value in values
-        for m in (value.measurement,)
-    )
-    words = ("series", "direction", "load", "back_pressure", "speed", "n", "percent_u", "k")
-    head = tuple(map(certificate.word, words))
-    return without_empty(GridTable(head, rows, frozenset(range(2, len(head)))))
+    ]
 
 
 def _steady(certificate: Certificate) -> GridTable:
@@ -243,17 +254,50 @@ def _load_cell_zero(certificate: Certificate) -> str:
     )
 
 
+def _of_trials(certificate: Certificate, quantity: LimitQuantity) -> str:
+    """Return a quantity with the runs and the factor of its values.
+
+    Where they differ, the series of those that are fewer are named.
+    """
+    series: dict[str, dict[str, None]] = {}
+    for value in certificate.of(quantity):
+        measured, k = value.measurement, _factor(certificate, value)
+        runs = len(measured.runs)
+        words = [certificate.word("each_of_runs" if runs > 1 else "of_a_run", runs=runs)] * bool(
+            runs
+        )
+        words += [f"k = {k}"] if k != NONE else []
+        at = measured.v_m_s and certificate.word(
+            "at_speed", speed=localized(certificate, short(1e3 * measured.v_m_s))
+        )
+        where = series_words(certificate, measured, load=True, back_pressure=True)
+        series.setdefault(", ".join(words), {})[f"{where} {at or ''}".strip()] = None
+    most, *others = sorted(series, key=lambda each: -len(series[each]))
+    parts = [
+        most,
+        *(f"{each}: {listed(list(series[each]), certificate.word('and'))}" for each in others),
+    ]
+    shown = "; ".join(filter(None, parts))
+    return certificate.word(f"q_{quantity}") + (f" ({shown})" if shown else "")
+
+
 def uncertainty_part(certificate: Certificate) -> Part:
     """Return what U is and what it does not contain."""
     word = certificate.word
     motions = certificate.results.motions
     general = [word("trials_only" if certificate.instruments is None else "gum")]
-    if alone := [word(f"q_{key}") for key in ("speed_ripple", "drift") if certificate.of(key)]:
+    of_trials: tuple[LimitQuantity, ...] = ("speed_ripple", "drift")
+    if alone := [_of_trials(certificate, each) for each in of_trials if certificate.of(each)]:
         general.append(word("of_trials", quantities=listed(alone, word("and"))))
     if motions.load_cell_zero_unchecked:
         general.append(_load_cell_zero(certificate))
     paragraphs = [" ".join(general)]
     if certificate.of("leakage"):
         step = max((each.step_pa or 0.0 for each in motions.leakages), default=0.0)
-        paragraphs.append(word("leak_interval", step=localized(certificate, step_words(step))))
+        paragraphs.append(
+            word(
+                "leak_interval",
+                step=localized(certificate, step_words(step)),
+            )
+        )
     return Part("uncertainty", word("uncertainty"), paragraphs=tuple(paragraphs))
