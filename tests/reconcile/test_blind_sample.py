@@ -35,16 +35,26 @@ STARTS |= {f"valve x {factor}": {"valve.gain": factor} for factor in (0.8, 1.2)}
 VOLUMES = [f"{side}_cylinder.dead_volume_{chamber}" for side in ("test", "load")
            for chamber in ("piston", "rod")]  # fmt: skip
 VISCOUS = [f"friction.{side}.viscous" for side in ("test", "load")]
-ALMOST_NONE = "almost no volumes, viscous friction and tank pressure"
 STARTS |= {
     "volumes x 0.5": dict.fromkeys(VOLUMES, 0.5),
     "tank x 0.1": {"supply.tank": 0.1},
     "bulk modulus x 2": {"oil.bulk_modulus": 2.0},
+}
+ALMOST_NONE = "almost no volumes, viscous friction and tank pressure"
+WRONG = {
+    "friction x 5, valve x 0.8": STARTS["friction x 5"] | STARTS["valve x 0.8"],
     ALMOST_NONE: {
         **dict.fromkeys(VOLUMES, 0.05), **dict.fromkeys(VISCOUS, 0.04), "supply.tank": 0.06
     },
 }  # fmt: skip
-WRONG = {"friction x 5, valve x 0.8": STARTS["friction x 5"] | STARTS["valve x 0.8"]}
+
+KNOWN = {
+    ("flow_force-clear-10", "tank x 0.1"): [
+        pytest.mark.xfail(
+            reason="unknown too, but the largest gap is at another chamber", strict=True
+        )
+    ]
+}
 
 
 @pytest.mark.parametrize(
@@ -53,10 +63,11 @@ WRONG = {"friction x 5, valve x 0.8": STARTS["friction x 5"] | STARTS["valve x 0
         ("internal_leakage-clear-1", "friction x 5, valve x 0.8"),
         ("none-5", ALMOST_NONE),
         *(
-            pytest.param(case.name, start, marks=pytest.mark.slow)
+            pytest.param(
+                case.name, start, marks=[pytest.mark.slow, *KNOWN.get((case.name, start), ())]
+            )
             for case in stored()
             for start in STARTS
-            if (case.name, start) != ("none-5", ALMOST_NONE)
         ),
     ],
 )
