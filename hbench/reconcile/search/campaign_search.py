@@ -43,6 +43,7 @@ from hbench.reconcile.hypothesis import effect_coefficients, typical_size
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search.refinement import EffectRefinement
+from hbench.reconcile.search.refits import NEGLIGIBLE_GAIN
 from hbench.reconcile.search_result import SearchResult, SearchStep, SmallEffects, added_names
 from hbench.reconcile.separation.separability import Separation
 from hbench.records import Candidate
@@ -118,7 +119,9 @@ class CampaignSearch(EffectRefinement):
         first = linearise(self.measured, first.hypothesis, first.columns)
         refitted = self.refit(first, ())
         if refitted is first:  # no step is better with the columns at the given model
-            refitted = self.refit(self.with_columns(first, first.columns), ())
+            renewed = self.refit(self.with_columns(first, first.columns), ())
+            if self._cost(renewed, ()) < self._cost(first, ()) - NEGLIGIBLE_GAIN:
+                refitted = renewed
         held_out = np.setdiff1d(np.arange(len(given.gap_map.points)), self.train)
         held_out = held_out if len(held_out) else self.train
         before, after = (

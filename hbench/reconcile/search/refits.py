@@ -21,7 +21,7 @@ _NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluat
 # Radius of a step's damping, in priors of nuisances and typical sizes, and the share of the step.
 SHORTER = ((np.inf, 1.0), (np.inf, 0.5), (np.inf, 0.25))
 _DAMPED = ((1.0, 1.0), (0.3, 1.0), (0.1, 1.0))
-_NEGLIGIBLE_GAIN = 0.5  # nats of a step, a tenth of what an effect must gain; it is the last one
+NEGLIGIBLE_GAIN = 0.5  # nats of a step, a tenth of what an effect must gain; it is the last one
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Refits:
             better, kind = self._better(current, effects, (SHORTER + _DAMPED)[longest:])
             gain = self._cost(current, effects) - self._cost(better, effects)
             current = better
-            if gain >= _NEGLIGIBLE_GAIN:
+            if gain >= NEGLIGIBLE_GAIN:
                 stale, longest = True, max(longest + kind - 1, 0)
             elif not stale:
                 break

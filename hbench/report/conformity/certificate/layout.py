@@ -75,10 +75,7 @@ def localized(certificate: Certificate, text: str) -> str:
 
 
 def series_words(
-    certificate: Certificate,
-    series: Measurement | Requirement,
-    load: bool,
-    back_pressure: bool,
+    certificate: Certificate, series: Measurement | Requirement, load: bool, back_pressure: bool
 ) -> str:
     """Write label and direction of a series, and its load and back pressure where asked for."""
     word = certificate.word

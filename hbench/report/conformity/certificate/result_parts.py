@@ -262,16 +262,16 @@ def _of_trials(certificate: Certificate, quantity: LimitQuantity) -> str:
     series: dict[str, dict[str, None]] = {}
     for value in certificate.of(quantity):
         measured, k = value.measurement, _factor(certificate, value)
-        runs = len(measured.runs)
-        words = [certificate.word("each_of_runs" if runs > 1 else "of_a_run", runs=runs)] * bool(
-            runs
-        )
-        words += [f"k = {k}"] if k != NONE else []
-        at = measured.v_m_s and certificate.word(
-            "at_speed", speed=localized(certificate, short(1e3 * measured.v_m_s))
-        )
-        where = series_words(certificate, measured, load=True, back_pressure=True)
-        series.setdefault(", ".join(words), {})[f"{where} {at or ''}".strip()] = None
+        runs, where = len(measured.runs), series_words(certificate, measured, True, True)
+        words = []
+        if runs:
+            words.append(certificate.word("each_of_runs" if runs > 1 else "of_a_run", runs=runs))
+        if k != NONE:
+            words.append(f"k = {k}")
+        if measured.v_m_s:
+            speed = localized(certificate, short(1e3 * measured.v_m_s))
+            where = f"{where} {certificate.word('at_speed', speed=speed)}"
+        series.setdefault(", ".join(words), {})[where.strip()] = None
     most, *others = sorted(series, key=lambda each: -len(series[each]))
     parts = [
         most,
@@ -294,10 +294,5 @@ def uncertainty_part(certificate: Certificate) -> Part:
     paragraphs = [" ".join(general)]
     if certificate.of("leakage"):
         step = max((each.step_pa or 0.0 for each in motions.leakages), default=0.0)
-        paragraphs.append(
-            word(
-                "leak_interval",
-                step=localized(certificate, step_words(step)),
-            )
-        )
+        paragraphs.append(word("leak_interval", step=localized(certificate, step_words(step))))
     return Part("uncertainty", word("uncertainty"), paragraphs=tuple(paragraphs))
