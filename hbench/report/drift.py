@@ -84,7 +84,7 @@ def drift_reserve(drift: Drift | None) -> str:
 
 
 def drift_outside_u(drift: Drift | None) -> str:
-    """State that U and the probabilities of a decision lack such a drift; else empty."""
+    """State that U and the probabilities of a decision do not contain such a drift; or empty."""
     if not drift_reserve(drift) or drift is None:
         return ""
     text = "U and the probabilities of conformity do not contain a drift of friction"
