@@ -8,7 +8,7 @@ drift of a sensor over the campaign (``measured/disturbances.py``) has half of i
 """
 
 from collections.abc import Mapping
-from math import log1p, pi, sqrt
+from math import log1p, sqrt
 from typing import Any
 
 from hbench.config.bench import Plant
@@ -90,13 +90,11 @@ def absolute_accuracies(plant: Any) -> dict[str, float]:
     """
     accuracies = {"supply.tank": 0.5e5}
     for side in ("test", "load"):
-        piston, rod, stroke = (
-            nuisance_value(plant, f"{side}_cylinder.{key}")
-            for key in ("piston_diameter", "rod_diameter", "stroke")
-        )
-        for chamber, squares in (("piston", piston**2), ("rod", piston**2 - rod**2)):
-            path = f"{side}_cylinder.dead_volume_{chamber}"
-            accuracies[path] = 0.1 * stroke * pi / 4 * squares
+        cylinder: Any = getattr(plant, f"{side}_cylinder", None)
+        if stroke := getattr(cylinder, "stroke", 0.0):
+            areas_m2 = {"piston": cylinder.area_piston_m2, "rod": cylinder.area_rod_m2}
+            for chamber, area_m2 in areas_m2.items():
+                accuracies[f"{side}_cylinder.dead_volume_{chamber}"] = 0.1 * area_m2 * stroke
         accuracies[f"friction.{side}.viscous"] = nuisance_value(plant, f"friction.{side}.stiction")
     return accuracies
 
@@ -104,7 +102,7 @@ def absolute_accuracies(plant: Any) -> dict[str, float]:
 def zero_values(plant: Any) -> dict[str, float]:
     """Return the values [SI] from which a refit starts where a plant file has 0, by dotted path.
 
-    No factor changes 0. A quarter of the accuracy: the bounds are then a hundred times as far.
+    No factor changes 0. From a quarter of the accuracy the bounds are a factor of 125.
     """
     return {
         path: 0.25 * value

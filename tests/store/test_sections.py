@@ -158,6 +158,16 @@ def test_strokes_of_a_session_with_a_length_for_each_speed_are_all_runs(rules, i
         assert covered_mm < lengths_mm[abs(round(1e3 * run.plan.v_ref_m_s))]
 
 
+def write_one_pressure(rules, folder, name, times, x_mm):
+    """Write a log of time, position and the pressure of a piston side whose rod side is open."""
+    folder.mkdir()
+    table = np.column_stack([times, x_mm, 30.0 + 4.0 * np.sign(np.gradient(x_mm))])
+    np.savetxt(folder / name, table, "%.4f", ",", header="t,x,p", comments="")
+    columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+    rules["columns"] = {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()}
+    rules["constants"] = {"p_tr_pa": "0 bar", "f_applied_n": "0 N"}
+
+
 def test_fast_strokes_that_settle_late_are_runs_without_common_positions(
     rules, import_by, tmp_path
 ):
@@ -169,12 +179,7 @@ def test_fast_strokes_that_settle_late_are_runs_without_common_positions(
             x_mm += [end, end]
     times = np.arange(0.0, t_s[-1], 0.002)
     x = np.interp(times, t_s, x_mm)
-    (tmp_path / "logs").mkdir()
-    table = np.column_stack([times, x, 30.0 + 4.0 * np.sign(np.gradient(x))])
-    np.savetxt(tmp_path / "logs/1.csv", table, "%.4f", ",", header="t,x,p", comments="")
-    columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
-    rules["columns"] = {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()}
-    rules["constants"] = {"p_tr_pa": "0 bar", "f_applied_n": "0 N"}
+    write_one_pressure(rules, tmp_path / "logs", "1.csv", times, x)
     rules["cut"] = "reversals"
     rules["series"][0]["files"] = "{trial}.csv"
     runs, _ = import_by(rules, tmp_path / "logs")
@@ -192,12 +197,7 @@ def test_a_stroke_back_at_the_nominal_speed_that_is_not_used_is_noted(
     knots = [0.0, 1.0, turn_s, turn_s + 0.7, turn_s + 0.7 + 140.0 / back_mm_s]
     times = np.arange(0.0, knots[-1] + 0.5, 0.004)
     x = np.interp(times, knots, [80.0, 80.0, 280.0, 280.0, 140.0])
-    (tmp_path / "logs").mkdir()
-    table = np.column_stack([times, x, 30.0 + 4.0 * np.sign(np.gradient(x))])
-    np.savetxt(tmp_path / "logs/50_1.csv", table, "%.4f", ",", header="t,x,p", comments="")
-    columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
-    rules["columns"] = {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()}
-    rules["constants"] = {"p_tr_pa": "0 bar", "f_applied_n": "0 N"}
+    write_one_pressure(rules, tmp_path / "logs", "50_1.csv", times, x)
     rules["series"][0]["files"] = "{speed}_{trial}.csv"
     (run,), notes = import_by(rules, tmp_path / "logs")
     assert run.plan.v_ref_m_s == pytest.approx(0.05)

@@ -37,19 +37,15 @@ def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     refuse_commands(moving, model.par.valve.limit_v)
     refuse_driving_friction(moving, model.par)
     p_tp, p_tr, p_lp, p_lr = moving.pressures_pa
-    stated = logs[0].runs[0].plan.specimen
+    pressures = {"test_cylinder": (p_tp, p_tr), "load_cylinder": (p_lp, p_lr)}
     cylinders = {"test_cylinder": model.par.test, "load_cylinder": model.par.load}
-    fits = {
-        name: fit
-        for (name, cylinder), pressures in zip(
-            cylinders.items(), ((p_tp, p_tr), (p_lp, p_lr)), strict=True
-        )
-        if (fit := fit_areas(cylinder, *pressures, moving))
-    }
-    for name, fit in fits.items():
-        of_campaign = stated if name == "test_cylinder" else None
-        refuse_areas(name, cylinders[name], fit, of_campaign)
-    refuse_one_scale(fits, model.par)
+    stated = {"test_cylinder": logs[0].runs[0].plan.specimen}
+    fits = {}
+    for name, cylinder in cylinders.items():
+        if fit := fit_areas(cylinder, *pressures[name], moving):
+            refuse_areas(name, cylinder, fit, stated.get(name))
+            fits[name] = fit
+    refuse_one_scale(fits, cylinders)
 
 
 def _refuse_positions(logs: Sequence[Session], stroke_m: float) -> None:

@@ -153,8 +153,10 @@ def refuse_areas(
         )
 
 
-def refuse_one_scale(fits: Mapping[str, AreaFit], par: PlantParameters) -> None:
-    """Raise ``DataError`` where the areas of one cylinder alone are off, by name.
+def refuse_one_scale(
+    fits: Mapping[str, AreaFit], cylinders: Mapping[str, CylinderParameters]
+) -> None:
+    """Raise ``DataError`` where the areas of one of both cylinders, by name, are off.
 
     The gain of the load cell changes those of both by the same factor.
     """
@@ -165,8 +167,7 @@ def refuse_one_scale(fits: Mapping[str, AreaFit], par: PlantParameters) -> None:
     error = np.hypot(fits[wrong].scale_error, fits[right].scale_error)
     if abs(log(off)) - SIGMAS * error < log1p(_AREAS):
         return
-    cylinder = {"test_cylinder": par.test, "load_cylinder": par.load}[wrong]
-    gain = fits[right].scale
+    cylinder, gain = cylinders[wrong], fits[right].scale
     bore, rod = _diameters_mm(
         fits[wrong].piston / gain * cylinder.area_piston_m2,
         fits[wrong].rod / gain * cylinder.area_rod_m2,
