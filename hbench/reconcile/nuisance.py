@@ -24,7 +24,7 @@ _FRICTION = {  # a first guess of a seal's friction may be off by a factor of 5
     "stiction": 0.8,
     "stribeck_velocity": 0.5,
     "viscous": 0.8,
-    "bristle_stiffness": 0.5,
+    "bristle_stiffness": 0.8,
     "stribeck_force": 0.8,
 }
 # Assumed accuracy of a plant file's values, as standard deviations of their logarithms.
