@@ -27,9 +27,10 @@ _FRICTION = {  # a first guess of a seal's friction may be off by a factor of 5
     "bristle_stiffness": 0.8,
     "stribeck_force": 0.8,
 }
+_SUPPLY = "supply.pressure"
 # Assumed accuracy of a plant file's values, as standard deviations of their logarithms.
 FACTORS: Mapping[str, float] = {
-    "supply.pressure": 0.02,
+    _SUPPLY: 0.02,
     "supply.tank": 0.3,
     "valve.gain": 0.15,
     "valve.bandwidth": 0.15,
@@ -48,6 +49,7 @@ FACTORS: Mapping[str, float] = {
     },
 }
 BOUND = 3.0  # priors
+_LEAST_FRICTION = 0.002  # of the force at supply pressure
 # Effects that state the same as a factor: beside one the value is the model file's.
 REPLACED: Mapping[str, str] = {"valve_lag": "valve.bandwidth"}
 _VALVE = {  # of all valves, which are of one type
@@ -85,8 +87,9 @@ def nuisances(plant: Any) -> dict[str, float]:
 def absolute_accuracies(plant: Any) -> dict[str, float]:
     """Return the assumed absolute accuracies [SI] of values that may be small, by dotted path.
 
-    A return line has a back pressure, and hoses contain oil, here a tenth of the swept volume.
-    Viscous friction at 1 m/s may be as large as static friction.
+    A return line has a back pressure, and hoses contain oil, here a tenth of the swept volume. No
+    seal is without friction: 0.2 % of the force at supply pressure. Viscous friction at 1 m/s may
+    be as large as static friction.
     """
     accuracies = {"supply.tank": 0.5e5}
     for side in ("test", "load"):
@@ -95,7 +98,14 @@ def absolute_accuracies(plant: Any) -> dict[str, float]:
             areas_m2 = {"piston": cylinder.area_piston_m2, "rod": cylinder.area_rod_m2}
             for chamber, area_m2 in areas_m2.items():
                 accuracies[f"{side}_cylinder.dead_volume_{chamber}"] = 0.1 * area_m2 * stroke
-        accuracies[f"friction.{side}.viscous"] = nuisance_value(plant, f"friction.{side}.stiction")
+        area_m2 = getattr(cylinder, "area_piston_m2", 0.0)
+        least_n = _LEAST_FRICTION * area_m2 * nuisance_value(plant, _SUPPLY)
+        static_n = nuisance_value(plant, f"friction.{side}.stiction")
+        accuracies |= {
+            f"friction.{side}.coulomb": least_n,
+            f"friction.{side}.stiction": least_n,
+            f"friction.{side}.viscous": max(static_n, least_n),
+        }
     return accuracies
 
 
@@ -107,7 +117,7 @@ def zero_values(plant: Any) -> dict[str, float]:
     return {
         path: 0.25 * value
         for path, value in absolute_accuracies(plant).items()
-        if value and not nuisance_value(plant, path)
+        if value and _value(plant, path) == 0.0
     }
 
 
@@ -116,13 +126,15 @@ def nuisance_value(plant: Any, path: str) -> float:
 
     Raises ``ConfigError`` for a path that no plant has.
     """
+    return _value(plant, path) or 0.0
+
+
+def _value(plant: Any, path: str) -> float | None:
     if path not in value_paths(Plant):
         raise ConfigError(f"nuisance {path}: no plant file has this key", "Correct the path.")
     value: Any = plant
     for name in path.split("."):
-        if not hasattr(value, name):
-            return 0.0
-        value = getattr(value, name)
+        value = getattr(value, name, None)
     return value
 
 

@@ -37,6 +37,8 @@ _UNITS = {  # of the values that may be 0, by the last key of their path
     "tank": "bar",
     "dead_volume_piston": "cm^3",
     "dead_volume_rod": "cm^3",
+    "coulomb": "N",
+    "stiction": "N",
     "viscous": "N s/m",
 }
 

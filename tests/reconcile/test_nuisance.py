@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import Bench, Plant
+from hbench.config.friction import PressureBased
 from hbench.config.scaling import replaced, scaled, value_paths
 from hbench.config.sensors import ForceInstrument, Instruments, PressureInstrument
 from hbench.config.stroke_model import parse_strokes
@@ -104,6 +105,21 @@ def test_a_small_value_has_a_wide_prior_and_one_of_zero_a_value_to_start_from(be
     reach = nuisances(begun)
     for path in paths:
         assert starts[path] * np.exp(BOUND * reach[path]) > nuisance_value(plant, path)
+
+
+def test_friction_of_zero_has_a_value_to_start_from_where_its_law_has_the_key(bench):
+    plant = plant_of(bench)
+    paths = [f"friction.test.{key}" for key in ("coulomb", "stiction", "viscous")]
+    starts = zero_values(scaled(plant, dict.fromkeys(paths, 0.0)))
+    least = 0.002 * plant.supply.pressure * plant.test_cylinder.area_piston_m2
+    assert starts == dict.fromkeys(paths, pytest.approx(0.25 * least))
+    assert least / 4 * 125 > plant.friction.test.stiction  # within the bounds
+    other = PressureBased(
+        law="pressure_based", stribeck_force="300 N", stribeck_rate="-20 s/m", viscous="0 N s/m"
+    )
+    friction = plant.friction.model_copy(update={"test": other})
+    starts = zero_values(plant.model_copy(update={"friction": friction}))
+    assert list(starts) == ["friction.test.viscous"]
 
 
 def test_a_plungers_rod_side_has_no_volume_to_start_from(bench):
