@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import curve_fit
 
-from hbench.analysis.identification.driven_law import driven_friction
+from hbench.analysis.identification.driven_law import _along, driven_friction
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.model.build import friction_parameters
@@ -98,6 +98,19 @@ def test_the_law_along_a_motion_is_that_of_an_ode_solver():
     found = driven_friction(motion_of(means(t, v_of), 0 * t), par)[1:-1]
     assert np.abs(found - expected).max() < 2.0
     assert np.sqrt(np.mean((found - expected) ** 2)) < 0.5  # of 600 N
+
+
+def test_columns_of_a_table_need_no_further_compilation():
+    t, v_of = swing()
+    motion = motion_of(v_of(t), 0 * t)
+    contiguous = driven_friction(motion, parameters())
+    compiled = len(_along.signatures)
+    table = np.column_stack([motion.v_m_s, motion.p_p_pa, motion.p_r_pa])
+    columns = dict(zip(("v_m_s", "p_p_pa", "p_r_pa"), table.T, strict=True))
+    np.testing.assert_array_equal(
+        driven_friction(replace(motion, **columns), parameters()), contiguous
+    )
+    assert len(_along.signatures) == compiled
 
 
 def test_bristles_that_can_not_slip_have_gone_as_far_as_the_piston():

@@ -17,7 +17,7 @@ from hbench.reconcile.measured.balances import (
     balance_values,
     channels_missing,
 )
-from hbench.reconcile.measured.integration import Starts
+from hbench.reconcile.measured.integration import Starts, integrate_logs
 from hbench.reconcile.measured.session import sessions
 from tests.support.pump import PUMP
 from tests.support.reconcile.exact_logs import RECORD_S, logged, record_means, smooth_strokes
@@ -256,6 +256,19 @@ def test_compression_and_volume_are_their_integrals(plant_with):
     assert slope == pytest.approx(np.full_like(slope, 20 * BAR / model.par.bulk_modulus_pa))
     log_volume = np.log(extending_volumes(0.1 + 0.05 * t, model.par.test)[0])
     assert means.log_volume[0, inner] == pytest.approx(log_volume[inner], abs=1e-6)
+
+
+def test_levels_of_any_kind_of_array_need_no_further_compilation(plant_with):
+    """A compilation takes some 20 s."""
+    par, signals = plant_with({}).par, np.zeros((10, 4))
+    start = single_start(4, par)
+    along(signals, RECORD_S, par, start, np.ones((2, 1)))
+    compiled = len(integrate_logs.signatures)
+    read_only = np.ones((2, 4))
+    read_only.flags.writeable = False
+    for levels in (np.ones((2, 4)), np.ones((4, 2)).T, read_only):
+        along(signals, RECORD_S, par, start, levels)
+    assert len(integrate_logs.signatures) == compiled
 
 
 @pytest.mark.parametrize("level", [0.8, 1.3])

@@ -26,7 +26,9 @@ def driven_friction(motion: LoggedMotion, par: FrictionParameters) -> np.ndarray
     out = np.zeros(len(motion.v_m_s))
     steps = int(np.ceil(motion.dt_s / _LONGEST_STEP_S - _ROUNDING))
     state, work = np.zeros(2 * len(par.elements)), np.zeros((2, 2 * len(par.elements)))
-    _along(steps, motion.dt_s, motion.v_m_s, motion.p_p_pa, motion.p_r_pa, par, state, work, out)
+    # Of a table's columns, too, arrays of one kind: for another one all is compiled again.
+    signals = map(np.ascontiguousarray, (motion.v_m_s, motion.p_p_pa, motion.p_r_pa))
+    _along(steps, motion.dt_s, *signals, par, state, work, out)
     return out
 
 
