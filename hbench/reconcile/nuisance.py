@@ -23,6 +23,7 @@ _FRICTION = {  # a first guess of a seal's friction may be off by a factor of 5
     "coulomb": 0.8,
     "stiction": 0.8,
     "stribeck_velocity": 0.5,
+    "stribeck_exponent": 0.25,  # a guess of 2 instead of 1 is within the bounds
     "viscous": 0.8,
     "bristle_stiffness": 0.8,
     "stribeck_force": 0.8,

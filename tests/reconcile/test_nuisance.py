@@ -74,7 +74,8 @@ def test_a_part_of_a_plant_has_the_nuisances_of_its_own_sections_and_law(bench):
         "model",
     )
     assert set(nuisances(plant)) == {
-        f"friction.test.{key}" for key in ("coulomb", "stiction", "stribeck_velocity")
+        f"friction.test.{key}"
+        for key in ("coulomb", "stiction", "stribeck_velocity", "stribeck_exponent")
     }
     assert nuisance_value(bench, "friction.test.viscous") == friction.viscous
     assert nuisance_value(plant, "friction.test.bristle_stiffness") == 0.0
