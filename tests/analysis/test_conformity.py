@@ -238,6 +238,8 @@ def test_a_leakage_of_three_holds_has_students_distribution(small):
     (check,) = checks(measured, limit | {"max": "0.37 ml/min"})
     expected = stats.t(2).cdf((0.37e-6 / 60 - 1e-15 * 6e6) / (se * 6e6))
     assert check.probability == pytest.approx(expected, abs=1e-4)
+    (check,) = checks(measured, limit | {"pressure": "100 bar", "max": "1 ml/min"})
+    assert check.reason == "the highest mean pressure of a hold is 60 bar"  # its start is higher
 
 
 def test_a_pressure_is_that_on_the_driving_area(small):

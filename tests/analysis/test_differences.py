@@ -254,6 +254,37 @@ def test_curves_without_a_rival_are_named(campaign):
     assert note.startswith("steady retract -2000 N: ") and note.endswith(" A")
 
 
+def _at_rod_pressure(results, bar):
+    pressure = None if bar is None else 1e5 * bar
+    curves = tuple(replace(curve, p_lr_ref_pa=pressure) for curve in results.curves)
+    return replace(results, curves=curves)
+
+
+def test_a_bench_without_a_load_cylinder_has_no_rod_pressure_that_could_differ(campaign):
+    for rig, foreign in ((20.0, None), (None, 20.0)):
+        found, notes = compared(
+            _at_rod_pressure(campaign(1), rig), _at_rod_pressure(campaign(2), foreign)
+        )
+        assert len(found) == 1 and not notes
+
+
+def test_one_of_several_rod_pressures_needs_the_same_one(campaign):
+    both = campaign(1, directions=("extend", "retract"))
+    low, high = (_at_rod_pressure(both, bar).curves[0] for bar in (20.0, 60.0))
+    several = replace(both, curves=(low, high))
+    found, notes = compared(several, _at_rod_pressure(campaign(2), None))
+    assert not found and len(notes) == 3
+
+
+def test_other_rod_pressures_are_named(campaign):
+    found, notes = compared(_at_rod_pressure(campaign(1), 20.0), _at_rod_pressure(campaign(2), 25))
+    assert not found
+    assert [note.split(": ")[0] for note in notes] == [
+        "steady extend 2000 N at 20 bar",
+        "steady extend 2000 N at 25 bar",
+    ]
+
+
 def test_parameters_at_a_bound_are_not_tested_and_others_are(campaign):
     def fitted(results, f_c, at_bound):
         value = FitParameter(f_c, 5.0, (f_c - 11.0, f_c + 11.0), at_bound, "N")

@@ -584,3 +584,10 @@ def test_a_schedule_that_no_diagnosis_left_stays(quick, tmp_path):
     (tmp_path / "next.yaml").write_text("mine")
     workflow.write_diagnosis(tmp_path, quick)
     assert (tmp_path / "next.yaml").read_text() == "mine"
+
+
+def test_the_column_of_an_import_map_remains_the_key_that_is_to_be_written():
+    text = "set f_applied_n to 0 N; valve_lag changes p_s and flow_tp"
+    flow = words.balance("flow_tp").title
+    expected = f"set f_applied_n to 0 N; valve lag changes supply pressure and {flow}"
+    assert words.keys_in_words(text) == expected

@@ -1,5 +1,6 @@
 """Runs of imported files: positions that strokes share, the top speed of unsteady motions."""
 
+import re
 from datetime import UTC, datetime
 
 import numpy as np
@@ -202,3 +203,25 @@ def test_a_stroke_back_at_the_nominal_speed_that_is_not_used_is_noted(
     (run,), notes = import_by(rules, tmp_path / "logs")
     assert run.plan.v_ref_m_s == pytest.approx(0.05)
     assert any("only extending is used (cut: reversals)" in note for note in notes) is noted
+
+
+@pytest.mark.parametrize(("wander", "left_out"), [(0.3, 0.75), (0.0, 0.0)])
+def test_travel_without_constant_speed_is_noted_where_a_run_is_made_of_each_plateau(
+    wander, left_out, rules, import_by, tmp_path
+):
+    """20 mm/s for 5 s, then 60 mm/s for 5 s, which a weight does not hold constant."""
+    t_s = np.arange(0, 12, 0.01)
+    fast = 60 * (1 + wander * np.sin(2 * np.pi * t_s))
+    v_mm_s = np.select([t_s < 1, t_s < 6, t_s < 11], [0, 20, fast], 0.0)
+    table = np.column_stack([t_s, 10 + np.cumsum(v_mm_s) / 100, 5 + 0 * t_s, 0 * t_s])
+    (tmp_path / "logs").mkdir()
+    np.savetxt(tmp_path / "logs/a.csv", table, "%.4f", ",", header="t,x,p,f", comments="")
+    units = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+    units["f_applied_n"] = ("f", "N")
+    rules["columns"] = {c: {"column": n, "unit": u} for c, (n, u) in units.items()}
+    runs, notes = import_by(rules | {"cut": "plateaus"}, tmp_path / "logs")
+    assert len(runs) == (1 if left_out else 2)
+    shares = re.findall(r"(\d+) % of the travel", " ".join(notes))
+    assert [float(share) for share in shares] == pytest.approx(
+        [100 * left_out] * bool(left_out), abs=3
+    )

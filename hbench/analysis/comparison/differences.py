@@ -49,6 +49,7 @@ from hbench.records import (
     Results,
 )
 from hbench.records.numbers import NORMAL_95
+from hbench.records.rod_pressure import differs_in_rod_pressure
 
 CurveKey = tuple
 Pair = tuple[Instruments | None, Instruments | None]  # of A and of B; None: not known
@@ -70,27 +71,28 @@ def campaign_differences(
 ) -> tuple[tuple[CurveDifference, ...], tuple[str, ...]]:
     """Compare the curves that both campaigns have; return them, and notes on the other curves.
 
-    Curves are matched by kind, direction, load and rod-side pressure; also by label and factors
-    if either campaign has several. ``tolerance`` is the largest relative difference of two speeds
-    of points over pressure.
+    Curves are matched by kind, direction, load and rod-side pressure, unless one campaign states
+    none; also by label and factors if either campaign has several. ``tolerance`` is the largest
+    relative difference of two speeds of points over pressure.
     """
     distinct = distinction(a, b)
     curves_a, curves_b = (
         {_key(curve, distinct): sliding(curve) for curve in results.curves} for results in (a, b)
     )
     etas = [{_key(curve, distinct): curve for curve in results.efficiency} for results in (a, b)]
+    rod_pressure = differs_in_rod_pressure((*a.curves, *b.curves)) and distinct.rod_pressures
     compared, notes = [], []
     partners = {key: _partner(curve, key, curves_b) for key, curve in curves_a.items()}
     for key, curve in curves_a.items():
         partner = partners[key]
         if partner is None:
-            notes.append(f"{_name(curve)}: only in A")
+            notes.append(f"{_name(curve, rod_pressure)}: only in A")
             continue
         other = curves_b[partner]
         difference = _curve_difference(curve, other, instruments, same_instruments, tolerance)
         if not difference.points:
             notes.append(
-                f"{_name(curve)}: no speeds in common; {_speeds(curve)} in A and "
+                f"{_name(curve, rod_pressure)}: no speeds in common; {_speeds(curve)} in A and "
                 f"{_speeds(other)} in B"
             )
             continue
@@ -100,7 +102,8 @@ def campaign_differences(
             difference = replace(difference, efficiency=efficiency)
         compared.append(difference)
     paired = set(partners.values())
-    notes += [f"{_name(curve)}: only in B" for key, curve in curves_b.items() if key not in paired]
+    unpaired = [curve for key, curve in curves_b.items() if key not in paired]
+    notes += [f"{_name(curve, rod_pressure)}: only in B" for curve in unpaired]
     return _corrected(compared), tuple(notes)
 
 
@@ -130,10 +133,13 @@ def _speeds(curve: Curve) -> str:
     return " to ".join(f"{1e3 * v:.3g}" for v in ends) + " mm/s"
 
 
-def _name(curve: Curve) -> str:
+def _name(curve: Curve, rod_pressure: bool) -> str:
+    """Return kind, direction and load of a curve; with the rod-side pressure where it matters."""
     a = "" if curve.a_ref_m_s2 is None else f"{curve.a_ref_m_s2:.3g} m/s^2"
     load = "" if curve.f_load_n is None else f"{curve.f_load_n:.5g} N"
-    return " ".join(filter(None, (curve.label, curve.kind, a, curve.direction, load)))
+    p_lr = curve.p_lr_ref_pa if rod_pressure else None
+    at = "" if p_lr is None else f"at {p_lr / 1e5:.5g} bar"
+    return " ".join(filter(None, (curve.label, curve.kind, a, curve.direction, load, at)))
 
 
 def _curve_difference(

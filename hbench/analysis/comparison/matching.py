@@ -5,6 +5,7 @@ from typing import NamedTuple, TypeVar
 
 from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.records import Band, Curve, EfficiencyCurve, Results
+from hbench.records.rod_pressure import differs_in_rod_pressure
 
 SPEED_TOLERANCE = 0.02  # largest relative difference of two speeds with the same reference
 # Largest difference of two pressures with the same set-point, as regulators hold them.
@@ -25,17 +26,20 @@ class Distinction(NamedTuple):
 
     labels: bool  # a single label names the cylinder or the seal, which may differ
     factors: frozenset[str]  # those with several values
+    rod_pressures: bool  # a campaign of a bench without a load cylinder states none
 
 
 def distinction(a: Results, b: Results) -> Distinction:
-    """Return whether labels, without their factors, and which factors must agree."""
+    """Return which of labels, without their factors, factors and rod-side pressures must agree."""
     labels, factors = False, set()
     for curves in (a.curves, b.curves):
         labels |= len({_label(curve) for curve in curves}) > 1
         values = [dict(curve.factors) for curve in curves]
         names = {name for each in values for name in each}
         factors |= {name for name in names if len({each.get(name) for each in values}) > 1}
-    return Distinction(labels, frozenset(factors))
+    stated = all(any(each.p_lr_ref_pa is not None for each in x.curves) for x in (a, b))
+    several = any(differs_in_rod_pressure(each.curves) for each in (a, b))
+    return Distinction(labels, frozenset(factors), stated or several)
 
 
 def _label(series: Band | Curve | EfficiencyCurve) -> str:
@@ -58,7 +62,8 @@ def matching_key(series: Band | Curve | EfficiencyCurve, distinct: Distinction) 
     """Return what series must have in common besides direction, load and speed."""
     factors = frozenset(factor for factor in series.factors if factor[0] in distinct.factors)
     label = _label(series) if distinct.labels else None
-    return series.kind, series.p_lr_ref_pa, label, factors
+    rod_pressure = series.p_lr_ref_pa if distinct.rod_pressures else None
+    return series.kind, rod_pressure, label, factors
 
 
 def same_set_point(a: SetPoint, b: SetPoint) -> bool:

@@ -80,7 +80,8 @@ def _why_not(results: Results, requirement: Requirement) -> _Reason:
     if requirement.leak and (leakages := tuple(leaks_measured(results, requirement))):
         highest = max(leakage.highest_pa(requirement.leak) for leakage in leakages)
         if requirement.pressure_pa and requirement.pressure_pa > (1 + TOLERANCE) * highest:
-            return f"the holds reached {from_si(highest, 'bar'):.3g} bar", ("pressure",)
+            bar = from_si(highest, "bar")
+            return f"the highest mean pressure of a hold is {bar:.3g} bar", ("pressure",)
     if requirement.quantity == "drift" and results.drift is not None:
         words = (
             "the times of the runs are not known, and the order of their files does not separate a "

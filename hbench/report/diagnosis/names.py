@@ -128,6 +128,7 @@ EDGES = {
     "flow_lr": ("supply", "tank"),
 }
 
+_COLUMN = re.compile("_(?:s|m|pa|n|v|k)$")  # of an import map
 # Of an effect; no file's name, and no line for a file such as "valve_lag: {time: 3 ms}".
 _KEY = re.compile(r"(?<!/)\b[a-z]+(?:_[a-z]+)+\b(?![/-]|\.\w|: [{\d-])")
 _CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
@@ -169,9 +170,16 @@ def in_words(name: str) -> str:
 
 
 def keys_in_words(line: str) -> str:
-    """Return a text with effects, balances and channels in words or symbols, not in keys."""
+    """Return a text with effects, balances and channels in words or symbols, not in keys.
+
+    The columns of an import map, whose names end in a unit, remain keys: they are to be written.
+    """
     names = {key: name.title for key, name in (SIGNAL_NAMES | _KNOWN).items()}
-    return _KEY.sub(lambda key: names.get(key[0]) or in_words(key[0]), line)
+
+    def words(key: re.Match[str]) -> str:
+        return names.get(key[0]) or (key[0] if _COLUMN.search(key[0]) else in_words(key[0]))
+
+    return _KEY.sub(words, line)
 
 
 _MODEL_VALUES = {

@@ -256,27 +256,31 @@ def _nominal_speeds(pieces: Sequence[Piece], rules: ImportMap) -> list[float]:
 
     It is that of the map or the name, or else the median, to three digits, of the measured speeds
     of the same series that differ by less than a tolerance from one to the next, unless they are
-    distinct.
+    distinct. Pushes and holds have no speed: all of a series and direction have the same median.
     """
     nominal = [0.0] * len(pieces)
     groups: dict[tuple, list[int]] = defaultdict(list)
     for i, piece in enumerate(pieces):
         speed = piece.match.speed_m_s
-        if not KINDS[rules.of(piece.match.series).kind].has_constant_speed:
-            nominal[i] = piece.section.v_m_s
-        elif speed is None:
-            groups[piece.series].append(i)
-        else:
+        if speed is not None and KINDS[rules.of(piece.match.series).kind].has_constant_speed:
             nominal[i] = float(np.copysign(speed, piece.section.v_m_s))
+        else:
+            groups[*piece.series, speed].append(i)
     for numbers in groups.values():
-        cut_at = rules.of(pieces[numbers[0]].match.series).cut
-        tolerance = SAME_STROKE_SPEED if cut_at == "reversals" else SAME_SPEED
-        speeds = np.abs([pieces[i].section.v_m_s for i in numbers])
-        for cluster in (np.array(numbers)[group] for group in similar_values(speeds, tolerance)):
-            median = np.median([pieces[i].section.v_m_s for i in cluster])
+        speeds = np.array([pieces[i].section.v_m_s for i in numbers])
+        for cluster in _same_speeds(np.abs(speeds), rules.of(pieces[numbers[0]].match.series)):
             for i in cluster:
-                nominal[i] = float(f"{median:.3g}")
+                nominal[numbers[i]] = float(f"{np.median(speeds[cluster]):.3g}")
     return nominal
+
+
+def _same_speeds(speeds_m_s: np.ndarray, rules: ImportMap) -> list[np.ndarray]:
+    """Return the indices of each group of measured speeds (n,) with the same nominal speed."""
+    kind = KINDS[rules.kind]
+    if not (kind.has_constant_speed or kind.covers_speeds):
+        return [np.arange(len(speeds_m_s))]
+    tolerance = SAME_STROKE_SPEED if rules.cut == "reversals" else SAME_SPEED
+    return similar_values(speeds_m_s, tolerance)
 
 
 def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap) -> Iterator[str]:

@@ -8,7 +8,7 @@ import numpy as np
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.covered_positions import Positions, covered_positions, shared_positions
-from hbench.motion.plateaus import SAME_SPEED, plateaus
+from hbench.motion.plateaus import SAME_SPEED, Plateau, plateaus
 from hbench.motion.reversals import (
     LONGEST_STEP_S,
     SAME_LENGTH,
@@ -64,7 +64,7 @@ def cut(
     """
     t_s, x_m = channels["t_s"], channels["x_m"]
     if rules.cut == "plateaus":
-        return _at_plateaus(t_s, x_m, source, rules)
+        return _at_plateaus(t_s, x_m, source, name, rules)
     if rules.cut == "reversals":
         return _at_reversals(channels, source, name, rules, speed)
     whole = slice(0, len(x_m))
@@ -89,16 +89,21 @@ def _constant_speed_notes(
     """
     if rules.kind not in _VARYING:
         return
-    way_m = _BLOCK_S * float(np.abs(block_speeds(t_s, x_m, _BLOCK_S).v_m_s).sum())
-    found = plateaus(t_s, x_m, least_m=rules.min_stroke)
-    constant_m = sum(abs(x_m[p.section.stop - 1] - x_m[p.section.start]) for p in found)
-    if way_m > 0 and constant_m > _MOSTLY * way_m:
+    share = _constant_share(t_s, x_m, plateaus(t_s, x_m, least_m=rules.min_stroke))
+    if share > _MOSTLY:
         text = (
             f"{{share}} % of the travel has constant speed, but 'kind: {rules.kind}' is a motion "
             "of varying speed: friction at constant speed is not evaluated. For strokes of "
             "constant speed write 'kind: steady' and 'cut: reversals' in the map"
         )
-        yield FileNote(name, text, {"share": min(100, round(100 * constant_m / way_m))})
+        yield FileNote(name, text, {"share": round(100 * share)})
+
+
+def _constant_share(t_s: np.ndarray, x_m: np.ndarray, constant: Sequence[Plateau]) -> float:
+    """Return the share of the travel that has constant speed; 0 without motion."""
+    way_m = _BLOCK_S * float(np.abs(block_speeds(t_s, x_m, _BLOCK_S).v_m_s).sum())
+    constant_m = sum(abs(x_m[p.section.stop - 1] - x_m[p.section.start]) for p in constant)
+    return min(1.0, float(constant_m) / way_m) if way_m > 0 else 0.0
 
 
 def _whole(
@@ -134,7 +139,9 @@ def _unused(
         yield FileNote(name, text)
 
 
-def _at_plateaus(t_s: np.ndarray, x_m: np.ndarray, source: str, rules: ImportMap) -> Sections:
+def _at_plateaus(
+    t_s: np.ndarray, x_m: np.ndarray, source: str, name: str, rules: ImportMap
+) -> Sections:
     """Return a section for each plateau: from the end of the one before to its own end."""
     constant = plateaus(t_s, x_m, rules.screening.min_window, rules.min_stroke)
     if not constant:
@@ -144,12 +151,19 @@ def _at_plateaus(t_s: np.ndarray, x_m: np.ndarray, source: str, rules: ImportMap
             "Reduce 'min_stroke' or 'screening.min_window' in the map.",
         )
     starts = [0, *(plateau.section.stop for plateau in constant[:-1])]
-    return Sections(
-        tuple(
-            Section(slice(start, plateau.section.stop), plateau.v_m_s)
-            for start, plateau in zip(starts, constant, strict=True)
-        )
+    sections = tuple(
+        Section(slice(start, plateau.section.stop), plateau.v_m_s)
+        for start, plateau in zip(starts, constant, strict=True)
     )
+    share = _constant_share(t_s, x_m, constant)
+    if share >= _MOSTLY:
+        return Sections(sections)
+    text = (
+        "{share} % of the travel has no constant speed: friction there is not evaluated. A speed "
+        f"is constant if it stays within {100 * SAME_SPEED:g} % for at least "
+        f"{rules.screening.min_window:g} s and {1e3 * rules.min_stroke:g} mm"
+    )
+    return Sections(sections, (FileNote(name, text, {"share": round(100 * (1 - share))}),))
 
 
 def _at_reversals(

@@ -221,7 +221,7 @@ ENGLISH = {
     "cause_rest": "not after this rest",
     "cause_combination": "not with all that the limit states",
     "cause_series": "only in other series",
-    "cause_pressure": "the holds reached {pressure} bar",
+    "cause_pressure": "the highest mean pressure of a hold is {pressure} bar",
     "cause_times": "the times of the runs are not known",
     "cause_area": "the driving area is not known",
     "cause_undriven": "no oil drives one of the directions",

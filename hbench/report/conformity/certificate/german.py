@@ -225,7 +225,7 @@ GERMAN = {
     "cause_rest": "nicht nach dieser Ruhezeit",
     "cause_combination": "nicht mit allen Angaben des Grenzwerts",
     "cause_series": "nur in anderen Reihen",
-    "cause_pressure": "die Halteversuche erreichten {pressure} bar",
+    "cause_pressure": "der höchste mittlere Druck eines Halteversuchs ist {pressure} bar",
     "cause_times": "die Zeiten der Läufe sind nicht bekannt",
     "cause_area": "die treibende Fläche ist nicht bekannt",
     "cause_undriven": "kein Öl treibt eine der Richtungen",

@@ -56,7 +56,7 @@ def _head(suggested: SuggestedMap) -> Iterator[str]:
     elif _is_at_rest(suggested):
         yield line("kind: hold", f"{GUESS}: the position changes by no more than its noise")
     else:
-        few = "few sections of constant speed; or ramp, triangle, steps, hold"
+        few = "few sections of constant speed; or ramp, triangle, steps, hold, breakaway"
         yield line("kind: steady", f"{GUESS}: {few}")
 
 
