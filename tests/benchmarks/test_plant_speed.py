@@ -26,7 +26,7 @@ from hbench.model.plant import (
     step,
 )
 from hbench.model.simulation import simulate
-from tests.support.benchmarks import BENCH, STATES_IN_C, best_seconds, commands
+from tests.support.benchmarks import BENCH, CLEAR, STATES_IN_C, best_seconds, commands
 
 TOLERANCES = 10.0 ** -np.arange(3.0, 10.0, 0.25)
 METHODS = ("RK23", "RK45", "DOP853", "LSODA")
@@ -142,9 +142,10 @@ def error(states, reference):
     return np.max(worst / np.ptp(reference[:, columns], axis=0))
 
 
-def fastest_at_the_plants_accuracy(par, rates, start, u):
+def fastest_at_the_plants_accuracy(par, rates, start, u, least):
     """Return scipy's best method, its tolerance and how many times longer it takes.
 
+    Where that is clearly more than ``least``, few rounds determine it.
     Of each method the loosest tolerance counts whose error is at most the plant's.
     """
     scipy = Scipy(par, rates, start, u)
@@ -161,6 +162,7 @@ def fastest_at_the_plants_accuracy(par, rates, start, u):
     plant_s, *scipy_s = best_seconds(
         lambda: advance(start.copy(), u, levels, par, work),
         *(lambda choice=choice: scipy.states(*choice) for choice in found),
+        clear=lambda plant_s, *scipy_s: least * plant_s < CLEAR * min(scipy_s),
         rounds=5,
     )
     best = int(np.argmin(scipy_s))
@@ -169,9 +171,10 @@ def fastest_at_the_plants_accuracy(par, rates, start, u):
 
 def test_solve_ivp_takes_20_times_longer_at_the_plants_accuracy(par, rates, start):
     """Under commands as the plant gets them in the loop."""
-    method, tolerance, ratio = fastest_at_the_plants_accuracy(par, rates, start, commands(300))
+    u, least = commands(300), 20
+    method, tolerance, ratio = fastest_at_the_plants_accuracy(par, rates, start, u, least)
     print(f"other commands each tick: {method} at {tolerance:g} takes {ratio:.0f} times as long")
-    assert ratio > 20
+    assert ratio > least
 
 
 def test_solve_ivp_takes_longer_under_commands_that_stay(par, rates, start):
@@ -179,6 +182,7 @@ def test_solve_ivp_takes_longer_under_commands_that_stay(par, rates, start):
     u = np.repeat(
         [[0.7, 0.3, -1.4], [-0.8, -1.0, 0.5], [0.0, 0.0, 0.0]], (4000, 5000, 4000), axis=0
     )
-    method, tolerance, ratio = fastest_at_the_plants_accuracy(par, rates, start, u)
+    least = 4
+    method, tolerance, ratio = fastest_at_the_plants_accuracy(par, rates, start, u, least)
     print(f"three commands in 1.3 s: {method} at {tolerance:g} takes {ratio:.0f} times as long")
-    assert ratio > 4
+    assert ratio > least
