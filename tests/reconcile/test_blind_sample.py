@@ -34,11 +34,14 @@ STARTS = {f"friction x {factor}": dict.fromkeys(FRICTION, factor) for factor in 
 STARTS |= {f"valve x {factor}": {"valve.gain": factor} for factor in (0.8, 1.2)}
 VOLUMES = [f"{side}_cylinder.dead_volume_{chamber}" for side in ("test", "load")
            for chamber in ("piston", "rod")]  # fmt: skip
-VISCOUS = [f"friction.{side}.viscous" for side in ("test", "load")]
+VISCOUS, BRISTLES, EXPONENTS = ([f"friction.{side}.{key}" for side in ("test", "load")]
+    for key in ("viscous", "bristle_stiffness", "stribeck_exponent"))  # fmt: skip
 STARTS |= {
     "volumes x 0.5": dict.fromkeys(VOLUMES, 0.5),
     "tank x 0.1": {"supply.tank": 0.1},
     "bulk modulus x 2": {"oil.bulk_modulus": 2.0},
+    "bristles x 0.1": dict.fromkeys(BRISTLES, 0.1),
+    "Stribeck exponent x 2": dict.fromkeys(EXPONENTS, 2.0),
 }
 ALMOST_NONE = "almost no volumes, viscous friction and tank pressure"
 WRONG = {
