@@ -22,7 +22,10 @@ _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
 _REFUTED = "it does not reduce the gap of runs outside the fit"
 _MINOR = "it leaves most of the gap of runs outside the fit"
 # Nuisances that a file may omit, as it would contain them.
-_DEFAULTS = {"bristle_stiffness": f"{LuGre.model_fields['bristle_stiffness'].default:g} N/m"}
+_DEFAULTS = {
+    "bristle_stiffness": f"{LuGre.model_fields['bristle_stiffness'].default:g} N/m",
+    "stribeck_exponent": LuGre.model_fields["stribeck_exponent"].default,
+}
 
 
 def without_unconfirmed(

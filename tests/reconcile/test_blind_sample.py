@@ -65,6 +65,7 @@ KNOWN = {
     [
         ("internal_leakage-clear-1", "friction x 5, valve x 0.8"),
         ("none-5", ALMOST_NONE),
+        ("none-5", "Stribeck exponent x 2"),
         *(
             pytest.param(
                 case.name, start, marks=[pytest.mark.slow, *KNOWN.get((case.name, start), ())]

@@ -6,10 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hbench.config.stroke_model import parse_strokes
 from hbench.reconcile import revised_model
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.revised_model import revision, without_unconfirmed
+from hbench.reconcile.nuisance import nuisances
+from hbench.reconcile.revised_model import revised, revision, without_unconfirmed
 from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import FitParameter
 
@@ -48,6 +50,21 @@ def test_a_refit_or_what_is_fitted_with_an_addition_is_in_the_model(result):
     factors, sections = revision(GIVEN, result, estimates())
     assert list(factors) == ["valve.gain"]
     assert sections == {"valve": {"gain": "1.2e-06 m^2/V"}}
+
+
+def test_a_value_that_a_file_omits_is_written_where_it_was_refitted():
+    friction = {
+        "law": "lugre",
+        "coulomb": "40 N",
+        "stiction": "60 N",
+        "stribeck_velocity": "10 mm/s",
+    }
+    sections = {"test_cylinder": {"piston_diameter": "40 mm"}, "friction": {"test": friction}}
+    found = nuisances(parse_strokes(sections, "model"))
+    factors = dict.fromkeys(found, FitParameter(2.0, None, None, None, "1"))
+    written = revised(sections, factors, Hypothesis())["friction"]["test"]
+    assert written["stribeck_exponent"] == 2.0 and written["bristle_stiffness"] == "600000 N/m"
+    assert written["coulomb"] == "80 N"
 
 
 @dataclass(frozen=True)

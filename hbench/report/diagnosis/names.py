@@ -193,6 +193,7 @@ _FRICTION_VALUES = {
     "coulomb": "Coulomb friction",
     "stiction": "static friction",
     "stribeck_velocity": "Stribeck velocity",
+    "stribeck_exponent": "Stribeck exponent",
     "viscous": "viscous friction",
     "bristle_stiffness": "bristle stiffness",
     "dead_volume_piston": "dead volume, piston side",
