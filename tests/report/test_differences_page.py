@@ -180,6 +180,11 @@ def test_a_comparison_states_each_setting_that_differs(found):
     )
     text = differences_page(changed, ())
     assert re.search(r'<p class="verdict">[^<]*3 settings differ between A and B; ', text)
+    imported = replace(found, a=a, b=replace(a, settings={"x": 1}))
+    assert settings_that_differ(imported) == (
+        ("oil", "all 2 settings", "stated", "–"),
+        ("x", "value", "–", "1"),
+    )
 
 
 @pytest.mark.usefixtures("wide_terminal")
@@ -197,6 +202,9 @@ def test_different_simulated_plants_are_stated_with_the_campaigns_and_are_no_set
     assert "None: bench file, instruments" in settings and "The simulated plants differ" in settings
     assert "The simulated plants differ" not in differences_page(found, ())
     assert "Simulated plants" not in differences_page(replace(changed, b=a), ())
+    measured = replace(b, source="real", details={"port": "/dev/ttyUSB0"})
+    for other in (measured, replace(b, source="imported", details={})):
+        assert "plant file" not in differences_text(replace(changed, b=other))
     own = replace(changed, b=replace(b, details={"port": "sim"}))
     text = ordinary_spaces(differences_text(own))
     assert "A was simulated with a plant file, B with the bench file's plant." in text

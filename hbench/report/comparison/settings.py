@@ -1,6 +1,7 @@
 """What differs between the benches and schedules of two campaigns, as a table."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -11,6 +12,7 @@ from hbench.report.setting_words import key_words, value_words
 
 _HEAD = ("Section", "Setting", "A", "B")
 _LONGEST = 80  # letters of a value
+_STATED = "stated"
 SERIAL = ("specimen", "serial")
 _SEED, _PLANT = "seed", "plant"
 _NO_SETTINGS = (_SEED, _PLANT, "folder")
@@ -22,8 +24,9 @@ def settings_that_differ(differences: CampaignDifferences) -> tuple[tuple[str, s
 
     Compared are the bench file and schedule as the campaigns state them, firmware, software, the
     origin of the data, and the areas of the cylinders. A setting of one campaign alone is a dash
-    in the other. The cylinder's serial number, the seed of simulated noise, the folder of imported
-    logs and the simulated plant, which stands for the cylinder, are no settings.
+    in the other; a section of one alone, as that of controllers beside imported logs, is one row.
+    The cylinder's serial number, the seed of simulated noise, the folder of imported logs and the
+    simulated plant, which stands for the cylinder, are no settings.
     """
     a, b = (
         dict(_settings(provenance, curves))
@@ -32,11 +35,18 @@ def settings_that_differ(differences: CampaignDifferences) -> tuple[tuple[str, s
             (differences.b, [curve.b for curve in differences.curves]),
         )
     )
-    return tuple(
-        (*key, _short(a.get(key, NONE)), _short(b.get(key, NONE)))
-        for key in dict.fromkeys((*a, *b))
-        if a.get(key) != b.get(key)
-    )
+    different = [key for key in dict.fromkeys((*a, *b)) if a.get(key) != b.get(key)]
+    of_a, of_b = (Counter(section for section, _ in settings) for settings in (a, b))
+    rows: dict[tuple[str, str], tuple[str, str]] = {}
+    for section, setting in different:
+        count = of_a[section] + of_b[section]
+        if count > 1 and not (of_a[section] and of_b[section]):
+            stated = _STATED if of_a[section] else NONE, _STATED if of_b[section] else NONE
+            rows[section, f"all {count} settings"] = stated
+        else:
+            key = section, setting
+            rows[key] = _short(a.get(key) or NONE), _short(b.get(key) or NONE)
+    return tuple((*key, *values) for key, values in rows.items())
 
 
 def settings_table(differences: CampaignDifferences) -> Table:
@@ -57,12 +67,10 @@ def settings_words(differences: CampaignDifferences) -> str:
 
 
 def plants_words(differences: CampaignDifferences) -> str:
-    """State that the simulated plants differ; empty if they are equal or none is simulated."""
-    a, b = (
-        str((each.details.get(_PLANT) or {}).get("sha256", ""))
-        for each in (differences.a, differences.b)
-    )
-    if a == b:
+    """State that the plants of two virtual rigs differ; empty if they are equal, or none is."""
+    both = differences.a, differences.b
+    a, b = (str((each.details.get(_PLANT) or {}).get("sha256", "")) for each in both)
+    if a == b or any(each.details.get("port") != "sim" for each in both):
         return ""
     if a and b:
         return (
