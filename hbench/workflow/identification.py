@@ -6,17 +6,19 @@ from pathlib import Path
 from hbench.analysis.identification.usable_runs import identification_use, usable_runs
 from hbench.errors import DataError
 from hbench.experiment.progress import Report
-from hbench.records import Identification, Run
+from hbench.records import KINDS, Identification, Run
 from hbench.report.identification.figures import draw_identification
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.text import identification_json
 from hbench.report.render.figures import figure_files
+from hbench.sentences import listed
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
 _ADD = "Measure the schedule configs/dynamics.yaml, which `hbench init DIR` writes."
+_DETERMINE = ("steady_curve", "motion")  # uses of runs that laws are fitted to
 _LOAD_SIDE = "The load cylinder's friction is not identified: the model uses the bench file's."
 _NO_NOISE = "The models have no scatter from stroke to stroke and no sensor noise."
 
@@ -34,6 +36,15 @@ def identify(folder: Path, report: Report) -> Identification:
     from hbench.experiment.law_verification import VerifiedLaws, verify_laws
 
     campaign = load_campaign(folder)
+    measured_kinds = sorted({plan.kind for plan in campaign.plans})
+    uses = {KINDS[kind].identification for kind in measured_kinds}
+    if uses and uses.isdisjoint(_DETERMINE):
+        needed = [name for name, kind in KINDS.items() if kind.identification in _DETERMINE]
+        raise DataError(
+            f"{folder}: no friction law can be identified from runs of the kind "
+            f"{listed(measured_kinds)}; that needs {listed(needed)} runs",
+            _ADD,
+        )
     mass_kg = campaign.setup().test_mass_kg
     if mass_kg is None:
         raise DataError(

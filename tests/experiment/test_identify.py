@@ -263,17 +263,26 @@ def test_cut_logs_are_left_out_with_a_reason_and_nothing_left_is_an_error(tmp_pa
     assert "dynamics.yaml" in caught.value.hint
 
 
-def test_an_imported_campaign_without_a_bench_is_refused_with_a_hint(tmp_path, clock):
+@pytest.mark.parametrize(
+    ("kind", "message", "hint"),
+    [
+        ("steady", "mass", "'moving_mass' to the import map, or a bench file bench.yaml"),
+        ("breakaway", "from runs of the kind breakaway; that needs steady, ramp", "dynamics.yaml"),
+    ],
+)
+def test_an_imported_campaign_without_mass_or_runs_is_refused_with_a_hint(
+    tmp_path, clock, kind, message, hint
+):
     source = tmp_path / "logs"
     source.mkdir()
     columns = "run,file,kind,trial,v_ref_m_s,a_ref_m_s2,f_load_n,p_lr_ref_pa"
-    (source / "runs.csv").write_text(f"{columns}\n1,1.csv,steady,1,0.05,,1000,1500000\n")
+    (source / "runs.csv").write_text(f"{columns}\n1,1.csv,{kind},1,0.05,,1000,1500000\n")
     rows = "".join(f"{0.01 * i},{5e-4 * i},4e6,2e6,1e3\n" for i in range(200))
     (source / "1.csv").write_text(f"t_s,x_m,p_tp_pa,p_tr_pa,f_applied_n\n{rows}")
     workflow.import_runs(source, tmp_path / "c", None, clock)
-    with pytest.raises(DataError, match="mass") as caught:
+    with pytest.raises(DataError, match=message) as caught:
         workflow.identify(tmp_path / "c", lambda progress: None)
-    assert "bench.yaml" in caught.value.hint and "moving_mass" in caught.value.hint
+    assert hint in caught.value.hint
 
 
 def test_the_command_prints_one_object_or_the_table(tmp_path, lacking, undrawn):
