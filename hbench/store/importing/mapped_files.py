@@ -245,7 +245,7 @@ def _same_trials(pieces: Sequence[Piece], plans: Sequence[RunPlan]) -> Iterator[
     for name in dict.fromkeys(names):
         yield FileNote(
             name,
-            "trial, load, direction and speed are those of another file: counted as a further "
+            "another file has the same trial at the same operating point: counted as a further "
             "trial. If anything else differs between these files, name it: in 'files' a field such "
             "as {temperature} in place of a star, with its unit under factors",
         )
