@@ -131,6 +131,7 @@ def nuisance_value(plant: Any, path: str) -> float:
 
 
 def _value(plant: Any, path: str) -> float | None:
+    """Return the value at a nuisance's path; None where this plant has none."""
     if path not in value_paths(Plant):
         raise ConfigError(f"nuisance {path}: no plant file has this key", "Correct the path.")
     value: Any = plant
