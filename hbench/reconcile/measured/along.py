@@ -111,7 +111,7 @@ def along(
     h = dt_s / steps
     out = np.zeros((MEANS, signals.shape[1]))
     # A copy, as a view may be read-only: for that kind of array all is compiled again.
-    logs = Logs(signals, np.array(np.broadcast_to(levels, (2, signals.shape[1]))))
+    logs = Logs(signals, np.array(np.broadcast_to(levels, (2, signals.shape[1])), order="C"))
     spool = _spool_step(par.valve, h)
     step = Step(h, steps, spool, states_act(par, parts), supply_sags(par, parts), parts)
 
