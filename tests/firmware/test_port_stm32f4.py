@@ -141,11 +141,16 @@ def test_ticks_come_at_10_khz_of_the_emulated_timer(played):
 
 
 def test_instructions_of_a_tick_fit_its_budget(played):
-    """At most an instruction in each of two cycles of the 168 MHz; the README has the figures."""
-    instructions = [tick.instructions for tick in played.trace.ticks]
+    """At most an instruction in each of two cycles of the 168 MHz; the README has the figures.
+
+    They are those of a run. At rest a tick may also contain the reception of an upload's octets,
+    how many depends on the host.
+    """
+    assert max(tick.instructions for tick in played.trace.ticks) < 168e6 / 10e3 / 2
+    instructions = [tick.instructions for tick in played.trace.ticks if tick.row > 0]
+    assert len(instructions) > 0.9 * TICKS
     figures = {"median": int(np.median(instructions)), "worst": max(instructions)}
     print(figures)
-    assert figures["worst"] < 168e6 / 10e3 / 2
     stated = dict(re.findall(r"\| (median|worst) tick \| ([\d ]+) \|", README.read_text()))
     for name, count in figures.items():
         assert int(stated[name].replace(" ", "")) == pytest.approx(count, rel=0.1), name
