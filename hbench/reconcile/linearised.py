@@ -163,7 +163,7 @@ def linearise_residuals(
         low, high = min(row.to_si(row.low), neutral) / size - at, row.to_si(row.high) / size - at
         limit = measured.tolerances.get(which, 0.0) / size
         off = measured.start.coefficient(which) / size - at if limit else 0.0
-        within = (off, standard_deviation(limit), off - limit, off + limit)
+        within = off, standard_deviation(limit), max(off - limit, low), min(off + limit, high)
         tight.append(within if limit else _OFF)
         beside = EFFECTS[effect].alone and _beyond(measured, hypothesis, effect) - {which}
         wide.append(within if beside else (neutral / size - at, sigma, low, high))

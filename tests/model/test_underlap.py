@@ -1,5 +1,7 @@
 """A spool with underlap leaves both edges of a port open: it opens early and leaks at null.
 
+The clearance of a spool leaks at both edges too, however far it is open.
+
 The expected flows are those of a bridge of two orifices at each port (Eryilmaz and Wilson, Unified
 modelling of servo valves, 2006): x open on one side, w + x and w^2 / (w + x).
 """
@@ -57,6 +59,22 @@ def test_flows_are_those_of_a_bridge_of_two_orifices_at_each_port(underlapped, s
     assert q[:4] == pytest.approx([drawn - returned for drawn, returned in ports], rel=1e-6)
     assert q.drawn == pytest.approx(sum(drawn for drawn, _ in ports), rel=1e-6)
     assert q.returned == pytest.approx(sum(returned for _, returned in ports), rel=1e-6)
+
+
+@pytest.mark.parametrize("u", [-1.0, 0.0, 0.02])
+def test_the_clearance_of_a_spool_leaks_beside_the_flow_of_the_open_edge(par, start, u):
+    p_s, p_t, leak_v = start[P_S], par.supply.tank_pa, 0.05
+    gain = leak_v * par.valve.flow_gain
+    opened, none = Openings(u, -0.5 * u, 0.3 * u), np.zeros(n_states(par))
+    without = valve_flows(start, opened, p_t, par, none)
+    found = valve_flows(
+        start, opened, p_t, with_effects(par, {"valve_trim": {"leak": leak_v}}), none
+    )
+    ports = start[P_TP : P_LR + 1]
+    drawn, returned = gain * np.sqrt(p_s - ports), gain * np.sqrt(ports - p_t)
+    assert np.subtract(found[:4], without[:4]) == pytest.approx(drawn - returned, rel=1e-6)
+    assert found.drawn - without.drawn == pytest.approx(drawn.sum(), rel=1e-6)
+    assert found.returned - without.returned == pytest.approx(returned.sum(), rel=1e-6)
 
 
 def test_closed_valves_bring_blocked_chambers_to_half_the_supply_pressure(underlapped, start):

@@ -44,6 +44,7 @@ CASES = [
     ({"valve_trim": {"ports": "2 %", "inlets": "-4 %"}}, ("flow_tp", "flow_tr")),
     ({"valve_trim": {"hose": "0.2 bar min/l"}}, FLOWS),
     ({"valve_trim": {"small": "10 %"}}, FLOWS),
+    ({"valve_trim": {"leak": "0.1 V"}}, FLOWS),
 ]
 
 

@@ -24,17 +24,25 @@ def uneven_ports(
     flows: PortFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
 ) -> PortFlows:  # fmt: skip
-    """Ports are no sharp orifices, not equal, and behind hoses. c: see ``openings.valve_trim``; the
-    last four are used here.
+    """Ports are no sharp orifices, not equal, and behind hoses; closed edges leak. c: see
+    ``openings.valve_trim``; the last five are used here.
 
     Q grows with dP^(1/2 + n), the same at 50 bar: the edges of a real spool are rounded, and small
     drops laminar (Merritt 1967, section 3.4). The test valve's port to the piston side lets a share
     more through and the other one less, and its inlets a share more than its outlets. A hose takes
-    R Q of the drop across its port.
+    R Q of the drop across its port. Both edges of a port leak through the clearance of the spool,
+    as if open by l.
     """
-    n, ports, inlets, hose = c[8], c[9], c[10], c[11]
-    if n == 0.0 and ports == 0.0 and inlets == 0.0 and hose == 0.0:
-        return flows
+    n, ports, inlets, hose, leak = c[8], c[9], c[10], c[11], c[12]
+    if n != 0.0 or ports != 0.0 or inlets != 0.0 or hose != 0.0:
+        flows = _uneven(flows, n, ports, inlets, hose, state)
+    return flows if leak == 0.0 else _with_leaks(flows, leak, leak, leak, state, par)
+
+
+@inlined
+def _uneven(
+    flows: PortFlows, n: float, ports: float, inlets: float, hose: float, state: np.ndarray
+) -> PortFlows:
     q, opened, p_t = flows
     p_s = state[P_S]
     of_tp = 1.0 + ports + (inlets if q.tp > 0.0 else -inlets)
@@ -81,13 +89,27 @@ def through_underlap(
     test, load, _ = c
     if test >= 0.0 and load >= 0.0:
         return flows
+    opened = flows.opened
+    of_test, of_load_1 = closing_edge(opened.test, test), closing_edge(opened.load_1, load)
+    return _with_leaks(flows, of_test, of_load_1, closing_edge(opened.load_2, load), state, par)
+
+
+@inlined
+def _with_leaks(
+    flows: PortFlows,
+    test: float,
+    load_1: float,
+    load_2: float,
+    state: np.ndarray,
+    par: PlantParameters,
+) -> PortFlows:
+    """Flows of ports of which both edges are open further, by an opening [V] for each valve."""
     q, opened, p_t = flows
     p_s, gain = state[P_S], par.valve.flow_gain
-    of_test = gain * closing_edge(opened.test, test)
-    in_tp, out_tp = _across(of_test, state[P_TP], p_s, p_t)
-    in_tr, out_tr = _across(of_test, state[P_TR], p_s, p_t)
-    in_lp, out_lp = _across(gain * closing_edge(opened.load_2, load), state[P_LP], p_s, p_t)
-    in_lr, out_lr = _across(gain * closing_edge(opened.load_1, load), state[P_LR], p_s, p_t)
+    in_tp, out_tp = _across(gain * test, state[P_TP], p_s, p_t)
+    in_tr, out_tr = _across(gain * test, state[P_TR], p_s, p_t)
+    in_lp, out_lp = _across(gain * load_2, state[P_LP], p_s, p_t)
+    in_lr, out_lr = _across(gain * load_1, state[P_LR], p_s, p_t)
     q = ChamberFlows(
         q.tp + in_tp - out_tp,
         q.tr + in_tr - out_tr,
