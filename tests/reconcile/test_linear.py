@@ -403,6 +403,17 @@ def test_coefficients_with_a_tolerance_are_nuisances_within_it(measured):
     assert wide.low == pytest.approx([-41.0]) and wide.high == pytest.approx([39.0])  # 2 V
 
 
+def test_the_tolerance_of_a_leak_ends_at_none(measured):
+    """0.03 V are six typical sizes; at 0.01 V two of them can be lost."""
+    which = ("valve_trim", "leak")
+    of_leaks = replace(measured, tolerances={which: 0.03})
+    for value, low, high in ((0.0, 0.0, 6.0), (0.01, -2.0, 4.0)):
+        at = Hypothesis().with_coefficients({which: value})
+        tight = model_of(of_leaks, ["valve_trim.leak"], at).tight
+        assert tight.low == pytest.approx([low], abs=1e-9)
+        assert tight.high == pytest.approx([high])
+
+
 def test_effects_take_part_in_a_fit_only_where_they_are_tried(measured):
     names = ["/valve.gain", "valve_trim.null_test", "internal_leakage.test", "supply_droop.slope"]
     model = model_of(measured, names)
