@@ -215,8 +215,8 @@ def detectable(compared: Separation, effects: Sequence[str]) -> set[str]:
     """Return the effects of which some coefficient would be detectable at its typical value."""
     keys = [key for name in effects for key in effect_coefficients(name)]
     keys = [key for key in keys if key in compared.model.coefficients_of([key[0]])]
-    smallest = compared.smallest_sizes(keys) if keys else ()
-    return {name for (name, _), size in zip(keys, smallest, strict=True) if size <= 1.0}
+    seen = compared.exceeds(keys, np.ones(len(keys))) if keys else ()
+    return {name for (name, _), exceeds in zip(keys, seen, strict=True) if exceeds}
 
 
 def _experiments() -> list[dict[str, Any]]:

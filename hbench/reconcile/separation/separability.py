@@ -109,14 +109,18 @@ class Separation:
         A fit with the effect has no loss but its prior's, at most half a nat, which is neglected.
         nan where ``LARGEST`` does not suffice.
         """
-        causes = np.array([self._unit(key) for key in keys]).reshape(len(keys), -1)
         low, high = np.full(len(keys), _SMALLEST), np.full(len(keys), LARGEST)
-        found = self._loss((), LARGEST * causes) > CRITERIA.score
+        found = self.exceeds(keys, high)
         for _ in range(_BISECTIONS):
             middle = np.sqrt(low * high)
-            exceeds = self._loss((), middle[:, None] * causes) > CRITERIA.score
+            exceeds = self.exceeds(keys, middle)
             low, high = np.where(exceeds, low, middle), np.where(exceeds, middle, high)
         return np.where(found, high, np.nan)
+
+    def exceeds(self, keys: Sequence[CoefficientKey], sizes: np.ndarray) -> np.ndarray:
+        """Return which coefficients (k,) exceed the least threshold at ``sizes`` (k,), typical."""
+        causes = np.array([self._unit(key) for key in keys])
+        return self._loss((), sizes[:, None] * causes) > CRITERIA.score
 
     def leads(
         self, causes: Mapping[str, np.ndarray], rivals: Sequence[str]
