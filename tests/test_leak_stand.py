@@ -187,5 +187,5 @@ def test_campaigns_without_friction_are_not_compared(tmp_path):
         (tmp_path / name).mkdir()
         campaign(tmp_path / name, more=CHAMBERS + SLOW if name == "a" else SLOW)
     done = hbench("compare", tmp_path / "a" / "campaign", tmp_path / "b" / "campaign")
-    assert done.returncode == 4 and "have no curves to compare" in done.stderr
+    assert done.returncode == 4 and "have neither curves nor breakaway to compare" in done.stderr
     assert "For leakage" in done.stderr

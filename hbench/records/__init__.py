@@ -73,6 +73,7 @@ _MODULES = {
     "differences": (
         "BandDifference",
         "BandTrendDifference",
+        "BreakawayDifference",
         "CampaignDifferences",
         "CurveDifference",
         "Difference",

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from hbench.records.curves import Band, BandTrend, Curve
+from hbench.records.motions import Breakaway
 from hbench.records.numbers import SIGNIFICANCE, Count
 from hbench.records.runs import Direction, Provenance
 from hbench.records.summary import Drift, OilTemperature, Quality
@@ -144,6 +145,15 @@ class BandTrendDifference:
 
 
 @dataclass(frozen=True)
+class BreakawayDifference:
+    """Breakaway of both in one direction, at the same load, time at rest and rate."""
+
+    a: Breakaway
+    b: Breakaway
+    breakaway_n: Difference
+
+
+@dataclass(frozen=True)
 class CampaignDifferences:
     """All differences of two campaigns."""
 
@@ -153,9 +163,10 @@ class CampaignDifferences:
     qualities: tuple[Quality, Quality]  # of A's data and of B's
     same_instruments: bool  # their errors are the same in both
     curves: tuple[CurveDifference, ...]
-    notes: tuple[str, ...]  # curves that could not be compared, with the reason
+    notes: tuple[str, ...]  # what could not be compared, with the reason
     bands: tuple[BandDifference, ...] = ()
     band_trends: tuple[BandTrendDifference, ...] = ()
     oil_temperatures: tuple[OilTemperature | None, OilTemperature | None] = (None, None)  # A, B
     mean_of_curves: MeanOfCurves | None = None  # None with one steady curve
     drifts: tuple[Drift | None, Drift | None] = (None, None)  # within A, and within B
+    breakaways: tuple[BreakawayDifference, ...] = ()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from hbench.analysis.comparison import matching
 from hbench.analysis.comparison.band_differences import band_differences, trend_differences
+from hbench.analysis.comparison.breakaway_differences import breakaway_differences
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.drift_effects import with_drift_effects
 from hbench.analysis.screening.zero_check import with_zero_checks
@@ -65,16 +66,18 @@ def compare(
     )
     curves, mean_of_curves = with_drift_effects(curves, both, clocks, instruments, tolerance)
     bands = band_differences(*both, instruments, same_instruments, tolerance)
-    if not (results_a.curves or results_b.curves):
+    breakaways, others = breakaway_differences(*both, instruments, same_instruments)
+    notes = (*notes, *others)
+    if not (curves or breakaways or notes):
         raise DataError(
-            f"{a} and {b} have no curves to compare",
-            "hbench compare compares friction. For leakage and breakaway use hbench accept.",
+            f"{a} and {b} have neither curves nor breakaway to compare",
+            "hbench compare compares friction. For leakage use hbench accept.",
         )
-    if not curves:
+    if not (curves or breakaways):
         raise DataError(
-            f"{a} and {b} have no curves in common:{_apart(notes)}",
-            "Measure both at the same kind, direction, load and rod-side pressure; imported series "
-            "need the same label or factors.",
+            f"{a} and {b} have nothing in common:{_apart(notes)}",
+            "Measure both at the same kind, direction, load and rod-side pressure, and breakaway "
+            "after the same time at rest; imported series need the same label or factors.",
         )
     logs = [measurements(each.latest) for each in (campaign_a, campaign_b)]
     if same := len(logs[0] & logs[1]):
@@ -92,6 +95,7 @@ def compare(
         (results_a.oil_temperature, results_b.oil_temperature),
         mean_of_curves,
         (results_a.drift, results_b.drift),
+        breakaways,
     )
 
 

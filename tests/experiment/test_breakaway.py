@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
+from hbench import workflow
 from hbench.config.bench import parse_plant
 from hbench.model.build import plant_parameters
 from hbench.model.friction.laws import steady_parts
@@ -84,6 +85,24 @@ def test_breakaway_of_plants_with_other_laws_is_within_one_per_cent(name, tmp_pa
         )
         assert at_rest.breakaway_n.basis == "breakaway" and at_rest.breakaway_dwell_s == 0.5
         assert at_rest.breakaway_n.u95 == measured.u95_n > 40
+
+
+def test_breakaway_of_two_cylinders_differs_by_that_of_their_laws(tmp_path, on_the_rig):
+    """Another seed, less static friction; the instruments are the same and their errors cancel."""
+    laws = [PLANTS["static, exponent 2"], PLANTS["static, exponent 2"] | {"stiction": "560 N"}]
+    for seed, (name, law) in enumerate(zip("ab", laws, strict=True), start=1):
+        (tmp_path / name).mkdir()
+        plant = plant_file(tmp_path / name, friction={"test": law})
+        file = schedule(tmp_path / name, trials=3)
+        on_the_rig(file, tmp_path / name / "campaign", plant=plant, seed=seed)
+    found = workflow.compare(tmp_path / "a" / "campaign", tmp_path / "b" / "campaign")
+    assert [each.a.direction for each in found.breakaways] == ["extend", "retract"]
+    for each in found.breakaways:
+        measured = each.breakaway_n
+        true = static_friction_n(laws[1], each.b) - static_friction_n(laws[0], each.a)
+        print(f"{each.a.direction}: {measured.value:.1f} +- {measured.u95:.1f} N, true {true:.1f}")
+        assert abs(measured.value - true) <= measured.u95 < 0.5 * measured.u95_a
+        assert measured.real
 
 
 def test_the_largest_friction_of_creeping_bristles_is_that_of_a_finer_log(tmp_path, on_the_rig):

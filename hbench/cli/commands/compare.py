@@ -23,7 +23,7 @@ def compare(
     output: Path = typer.Option(None, "-o", "--output", help="Folder for page, figures and JSON."),
     as_json: bool = typer.Option(False, "--json", help="Print comparison.json instead of tables."),
 ) -> None:
-    """Compare friction and efficiency of A and B: differences, intervals and their significance.
+    """Compare friction, efficiency and breakaway of A and B: differences with their significance.
 
     Example: hbench compare before after -o comparison
     """

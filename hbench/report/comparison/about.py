@@ -56,8 +56,9 @@ def _apart(a: str, b: str) -> tuple[tuple[str, str], ...]:
 
 
 def _instruments(differences: CampaignDifferences) -> str:
-    tested = [each.mean_n for each in differences.curves if each.mean_n is not None]
-    if all(mean.u95 is None for mean in tested):
+    means = [each.mean_n for each in differences.curves if each.mean_n is not None]
+    tested = [*means, *(each.breakaway_n for each in differences.breakaways)]
+    if all(each.u95 is None for each in tested):
         return (
             "No interval contains the instruments: their tolerances are not known, or a point has "
             "one trial."

@@ -58,6 +58,11 @@ _METHOD = (
      "of runs, only the difference of their drifts counts; in the mean over all curves a drift "
      "cancels within each campaign. comparison.json contains the part of each difference."),
 )  # fmt: skip
+_OF_BREAKAWAY = (
+    "Breakaway",
+    "Compared in the same direction, at the same load, after the same time at rest and at the same "
+    "rate of the force. It is tested as a point is.",
+)
 _BANDS = (
     "Compared at equal loads, or at pressures within 5 %. Half bands, middles and energies are "
     f"tested by their trials, slopes by their standard errors. {SET_UP}"
@@ -67,6 +72,7 @@ _BANDS = (
 def read_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     """Return what the uncertainties of the tables of means contain."""
     tested = [each for curve in differences.curves for each in (curve.mean_n, curve.efficiency)]
+    tested += [each.breakaway_n for each in differences.breakaways]
     known = any(each is not None and each.u95 is not None for each in tested)
     return _READ_U if known else _READ_TRIALS
 
@@ -100,4 +106,5 @@ def drift_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]
 def method_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     """Return how friction, means, tests and drifts were computed."""
     bands = (("Bands", _BANDS),) if differences.bands else ()
-    return (*_METHOD, *bands)
+    breakaway = (_OF_BREAKAWAY,) if differences.breakaways else ()
+    return (*(_METHOD if differences.curves else (_METHOD[0], _P)), *bands, *breakaway)

@@ -15,6 +15,7 @@ from hbench.report.comparison.bands import (
     bands_document,
     slope_table,
 )
+from hbench.report.comparison.breakaways import breakaway_table, breakaways_document
 from hbench.report.comparison.cells import (
     numbers,
     with_names,
@@ -74,6 +75,7 @@ def differences_text(differences: CampaignDifferences) -> str:
         friction,
         speeds_table(differences),
         efficiency,
+        breakaway_table(differences),
     )
     for table in tables:
         if table.rows:
@@ -139,6 +141,7 @@ def differences_json(differences: CampaignDifferences) -> str:
         ],
         "mean_of_curves": differences.mean_of_curves and asdict(differences.mean_of_curves),
         **bands_document(differences),
+        "breakaways": breakaways_document(differences),
         "notes": differences.notes,
     }
     return json_text(json_value(document))
@@ -170,6 +173,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
                 Section(drawings=of_section(drawings, "comparison")),
             ),
         ),
+        Section("Breakaway", tables=(breakaway_table(differences),)),
         Section(
             "Settings that differ",
             (_MAY_CAUSE,),
@@ -196,7 +200,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     return page(
         Document(
             f"{differences.names[1]} against {differences.names[0]}",
-            "Friction and hydro-mechanical efficiency of two campaigns. Differences are B minus A.",
+            f"{_subjects(differences)} of two campaigns. Differences are B minus A.",
             kept,
             " ".join(filter(None, (headline(differences), settings_words(differences)))),
             banner,
@@ -205,6 +209,15 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             alarm=alarm(differences),
         )
     )
+
+
+def _subjects(differences: CampaignDifferences) -> str:
+    """Return what is compared."""
+    if not differences.curves:
+        return "Breakaway"
+    if differences.breakaways:
+        return "Friction, hydro-mechanical efficiency and breakaway"
+    return "Friction and hydro-mechanical efficiency"
 
 
 def _banner(differences: CampaignDifferences) -> str:

@@ -2,15 +2,16 @@
 
 from collections.abc import Sequence
 
-from hbench.records import CampaignDifferences, Difference, Drift, MeanOfCurves
+from hbench.records import CampaignDifferences, Drift, MeanOfCurves
 from hbench.report.comparison.bands import band_verdict
+from hbench.report.comparison.breakaways import breakaway_verdict
 from hbench.report.comparison.cells import percent, signed
+from hbench.report.comparison.difference_words import by_chance, widest, with_uncertainty
 from hbench.report.comparison.tables import hidden_curves, is_beyond_drift, unseparated, who
 from hbench.report.render.numbers import (
     alike,
     half_width,
     number,
-    p_equation,
     percent_span,
     significant,
     with_interval,
@@ -47,7 +48,7 @@ def headline(differences: CampaignDifferences) -> str:
     ]
     care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
     found = [band_verdict(differences)]
-    if not found[0]:
+    if differences.curves and not found[0]:
         over = _over_curves(differences)
         sure = bool(over) and bool(unseparated(differences))
         efficiency = "" if sure else _efficiency_verdict(differences)
@@ -55,7 +56,12 @@ def headline(differences: CampaignDifferences) -> str:
     over_curves = bool(_over_curves(differences)) and not band_verdict(differences)
     drift = "" if over_curves else drift_words(differences)
     mounting = _MOUNTING if _over_curves(differences) else ""
-    return " ".join(filter(None, (*found, drift, mounting, _warmer(differences), care)))
+    return " ".join(
+        filter(
+            None,
+            (*found, breakaway_verdict(differences), drift, mounting, _warmer(differences), care),
+        )
+    )
 
 
 def _over_curves(differences: CampaignDifferences) -> str:
@@ -206,7 +212,9 @@ def _verdict(differences: CampaignDifferences) -> str:
         largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
         if largest is None:
             return f"{text}."
-        return f"{text}; the largest is {_largest(largest)}{_by_chance(largest, len(means))}."
+        return (
+            f"{text}; the largest is {with_uncertainty(largest)}{by_chance(largest, len(means))}."
+        )
     hidden = {id(curve) for curve in hidden_curves(differences)}
     drift = _MAY_BE if all(id(curve) in hidden for curve, _ in real) else ""
     count = f"{len(real)} of {len(differences.curves)} curves{drift}"
@@ -217,7 +225,7 @@ def _verdict(differences: CampaignDifferences) -> str:
         share = f", or {percent_span(shares)}" if shares else ""
         return (
             f"Mean friction of {differences.names[1]} is {way} than that of {differences.names[0]} "
-            f"in {count}, by {alike(sizes)} N{share} ({_widest([mean for _, mean in real])})."
+            f"in {count}, by {alike(sizes)} N{share} ({widest([mean for _, mean in real])})."
         )
     means_text = "; ".join(
         f"{who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real
@@ -240,28 +248,3 @@ def _efficiency_verdict(differences: CampaignDifferences) -> str:
     widest = f" (U up to {half_width(max(halves))})" if len(halves) == len(real) else ""
     sizes = alike([abs(value) for value in values])
     return f"Efficiency is {way} in {count}, by {sizes} percentage points{widest}."
-
-
-def _largest(mean: Difference) -> str:
-    """Write a difference with its uncertainty, such as ``−3.1 N (U 9.4 N)``."""
-    half = mean.u95 or mean.ci95
-    value = with_interval(mean.value, half).partition(" ± ")[0]
-    if half is None:
-        return f"{value} N (no interval)"
-    return f"{value} N ({_widest([mean])})".replace("up to ", "")
-
-
-def _by_chance(mean: Difference, count: int) -> str:
-    """State why a difference beyond its uncertainty is not significant; empty for another one."""
-    if mean.p_holm is None or abs(mean.value) <= (mean.u95 or mean.ci95 or 0.0):
-        return ""
-    tests = f", corrected for {count} tests" if count > 1 else ""
-    p = p_equation(mean.p_holm)
-    return f", which exceeds its uncertainty but may be chance ({p}{tests})"
-
-
-def _widest(means: Sequence[Difference]) -> str:
-    """Return the largest uncertainty of differences: U, or the interval of the trials."""
-    halves = [mean.u95 or mean.ci95 or 0.0 for mean in means]
-    name = "U" if all(mean.u95 for mean in means) else "95 % intervals of the trials"
-    return f"{name} up to {half_width(max(halves))} N"
