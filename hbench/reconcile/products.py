@@ -78,13 +78,33 @@ class ColumnProducts:
             out[np.ix_(groups, columns)] = np.einsum("pkjj->kj", values) > 0
         return out
 
-    @property
-    def dense(self) -> np.ndarray:
-        """All products (p, g, q, q)."""
-        out = np.zeros((*self.shape, self.shape[2]))
-        for groups, columns, values in self.blocks:
-            out[:, groups[:, None, None], columns[:, None], columns] = values
+    def dense(self, groups: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Return all products (p, k, u, u) of some columns in some groups."""
+        k, u = len(groups), len(columns)
+        out = np.zeros((self.shape[0], k, u, u))
+        for at, own, values in _selected(self.blocks, self.shape[1:], groups, columns):
+            out[:, at[:, None, None], own[:, None], own] = values
         return out
+
+    def scaled(self, factors: np.ndarray) -> "ColumnProducts":
+        """Return the products times factors (p, g)."""
+        blocks = (
+            each._replace(values=each.values * factors[:, each.groups, None, None])
+            for each in self.blocks
+        )
+        return ColumnProducts(tuple(blocks), self.shape)
+
+    def followed_by(self, more: "ColumnProducts") -> "ColumnProducts":
+        """Return the products at these operating points, and then those at the points of more."""
+        nonzero = self.nonzero | more.nonzero
+        blocks = []
+        for pattern in np.unique(nonzero[nonzero.any(axis=1)], axis=0):
+            groups = np.flatnonzero((nonzero == pattern).all(axis=1))
+            columns = np.flatnonzero(pattern)
+            values = [each.dense(groups, columns) for each in (self, more)]
+            blocks.append(Block(groups, columns, np.concatenate(values)))
+        p, g, q = self.shape
+        return ColumnProducts(tuple(blocks), (p + more.shape[0], g, q))
 
     def summed(self, points: np.ndarray) -> ColumnSums:
         """Return the sums over some operating points."""
@@ -103,18 +123,6 @@ class ColumnProducts:
         for groups, columns, values in self.blocks:
             out[:, groups[:, None], columns] = values @ beta[columns]
         return out
-
-
-def column_products(dense: np.ndarray) -> ColumnProducts:
-    """Return products (p, g, q, q) as blocks of the groups that the same columns change."""
-    nonzero = np.einsum("pgjj->gj", dense) > 0
-    blocks = []
-    for pattern in np.unique(nonzero[nonzero.any(axis=1)], axis=0):
-        groups = np.flatnonzero((nonzero == pattern).all(axis=1))
-        columns = np.flatnonzero(pattern)
-        values = dense[:, groups[:, None, None], columns[:, None], columns]
-        blocks.append(Block(groups, columns, values))
-    return ColumnProducts(tuple(blocks), dense.shape[:3])
 
 
 def _selected(

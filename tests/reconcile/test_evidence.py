@@ -14,7 +14,8 @@ from hbench.reconcile.evidence import (
     touched,
 )
 from hbench.reconcile.likelihood import Fit, Priors, cost, maximum_likelihood, spread
-from hbench.reconcile.products import Products, column_products
+from hbench.reconcile.products import Products
+from tests.support.reconcile.products import all_products, column_products
 
 NOISE = 1e-3  # variance of d, in squares of the scatter
 NEAR = 0.1  # nats: a search decides by 3 and by 5
@@ -379,7 +380,7 @@ def test_degrees_of_freedom_are_the_points_that_tell_a_parameter():
     known = (np.arange(20) < 5)[:, None] | (np.arange(2) == 0)
     few = replace(
         data,
-        columns=column_products(data.columns.dense * known[:, :, None, None]),
+        columns=column_products(all_products(data.columns) * known[:, :, None, None]),
         mixed=data.mixed * known[:, :, None],
         **{name: getattr(data, name) * known for name in ("squares", "noise", "windows")},
     )  # the second group is measured at five points alone

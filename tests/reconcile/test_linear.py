@@ -28,6 +28,7 @@ from hbench.reconcile.window_sums import (
     products,
     window_motions,
 )
+from tests.support.reconcile.products import all_products
 from tests.support.reconcile.rounds import plant_of
 
 NAMES = ("flow_tp", "flow_tr", "supply")
@@ -113,7 +114,7 @@ def test_products_are_those_of_the_windows_that_are_compared():
             windows[p, group] += 1
     assert data.squares == pytest.approx(expected[:, :, 0, 0])
     assert data.mixed == pytest.approx(expected[:, :, 0, 1:])
-    assert data.columns.dense == pytest.approx(expected[:, :, 1:, 1:])
+    assert all_products(data.columns) == pytest.approx(expected[:, :, 1:, 1:])
     assert data.noise == pytest.approx(noise)
     assert np.array_equal(data.windows, windows)
     assert data.names == ("one", "two")
@@ -133,7 +134,7 @@ def test_known_products_of_columns_serve_other_residuals():
     again, anew = products(other, columns, known), products(other, columns)
     for name in ("mixed", "squares", "noise", "windows"):
         np.testing.assert_allclose(getattr(again, name), getattr(anew, name), atol=1e-12)
-    np.testing.assert_allclose(again.columns.dense, anew.columns.dense)
+    np.testing.assert_allclose(all_products(again.columns), all_products(anew.columns))
     beta = np.array([[0.3, -2.0]])
     sums = [each.summed_columns(points).squares(beta) for each in (again, anew)]
     np.testing.assert_allclose(*sums)
@@ -250,7 +251,9 @@ def test_changes_are_those_over_windows_that_share_no_sample():
     pairs = [((r[o][2:] - r[o][:-2]), (c[o][2:] - c[o][:-2])) for o in runs]
     change = where["change"]
     assert data.mixed[:, change].sum() == pytest.approx(sum(d @ e for d, e in pairs) / 2)
-    assert data.columns.dense[:, change].sum() == pytest.approx(sum(e @ e for _, e in pairs) / 2)
+    assert all_products(data.columns)[:, change].sum() == pytest.approx(
+        sum(e @ e for _, e in pairs) / 2
+    )
     assert data.windows[:, change].sum() == RUNS * (PER_RUN - 2)
 
 
@@ -342,7 +345,7 @@ def test_columns_of_a_balance_lose_the_level_and_those_of_others_do_not():
     for group, (one, other) in ((steady, (left @ d, left @ c)), (of_levels, along)):
         assert after.squares[0, group] == pytest.approx(np.sum(one * one))
         assert after.mixed[0, group, 0] == pytest.approx(np.sum(one * other))
-        assert after.columns.dense[0, group, 0, 0] == pytest.approx(np.sum(other * other))
+        assert all_products(after.columns)[0, group, 0, 0] == pytest.approx(np.sum(other * other))
     assert before.windows[0, [steady, of_levels]] == pytest.approx([8, 0])
     assert after.windows[0, [steady, of_levels]] == pytest.approx([7, 1])
     others = np.delete(np.arange(3 * len(GROUPS)), [steady, of_levels])

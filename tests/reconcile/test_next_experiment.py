@@ -20,6 +20,7 @@ from hbench.reconcile.separation.next_experiment import (
 from hbench.reconcile.separation.planned_runs import linearised_runs, simulated_runs
 from hbench.reconcile.separation.separability import Separation
 from hbench.rig import virtual
+from tests.support.reconcile.products import all_products
 from tests.support.reconcile.rounds import plans_of
 
 STEADY = {
@@ -147,7 +148,7 @@ def test_joined_products_are_those_of_both_in_the_scatters_of_the_first(bench, c
     model, _ = campaign
     data = joined(model, model)
     n = len(model.data.squares)
-    for each in (data.columns.dense, data.windows, data.noise):
+    for each in (all_products(data.columns), data.windows, data.noise):
         assert each[n:].sum(axis=0) == pytest.approx(each[:n].sum(axis=0))
 
 

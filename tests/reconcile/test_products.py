@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.reconcile.products import column_products
+from tests.support.reconcile.products import all_products, column_products
 
 POINTS, GROUPS, COLUMNS = 5, 6, 4
 CHANGES = np.array(  # which columns change which groups; the last group has none
@@ -27,7 +27,7 @@ def beta():
 def test_blocks_have_no_columns_that_are_zero_and_all_products(dense):
     found = column_products(dense)
     assert sorted(len(block.columns) for block in found.blocks) == [2, 2, 3]
-    np.testing.assert_array_equal(found.dense, dense)
+    np.testing.assert_array_equal(all_products(found), dense)
     np.testing.assert_array_equal(found.nonzero, CHANGES)
 
 
@@ -53,3 +53,15 @@ def test_some_columns_times_their_factors(dense, beta):
     found = column_products(dense).select(chosen).times(beta[0, chosen])
     expected = dense[..., chosen, :][..., chosen] @ beta[0, chosen]
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+
+
+def test_points_of_another_campaign_follow_with_columns_that_only_one_of_them_has(dense):
+    factors = np.random.default_rng(4).random((POINTS, GROUPS))
+    factors[:, 3] = 0.0  # a group without the other's runs
+    more = np.where(np.arange(COLUMNS) != 1, dense, 0.0)  # as if a column was not computed
+    more = np.where((np.arange(COLUMNS) != 1)[:, None], more, 0.0)
+    joint = column_products(dense).followed_by(column_products(more).scaled(factors))
+    assert joint.shape == (2 * POINTS, GROUPS, COLUMNS)
+    expected = np.concatenate([dense, more * factors[..., None, None]])
+    np.testing.assert_array_equal(all_products(joint), expected)
+    np.testing.assert_array_equal(joint.nonzero, CHANGES)

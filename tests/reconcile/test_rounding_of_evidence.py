@@ -18,10 +18,11 @@ from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.likelihood import Fit, Priors, spread
 from hbench.reconcile.measured.balances import WindowedRun
-from hbench.reconcile.products import Products, column_products
+from hbench.reconcile.products import Products
 from hbench.reconcile.strokes.series import MeasuredStrokes, Stroke, StrokePair
 from hbench.records import RunPlan, Specimen
 from tests.support.analysis.shaking import shaken
+from tests.support.reconcile.products import column_products
 
 seeds = st.integers(0, 2**32 - 1)
 shaking = settings(max_examples=30, deadline=None)

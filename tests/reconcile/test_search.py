@@ -20,7 +20,7 @@ from hbench.reconcile.gaps.model_gaps import ranked_by
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.products import Products, column_products
+from hbench.reconcile.products import Products
 from hbench.reconcile.search.campaign_search import CampaignSearch, _promising
 from hbench.reconcile.search.candidates import (
     EvaluatedCandidate,
@@ -31,6 +31,7 @@ from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.reconcile.verdict import decide_verdict
 from hbench.records import Candidate
 from tests.support import ROOT
+from tests.support.reconcile.products import column_products
 from tests.support.reconcile.rounds import campaign_of, schedule
 
 PLAN = schedule(trials=2, speeds=("30 mm/s", "120 mm/s"))  # 10 operating points

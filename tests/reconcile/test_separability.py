@@ -11,12 +11,13 @@ from scipy.optimize import minimize
 from hbench.reconcile.acceptance import CRITERIA
 from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.products import Products, column_products
+from hbench.reconcile.products import Products
 from hbench.reconcile.separation.separability import (
     Separation,
     principal_angle_deg,
     with_remaining_noise,
 )
+from tests.support.reconcile.products import column_products
 
 POINTS, WINDOWS = 12, 5  # windows of each point
 NUISANCE, DROOP, GAIN = "/oil.bulk_modulus", "supply_droop.slope", "load_cell_gain.error"

@@ -27,7 +27,7 @@ from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, typical
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.products import Products, column_products
+from hbench.reconcile.products import Products
 from hbench.reconcile.separation.planned_runs import simulated_runs
 from hbench.reconcile.separation.separability import Lead, Separation
 from hbench.reconcile.window_sums import GROUPS, LEVEL
@@ -253,9 +253,7 @@ def joined(campaign: LinearisedModel, planned: LinearisedModel) -> Products:
     new_noise = np.where(windows > 0, more.windows * per_window, more.noise * square)
     return Products(
         names=data.names,
-        columns=column_products(
-            np.concatenate([data.columns.dense, more.columns.dense * square[..., None, None]])
-        ),
+        columns=data.columns.followed_by(more.columns.scaled(square)),
         mixed=np.concatenate([data.mixed, more.mixed * square[..., None]]),
         squares=np.concatenate([data.squares, more.squares * square]),
         noise=np.concatenate([data.noise, np.where(measured, new_noise, 0.0)]),
