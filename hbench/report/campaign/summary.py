@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 from hbench.records import KINDS, Curve, HeadlineNumber, HeadlineSeries, Results
-from hbench.records.curves import LEAST_HELD_OUT_SPEEDS
+from hbench.records.fits import LEAST_HELD_OUT_SPEEDS
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.page_tables import friction_budget_table
