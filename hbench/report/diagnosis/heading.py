@@ -1,7 +1,7 @@
 """Heading of the page of a diagnosis: its verdict as a title, and what was measured."""
 
 from hbench.records import Diagnosis
-from hbench.report.campaign.settings import provenance_facts
+from hbench.report.campaign.sections.settings import provenance_facts
 from hbench.report.diagnosis.names import in_words
 from hbench.sentences import capital, listed, plural
 

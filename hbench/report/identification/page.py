@@ -8,7 +8,7 @@ from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.records.identification import MEMORY_M
 from hbench.report.campaign.fit_tables import in_words, law_words
-from hbench.report.campaign.settings import provenance_facts
+from hbench.report.campaign.sections.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
 from hbench.report.identification.ranking import best_law, ranked_laws
 from hbench.report.identification.remarks import interval_words, left_out_words, oscillation_words
