@@ -31,3 +31,8 @@ def uncapital(text: str) -> str:
 def plural(count: int | None, singular: str, several: str) -> str:
     """Return the form of a noun or verb that agrees with a count."""
     return singular if count == 1 else several
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a count and its noun, such as ``1 run`` or ``2 runs``."""
+    return f"{count} {plural(count, noun, f'{noun}s')}"

@@ -12,7 +12,7 @@ from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, span
 from hbench.report.render.word_tables import Table, titled
-from hbench.sentences import plural
+from hbench.sentences import counted, plural
 
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _BREAKAWAY = (
@@ -112,7 +112,7 @@ def _loop_words(results: Results) -> str:
     share = instruments_percent(results.quality)
     instruments = f", which make friction uncertain by ±{share} %" if share else ""
     return (
-        f"{_count(len(loops), 'triangle')} with {energy} J of friction work a cycle. Intervals of "
+        f"{counted(len(loops), 'triangle')} with {energy} J of friction work a cycle. Intervals of "
         f"energy and width do not contain the instruments{instruments}. Width is |F| while the "
         "speed rises less |F| while it falls: it is negative where friction is larger while the "
         "speed falls."
@@ -126,8 +126,4 @@ def _step_words(results: Results) -> str:
     slowest = (
         f" The longest settling time of friction is {number(max(known), 2)} s." if known else ""
     )
-    return f"{_count(len(levels), 'level')} of {speeds} mm/s.{slowest}"
-
-
-def _count(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
+    return f"{counted(len(levels), 'level')} of {speeds} mm/s.{slowest}"

@@ -37,7 +37,7 @@ from hbench.report.render.numbers import (
 )
 from hbench.report.render.word_tables import Cell, Table
 from hbench.report.zero_words import zero_reserve
-from hbench.sentences import listed, plural
+from hbench.sentences import counted, listed, plural
 from hbench.units import from_si
 
 _ONE_TRIAL = (
@@ -133,7 +133,7 @@ def _stated(facts: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 def _terms(facts: tuple[tuple[str, str], ...]) -> tuple[Section, ...]:
     """Return a folded part that explains the columns of the table; its title names them."""
     names = listed([name.lower() for name, _ in facts])
-    verb = "means" if len(facts) == 1 else "mean"
+    verb = plural(len(facts), "means", "mean")
     return (Section(f"What {names} {verb} here", facts=facts, folded=True),) if facts else ()
 
 
@@ -305,7 +305,7 @@ def _measured(results: Results) -> str:
     """Return runs, speeds, loads and directions in a sentence."""
     kinds = Counter(KINDS[run.run.plan.kind] for run in results.runs)
     counts = ", ".join(kind.counted(count) for kind, count in kinds.items()) or "none"
-    of_all = f"{len(results.runs)} {plural(len(results.runs), 'run', 'runs')}"
+    of_all = f"{counted(len(results.runs), 'run')}"
     runs = f"{of_all} ({counts})"
     if len(kinds) == 1:
         (kind,) = kinds
@@ -321,8 +321,7 @@ def _measured(results: Results) -> str:
             phrases.append(f"steady {speeds}")
         loads = {abs(c.f_load_n) for c in curves if c.f_load_n is not None}
         if loads:
-            count = "1 load" if len(loads) == 1 else f"{len(loads)} loads"
-            phrases.append(f"{count} of {span(loads)} N")
+            phrases.append(f"{counted(len(loads), 'load')} of {span(loads)} N")
         both = len({curve.direction for curve in curves}) == 2
         phrases.append("both directions" if both else "one direction")
         if not any(curve.over_velocity for curve in curves):
@@ -339,5 +338,5 @@ def _not_accepted(results: Results) -> str:
     aborted = sum(is_aborted(run) for run in results.runs)
     rejected = sum(not run.accepted for run in results.runs) - aborted
     counts = ((aborted, "interrupted"), (rejected, "rejected"))
-    parts = [f"{count} {'was' if count == 1 else 'were'} {how}" for count, how in counts if count]
+    parts = [f"{count} {plural(count, 'was', 'were')} {how}" for count, how in counts if count]
     return " and ".join(parts)
