@@ -13,6 +13,11 @@ def listed(parts: Sequence[str], word: str = "and") -> str:
     return f"{', '.join(parts[:-1])} {word} {parts[-1]}"
 
 
+def abridged(names: Sequence[str], most: int) -> str:
+    """Return the first names of a list with commas; dots stand for those beyond ``most``."""
+    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
+
+
 def sentences(text: str) -> list[str]:
     """Return the sentences of a text."""
     return _END.split(text)

@@ -20,6 +20,7 @@ from hbench.config.schedule import Schedule, Screening, parse_schedule
 from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
 from hbench.records import Provenance, RawRun, Run, RunPlan
+from hbench.sentences import abridged
 from hbench.store.campaign import journal
 from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.journal import Entry
@@ -285,7 +286,7 @@ def _unlisted_logs(folder: Path, content: journal.JournalContent) -> Iterator[st
     logs = sorted(path.name for path in (folder / "runs").glob(f"*{suffix}"))
     unlisted = [name for name in logs if name.removesuffix(suffix).split("~")[0] not in listed]
     if unlisted:
-        few = ", ".join(unlisted[:10]) + (", ..." if len(unlisted) > 10 else "")
+        few = abridged(unlisted, 10)
         yield f"{folder / JOURNAL}: no entry for {few} in runs: left out ({len(unlisted)} logs)"
 
 

@@ -20,6 +20,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.records import KINDS, Factors, Outcome, RunPlan, Specimen, kind_names
+from hbench.sentences import abridged
 from hbench.store.campaign.journal import check_run_id
 from hbench.store.campaign.plan_fields import check_number, read_factors
 from hbench.store.campaign.run_csv import check_complete, read_channels
@@ -136,7 +137,7 @@ def _unlisted(folder: Path, index: str, runs: Sequence[ImportedRun]) -> Iterator
     unlisted = {path for at, suffix in beside for path in at.glob(f"*{suffix}")} - listed
     if unlisted:
         names = sorted(path.relative_to(folder.resolve()).as_posix() for path in unlisted)
-        few = ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")
+        few = abridged(names, 10)
         yield f"{index}: no row for {few}: left out ({len(names)} files)"
 
 

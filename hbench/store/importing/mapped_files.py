@@ -15,7 +15,7 @@ from hbench.motion.similar_values import SAME_SPEED, similar_values
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
-from hbench.store.importing.file_notes import ROTARY_NOTE, FileNote, listed, merged
+from hbench.store.importing.file_notes import ROTARY_NOTE, FileNote, first_names, merged
 from hbench.store.importing.imported_run import (
     ImportedRun,
     ImportedRuns,
@@ -308,4 +308,4 @@ def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap)
         )
     unmatched = [name for name in unmatched if not name.endswith((".yaml", ".yml"))]  # a map
     if unmatched:
-        yield f"files that match no series of the map: {len(unmatched)} ({listed(unmatched)})"
+        yield f"files that match no series of the map: {len(unmatched)} ({first_names(unmatched)})"

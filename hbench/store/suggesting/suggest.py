@@ -14,7 +14,7 @@ from hbench.config.import_map import UNFILLED, ImportMap, parse_import_map
 from hbench.errors import DataError, HbenchError
 from hbench.motion.plateaus import plateaus
 from hbench.store.importing.file_matches import FileMatch, match_files
-from hbench.store.importing.file_notes import listed
+from hbench.store.importing.file_notes import first_names
 from hbench.store.importing.importer import check_source
 from hbench.store.importing.mapped_files import cut_file, read_mapped_file
 from hbench.store.suggesting.channel_signs import with_signs
@@ -70,7 +70,7 @@ def suggest_map(folder: Path) -> Suggestion:
     if not samples:
         first = next(iter(faults.items()), None)
         raise DataError(
-            f"{folder}: no file contains a table of numbers; it contains {listed(names)}",
+            f"{folder}: no file contains a table of numbers; it contains {first_names(names)}",
             f"{first[0]}: {first[1]}" if first else "Give the folder that contains the logs.",
         )
     by_signature: dict[tuple, list[NamePattern]] = defaultdict(list)
@@ -103,7 +103,7 @@ def _joined_or_split(
         if sample.other_sheets:
             yield (
                 f"{sample.name}: the first sheet was read; {len(sample.other_sheets)} others: "
-                f"{listed(sample.other_sheets)}; format.sheet in the map chooses one; {_JOIN}"
+                f"{first_names(sample.other_sheets)}; format.sheet in the map chooses one; {_JOIN}"
             )
 
 
@@ -272,7 +272,7 @@ def _import_fault(folder: Path, match: FileMatch, rules: ImportMap) -> str:
 
 
 def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
-    yield f"read {len(suggested.files)} files: {listed(suggested.files)}"
+    yield f"read {len(suggested.files)} files: {first_names(suggested.files)}"
     for name, fault in faults.items():
         yield f"not read: {name}: {fault}"
     for name, fault in suggested.unread.items():
