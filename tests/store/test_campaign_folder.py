@@ -211,7 +211,7 @@ def test_a_log_without_an_entry_is_told(folder, writer, words, make_plan, make):
     make(writer, words)
     (folder / "runs" / "0002.dat").write_bytes(b"")
     (warning,) = load_campaign(folder).warnings
-    assert "0002.dat" in warning and "(1 logs)" in warning
+    assert "0002.dat" in warning and "(1 log)" in warning
 
 
 def test_a_log_of_absurd_size_is_flagged_before_it_is_read(folder, writer, words, make):

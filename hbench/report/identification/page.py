@@ -29,6 +29,7 @@ from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.numbers import alike
 from hbench.report.render.word_tables import with_columns
+from hbench.sentences import counted
 
 _SOURCE = (
     "Laws and verification profile",
@@ -145,7 +146,7 @@ def _identity(identification: Identification) -> tuple[tuple[str, str], ...]:
     used = {run for law in identification.laws for run in law.runs}
     verified = len(identification.verification_runs)
     left_out = len(identification.left_out)
-    runs = f"laws from {len(used)} runs, verified on {verified} others"
+    runs = f"laws from {counted(len(used), 'run')}, verified on {counted(verified, 'other')}"
     runs += f"; {left_out} not used" if left_out else ""
     return (
         ("Campaign", identification.provenance.name),

@@ -20,7 +20,7 @@ from hbench.config.schedule import Schedule, Screening, parse_schedule
 from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
 from hbench.records import Provenance, RawRun, Run, RunPlan
-from hbench.sentences import abridged
+from hbench.sentences import abridged, counted
 from hbench.store.campaign import journal
 from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.journal import Entry
@@ -286,8 +286,10 @@ def _unlisted_logs(folder: Path, content: journal.JournalContent) -> Iterator[st
     logs = sorted(path.name for path in (folder / "runs").glob(f"*{suffix}"))
     unlisted = [name for name in logs if name.removesuffix(suffix).split("~")[0] not in listed]
     if unlisted:
-        few = abridged(unlisted, 10)
-        yield f"{folder / JOURNAL}: no entry for {few} in runs: left out ({len(unlisted)} logs)"
+        yield (
+            f"{folder / JOURNAL}: no entry for {abridged(unlisted, 10)} in runs: left out "
+            f"({counted(len(unlisted), 'log')})"
+        )
 
 
 def _repeated_runs(content: journal.JournalContent) -> Iterator[str]:

@@ -13,6 +13,7 @@ from hbench.config.import_layout import LIMITS
 from hbench.config.import_map import UNFILLED, ImportMap, parse_import_map
 from hbench.errors import DataError, HbenchError
 from hbench.motion.plateaus import plateaus
+from hbench.sentences import counted
 from hbench.store.importing.file_matches import FileMatch, match_files
 from hbench.store.importing.file_notes import first_names
 from hbench.store.importing.importer import check_source
@@ -272,7 +273,7 @@ def _import_fault(folder: Path, match: FileMatch, rules: ImportMap) -> str:
 
 
 def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
-    yield f"read {len(suggested.files)} files: {first_names(suggested.files)}"
+    yield f"read {counted(len(suggested.files), 'file')}: {first_names(suggested.files)}"
     for name, fault in faults.items():
         yield f"not read: {name}: {fault}"
     for name, fault in suggested.unread.items():
@@ -281,8 +282,8 @@ def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
             yield f"{means.channel}: column {name!r} can't be read: {fault}"
     for series in suggested.series:
         if series.fault:
-            count = len(series.pattern.names)
-            yield f"not in the map: {series.pattern.files} ({count} files): {series.fault}"
+            count = counted(len(series.pattern.names), "file")
+            yield f"not in the map: {series.pattern.files} ({count}): {series.fault}"
     if isinstance(rules := _rules(suggested), str):
         yield f"the map is not complete: {rules}"
     for channel, names in suggested.left_out.items():

@@ -11,7 +11,7 @@ from typing import Any
 from hbench.errors import HbenchError
 from hbench.experiment.staged_plan import planned_runs
 from hbench.records import KINDS, ScreenedRun
-from hbench.sentences import listed
+from hbench.sentences import counted, listed
 from hbench.store.campaign.folder import JOURNAL, StoredCampaign, load_campaign
 from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.live_file import read_live
@@ -125,7 +125,7 @@ class Watch:
     def _ending(self, campaign: StoredCampaign) -> tuple[str, str]:
         """Return the state and the words of a campaign without a host."""
         if campaign.imported:
-            return "finished", f"{len(campaign.latest)} runs, imported"
+            return "finished", f"{counted(len(campaign.latest), 'run')}, imported"
         done, planned = len(campaign.done), self._planned
         of_planned = "" if planned is None else f" of {planned}"
         summary = f"{done}{of_planned} runs measured"
