@@ -20,10 +20,10 @@ from hbench.config.schedule import Schedule, Screening, parse_schedule
 from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
 from hbench.records import Provenance, RawRun, Run, RunPlan
-from hbench.sentences import abridged, counted
 from hbench.store.campaign import journal
 from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.journal import Entry
+from hbench.store.campaign.journal_notes import repeated_runs, unlisted_logs
 from hbench.store.campaign.run_csv import parse_run
 from hbench.store.campaign.run_times import clock_fault, latest_moment, moment, start_times_s
 from hbench.store.dsp_logs.dsp_log import parse_records
@@ -264,7 +264,7 @@ def load_campaign(folder: Path) -> StoredCampaign:
     check_inside(folder, path)
     content = journal.parse_journal(read_journal(path), str(path))
     warnings = [str(note) for note in content.header.get("notes") or ()]
-    warnings += [*content.warnings, *_unlisted_logs(folder, content), *_repeated_runs(content)]
+    warnings += [*content.warnings, *unlisted_logs(path, content), *repeated_runs(content)]
     if content.header["source"] != "imported" and (fault := clock_fault(content.entries)):
         warnings.append(f"{path}: {fault}; the order of the runs replaces their times")
     return StoredCampaign(folder, content.header, content.entries, tuple(map(printable, warnings)))
@@ -277,31 +277,6 @@ def load_header(folder: Path) -> StoredCampaign:
     head, runs, _ = read_journal(path).partition(b"\nruns:")
     content = journal.parse_journal(head + (b"\nruns: []\n" if runs else b""), str(path))
     return StoredCampaign(folder, content.header, (), ())
-
-
-def _unlisted_logs(folder: Path, content: journal.JournalContent) -> Iterator[str]:
-    """Report logs without a journal entry: the entry was lost, or the log was added later."""
-    listed = {entry.plan.run for entry in content.entries}
-    suffix = ".csv" if content.header["source"] == "imported" else ".dat"
-    logs = sorted(path.name for path in (folder / "runs").glob(f"*{suffix}"))
-    unlisted = [name for name in logs if name.removesuffix(suffix).split("~")[0] not in listed]
-    if unlisted:
-        yield (
-            f"{folder / JOURNAL}: no entry for {abridged(unlisted, 10)} in runs: left out "
-            f"({counted(len(unlisted), 'log')})"
-        )
-
-
-def _repeated_runs(content: journal.JournalContent) -> Iterator[str]:
-    """Report runs that were repeated after a rejection, which selects among trials."""
-    repeated = [entry for entry in content.entries if entry.after_rejection]
-    if repeated:
-        few = "; ".join(f"{e.plan.run} ({e.after_rejection})" for e in repeated[:5])
-        more = "; ..." if len(repeated) > 5 else ""
-        yield (
-            f"{len(repeated)} repetitions of runs directly after their rejection: {few}{more}. "
-            "The last attempt counts; the logs of earlier attempts are kept in runs"
-        )
 
 
 def read_journal(path: Path) -> bytes:
