@@ -83,10 +83,11 @@ class StoredCampaign:
 
     def damaged(self) -> dict[str, str]:
         """Return the completed runs whose log is missing or changed, each with the reason."""
+        done, suffix = self.done, ".csv" if self.imported else ".dat"
         reasons = {
-            entry.plan.run: self._log(entry, ".csv" if self.imported else ".dat")[1]
+            entry.plan.run: self._log(entry, suffix)[1]
             for entry in self.latest
-            if entry.plan.run in self.done
+            if entry.plan.run in done
         }
         return {run: "; ".join(found) for run, found in reasons.items() if found}
 
