@@ -65,8 +65,8 @@ def summary_text(results: Results, decision: str = "") -> str:
     notes = [f"note: {note}" for note in results.notes]
     if results.drift is not None:
         notes.insert(0, f"drift: friction changed by {drift_words(results.drift)}")
-    if said := temperature_words(results):
-        notes.insert(0, f"oil: {said.removesuffix('.')}")
+    if oil := temperature_words(results):
+        notes.insert(0, f"oil: {oil.removesuffix('.')}")
     fits = [line for each in _fit_tables(curves) for line in ("", *table_lines(each))]
     lines += [*fits, *(line for words in _joint_words(results) for line in wrapped(words))]
     lines += wrapped(f"fits: {fit_interval_words(results)}") if fits else []

@@ -45,17 +45,17 @@ class Watch:
             age_s = abs(time.time() - live["at_s"])
             if age_s <= STALE_S:
                 return {"state": "running", "said": "", "version": version, "live": live}
-            said = (
+            words = (
                 f"The host has been silent for {_time(age_s)}: killed, suspended or disconnected. "
                 f"A board without its host stops by itself. {_RESUME}"
             )
-            return {"state": "silent", "said": said, "version": version, "live": None}
+            return {"state": "silent", "said": words, "version": version, "live": None}
         with self._lock:
             self._read(at_once=True)
-            state, said = (
+            state, words = (
                 self._ending(self._campaign) if self._campaign else ("nothing", self._error)
             )
-        return {"state": state, "said": said, "version": version, "live": None}
+        return {"state": state, "said": words, "version": version, "live": None}
 
     def runs(self) -> dict[str, Any]:
         """Return the campaign's name, and the finished runs with their verdicts."""

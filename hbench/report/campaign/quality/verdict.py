@@ -40,8 +40,8 @@ def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = Fa
         if not (incomplete and is_without_trial(check))  # not twice
         if count_runs or check.name != "complete"
     ]
-    said = [reason(check, stated) for check in named if not (stated and check.drift is not None)]
-    reasons = ". ".join(map(capital, said))
+    faults = [reason(check, stated) for check in named if not (stated and check.drift is not None)]
+    reasons = ". ".join(map(capital, faults))
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
         if len(quality.checks) == 1:
