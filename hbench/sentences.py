@@ -13,6 +13,11 @@ def listed(parts: Sequence[str], word: str = "and") -> str:
     return f"{', '.join(parts[:-1])} {word} {parts[-1]}"
 
 
+def abridged(names: Sequence[str], most: int) -> str:
+    """Return the first names of a list with commas; dots stand for those beyond ``most``."""
+    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
+
+
 def sentences(text: str) -> list[str]:
     """Return the sentences of a text."""
     return _END.split(text)
@@ -31,3 +36,8 @@ def uncapital(text: str) -> str:
 def plural(count: int | None, singular: str, several: str) -> str:
     """Return the form of a noun or verb that agrees with a count."""
     return singular if count == 1 else several
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a count and its noun, such as ``1 run`` or ``2 runs``."""
+    return f"{count} {plural(count, noun, f'{noun}s')}"

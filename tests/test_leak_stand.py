@@ -11,9 +11,9 @@ from scipy.integrate import cumulative_trapezoid, solve_ivp
 from hbench.analysis.conformity.acceptance import conformity_checks
 from hbench.config.conformity.limits import parse_limits
 from hbench.records import HeadlineSeries
-from hbench.report.campaign.method import method_section
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.page_tables import cause_table
+from hbench.report.campaign.sections.method import method_section
 from hbench.report.headline import headline_tiles
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive

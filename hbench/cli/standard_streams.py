@@ -67,17 +67,17 @@ class _Result(io.TextIOWrapper):
 
     def write(self, text: str) -> int:
         if not self._failed:
-            with self._said():
+            with self._written():
                 super().write(text)
         return len(text)
 
     def flush(self) -> None:
         if not self._failed:
-            with self._said():
+            with self._written():
                 super().flush()
 
     @contextmanager
-    def _said(self) -> Iterator[None]:
+    def _written(self) -> Iterator[None]:
         try:
             yield
         except BrokenPipeError:

@@ -149,21 +149,28 @@ class FileSeries(ConfigSection):
         if len(set(self.fields)) < len(self.fields):
             raise ValueError("files: a field may occur only once")
         for name, linear in _FIELD_UNITS.items():
-            rotary = ROTARY.get(linear, linear)
-            if self.cylinder.rotary:
-                if f"{name}_unit" not in self.model_fields_set and name != "pressure":
-                    if f"{{{name}}}" in self.files:
-                        raise ValueError(f"{name}_unit is missing: {rotary}, for a rotary actuator")
-                    continue
-            possible = {rotary} if self.cylinder.rotary else {linear}
-            if not self.cylinder.known:  # of a drive, linear or rotary
-                possible = {linear, rotary}
-            unit = getattr(self, f"{name}_unit")
-            if parse_unit(unit).dimension not in {parse_unit(si).dimension for si in possible}:
-                raise ValueError(f"{name}_unit {unit!r} is not a unit of {name}")
+            self._check_unit(name, linear)
         if self.speed is not None and "{speed}" in self.files:
             raise ValueError("speed is given twice, here and in files")
         return self
+
+    def _check_unit(self, name: str, linear: str) -> None:
+        """Refuse a field's unit of another dimension than ``linear``, or than that of a rotation.
+
+        The defaults are units of a linear motion: they do not apply to a rotary actuator.
+        """
+        rotary = ROTARY.get(linear, linear)
+        is_stated = f"{name}_unit" in self.model_fields_set or name == "pressure"
+        if self.cylinder.rotary and not is_stated:
+            if f"{{{name}}}" in self.files:
+                raise ValueError(f"{name}_unit is missing: {rotary}, for a rotary actuator")
+            return
+        possible = {rotary} if self.cylinder.rotary else {linear}
+        if not self.cylinder.known:  # of a drive, linear or rotary
+            possible = {linear, rotary}
+        unit = getattr(self, f"{name}_unit")
+        if parse_unit(unit).dimension not in {parse_unit(si).dimension for si in possible}:
+            raise ValueError(f"{name}_unit {unit!r} is not a unit of {name}")
 
 
 class ImportMap(CampaignSettings):

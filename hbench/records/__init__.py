@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from hbench.records.curves import *
     from hbench.records.design import *
     from hbench.records.differences import *
+    from hbench.records.fits import *
     from hbench.records.fleet.campaigns import *
     from hbench.records.fleet.population import *
     from hbench.records.fleet.precision import *
@@ -35,13 +36,9 @@ _MODULES = {
         "CurvePoint",
         "EfficiencyCurve",
         "EfficiencyPoint",
-        "Fit",
-        "HeldOut",
-        "JointFit",
         "MeanEfficiency",
         "MotionBalance",
         "PressureLine",
-        "Selection",
     ),
     "design": (
         "Check",
@@ -82,6 +79,12 @@ _MODULES = {
         "FrictionDifference",
         "MeanAtSpeed",
         "MeanOfCurves",
+    ),
+    "fits": (
+        "Fit",
+        "HeldOut",
+        "JointFit",
+        "Selection",
     ),
     "fleet.campaigns": (
         "QUANTITIES",

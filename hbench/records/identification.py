@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from hbench.records.curves import Curve, Fit
+from hbench.records.curves import Curve
+from hbench.records.fits import Fit
 from hbench.records.runs import Direction, Provenance, Run
 
 PARTS = ("steady", "unsteady", "rest")  # of a verification run

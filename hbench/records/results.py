@@ -4,7 +4,8 @@ from collections import Counter
 from dataclasses import dataclass, field
 from itertools import chain
 
-from hbench.records.curves import Band, BandTrend, Curve, EfficiencyCurve, JointFit, MotionBalance
+from hbench.records.curves import Band, BandTrend, Curve, EfficiencyCurve, MotionBalance
+from hbench.records.fits import JointFit
 from hbench.records.motions import Motions
 from hbench.records.runs import Provenance, ScreenedRun
 from hbench.records.summary import Drift, FitVerdicts, Headline, OilTemperature, Quality

@@ -98,14 +98,14 @@ def drift_with_oil(drift: Drift) -> str:
     if drift.temp_change_k is None:
         return ""
     rose = "rose" if drift.temp_change_k >= 0 else "fell"
-    said = f"Meanwhile the oil temperature {rose} by {number(abs(drift.temp_change_k), 1)} K"
+    change = f"Meanwhile the oil temperature {rose} by {number(abs(drift.temp_change_k), 1)} K"
     if drift.temp_correlation is None or drift.temp_p is None:
-        return f"{said}."
+        return f"{change}."
     which = f"correlation {number(drift.temp_correlation, 2)}, {p_equation(drift.temp_p)}"
     if drift.temp_p >= SIGNIFICANCE:
-        return f"{said}; within the points, friction does not correlate with it ({which})."
+        return f"{change}; within the points, friction does not correlate with it ({which})."
     way = "falls as it rises" if drift.temp_correlation < 0 else "rises with it"
-    return f"{said}; within the points, friction {way} ({which})."
+    return f"{change}; within the points, friction {way} ({which})."
 
 
 def drift_advice(drift: Drift) -> str:

@@ -16,12 +16,9 @@ def drift_sections(results: Results) -> Iterator[Section]:
     """Yield the folded section on the drift; nothing where it was not estimated."""
     drift = results.drift
     if drift is not None:
-        said = f"Steady friction changed by {drift_words(drift)}."
-        paragraphs = tuple(
-            filter(
-                None, (said, drift_coverage(results), drift_with_oil(drift), drift_advice(drift))
-            )
-        )
+        change = f"Steady friction changed by {drift_words(drift)}."
+        about = drift_coverage(results), drift_with_oil(drift), drift_advice(drift)
+        paragraphs = tuple(filter(None, (change, *about)))
         how = "significant" if drift.significant else "not significant"
         if not drift.separated:
             how = "significant, not separated from speed" if drift.significant else _MIXED

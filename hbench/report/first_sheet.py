@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from hbench.records import Results
 from hbench.report.campaign.quality.verdict import quality_verdict
 from hbench.report.campaign.reasons import aborted_words
-from hbench.report.campaign.settings import identity_facts
-from hbench.report.campaign.summary import summary_section
+from hbench.report.campaign.sections.settings import identity_facts
+from hbench.report.campaign.sections.summary import summary_section
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.render.document import BANNERS
 from hbench.report.render.word_tables import Cell

@@ -24,13 +24,13 @@ def temperature_section(results: Results, drawings: tuple[Drawing, ...]) -> tupl
     oil = results.oil_temperature
     if oil is None:
         return ()
-    said = (
+    measured = (
         f"The oil's temperature was measured {PLACES[oil.sensor]}. In the accepted steady runs it "
         f"was {celsius(oil.mean_k)} °C in the mean, from {celsius(oil.low_k)} to "
         f"{celsius(oil.high_k)} °C."
     )
     reduction = oil.reduction
-    text = (said, *(_reduction_words(reduction) if reduction else [f"{_LEFT}{oil.reason}."]))
+    text = (measured, *(_reduction_words(reduction) if reduction else [f"{_LEFT}{oil.reason}."]))
     tables = [replace(_curve_table(results, oil), title="Oil temperature of each curve")]
     parts: list[Section] = []
     if reduction is not None:

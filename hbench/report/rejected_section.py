@@ -7,6 +7,7 @@ from hbench.report.campaign.reasons import reason_counts
 from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.word_tables import titled
+from hbench.sentences import counted
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 
@@ -45,8 +46,7 @@ def _cause_words(results: Results) -> str:
     reasons = sum(reason_counts(results).values())
     if reasons == runs:
         return ""
-    of = "1 run" if runs == 1 else f"{runs} runs"
     return (
-        f"The {reasons} reasons belong to {of}: a run counts under each of its reasons. "
-        "results.json contains each in full."
+        f"The {reasons} reasons belong to {counted(runs, 'run')}: a run counts under each of its "
+        "reasons. results.json contains each in full."
     )

@@ -182,13 +182,10 @@ def measure(
         )
     bench, simulated = experiment.bench, line.port == "sim"
     with campaign_lock(folder):
-        if resume and not (folder / JOURNAL).exists():
-            raise DataError(
-                f"{folder}: no campaign to resume: {JOURNAL} does not exist",
-                "Check the folder. If no run was made yet, give the command without --resume.",
-            )
-        campaign = load_campaign(folder) if resume else None
+        campaign = _stored(folder) if resume else None
         damaged = campaign.damaged() if campaign else {}
+        whole_logs = campaign.done - damaged.keys() if campaign else frozenset()
+        done = {plan for plan in campaign.plans if plan.run in whole_logs} if campaign else set()
         physics = physics_of(experiment.files["bench"]["content"], line.plant)
         on_board = bench
         if simulated:
@@ -202,14 +199,7 @@ def measure(
             identity = client.identify()
             bring_to_rest(client, resume or take_over)  # before the folder is created
             header = _header(experiment, line, identity, now())
-            if campaign is not None:
-                refuse_another(campaign, header)
-                journal = CampaignWriter.resume(folder)
-                whole_logs = campaign.done - damaged.keys()
-                done = {plan for plan in campaign.plans if plan.run in whole_logs}
-            else:
-                journal = CampaignWriter.create(folder, header)
-                done = set()
+            journal = _begun(folder, campaign, header)
             start, runs_made = port.now(), 0
             rules = experiment.schedule.screening
             about = {key: str(header[key]) for key in ("name", "source")}
@@ -231,6 +221,24 @@ def measure(
             return MeasurementSummary(runs_made, port.now() - start, damaged)
         finally:
             port.close()
+
+
+def _stored(folder: Path) -> StoredCampaign:
+    """Load the campaign to resume. Raises ``DataError`` if there is none."""
+    if not (folder / JOURNAL).exists():
+        raise DataError(
+            f"{folder}: no campaign to resume: {JOURNAL} does not exist",
+            "Check the folder. If no run was made yet, give the command without --resume.",
+        )
+    return load_campaign(folder)
+
+
+def _begun(folder: Path, campaign: StoredCampaign | None, header: dict[str, Any]) -> CampaignWriter:
+    """Create a campaign with the header, or continue a stored one. Raises ``ConfigError``."""
+    if campaign is None:
+        return CampaignWriter.create(folder, header)
+    refuse_another(campaign, header)
+    return CampaignWriter.resume(folder)
 
 
 def _header(

@@ -10,6 +10,7 @@ from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.drift_effects import with_drift_effects
 from hbench.analysis.screening.zero_check import with_zero_checks
 from hbench.analysis.summary.run_clock import RunClock
+from hbench.config.setup import Setup
 from hbench.errors import DataError
 from hbench.records import CampaignDifferences
 from hbench.report.comparison.figures import draw_differences
@@ -43,20 +44,14 @@ def compare(
     """
     campaign_a, campaign_b = load_campaign(a), load_campaign(b)
     results_a, results_b = derive(campaign_a), derive(campaign_b)
-    setup_a, setup_b = campaign_a.setup(), campaign_b.setup()
-    bench_a, bench_b = setup_a.bench, setup_b.bench
+    setups = campaign_a.setup(), campaign_b.setup()
     instruments = (
-        with_zero_checks(setup_a.instruments, results_a.motions.zero_checks),
-        with_zero_checks(setup_b.instruments, results_b.motions.zero_checks),
+        with_zero_checks(setups[0].instruments, results_a.motions.zero_checks),
+        with_zero_checks(setups[1].instruments, results_b.motions.zero_checks),
     )
     if same_instruments is None:
-        same_instruments = (
-            bench_a is not None
-            and bench_b is not None
-            and bench_a.name == bench_b.name
-            and bench_a.instruments == bench_b.instruments
-            and results_a.provenance.source == results_b.provenance.source
-        )
+        same_source = results_a.provenance.source == results_b.provenance.source
+        same_instruments = same_source and _of_one_bench(*setups)
     both = results_a, results_b
     tolerance = matching.speed_tolerance(*both) if speed_tolerance is None else speed_tolerance
     curves, notes = campaign_differences(*both, instruments, same_instruments, tolerance)
@@ -106,6 +101,13 @@ def write_comparison(folder: Path, comparison: CampaignDifferences) -> None:
     files["comparison.json"] = differences_json(comparison).encode()
     files["comparison.html"] = differences_page(comparison, drawings).encode()
     write_files(folder, files)
+
+
+def _of_one_bench(a: Setup, b: Setup) -> bool:
+    """Return whether both bench files are known and state the same name and instruments."""
+    if a.bench is None or b.bench is None:
+        return False
+    return (a.bench.name, a.bench.instruments) == (b.bench.name, b.bench.instruments)
 
 
 def _apart(notes: Sequence[str]) -> str:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.curves.band_trends import band_trends, pressure_line
+from hbench.analysis.curves.band_trends import band_trends
+from hbench.analysis.statistics.line_of_trials import line_of_trials
 from hbench.records import Band, CurvePoint, Specimen
 
 BAR = 1e5
@@ -30,24 +31,24 @@ def alone(values):
 
 def test_a_line_without_repeated_trials_is_scipys_regression():
     halves = np.array([3.950, 5.504, 7.162, 7.940])
-    line = pressure_line(PRESSURES, halves, alone(halves))
+    line = line_of_trials(PRESSURES, halves, alone(halves))
     peer = stats.linregress(PRESSURES, halves)
     t = stats.t.ppf(0.975, 2)
-    assert line.slope_n_pa == pytest.approx(peer.slope)
-    assert line.slope_se_n_pa == pytest.approx(peer.stderr) and line.slope_dof == 2
-    assert line.slope_ci95_n_pa == pytest.approx(t * peer.stderr)
-    assert line.intercept_n == pytest.approx(peer.intercept)
-    assert line.intercept_ci95_n == pytest.approx(t * peer.intercept_stderr)
+    assert line.slope == pytest.approx(peer.slope)
+    assert line.slope_se == pytest.approx(peer.stderr) and line.slope_dof == 2
+    assert line.slope_ci95 == pytest.approx(t * peer.stderr)
+    assert line.intercept == pytest.approx(peer.intercept)
+    assert line.intercept_ci95 == pytest.approx(t * peer.intercept_stderr)
 
 
 def test_trials_that_turn_the_line_give_the_interval_of_their_slopes():
     """Slopes 1, 2, 3 N/bar: mean 2, S = 1, so 4.303 / sqrt(3) = 2.484 N/bar; no residual."""
     trials = [{k: k * p / BAR for k in (1, 2, 3)} for p in PRESSURES]
-    line = pressure_line(PRESSURES, [2 * p / BAR for p in PRESSURES], trials)
-    assert line.slope_n_pa * BAR == pytest.approx(2.0)
-    assert line.slope_ci95_n_pa * BAR == pytest.approx(2.484, abs=1e-3)
+    line = line_of_trials(PRESSURES, [2 * p / BAR for p in PRESSURES], trials)
+    assert line.slope * BAR == pytest.approx(2.0)
+    assert line.slope_ci95 * BAR == pytest.approx(2.484, abs=1e-3)
     assert line.slope_dof == pytest.approx(2)
-    assert line.intercept_ci95_n == pytest.approx(0.0, abs=1e-9)
+    assert line.intercept_ci95 == pytest.approx(0.0, abs=1e-9)
 
 
 def test_both_sources_add_as_squares_and_the_degrees_of_freedom_fit_the_interval():
@@ -56,26 +57,26 @@ def test_both_sources_add_as_squares_and_the_degrees_of_freedom_fit_the_interval
         {k: y + e * p / BAR for k, e in noise.items()}
         for y, p in zip(means, PRESSURES, strict=True)
     ]
-    residuals = pressure_line(PRESSURES, means, alone(means))
-    line = pressure_line(PRESSURES, means, trials)
+    residuals = line_of_trials(PRESSURES, means, alone(means))
+    line = line_of_trials(PRESSURES, means, trials)
     of_trials = 1 / np.sqrt(3) / BAR  # S = 1 N/bar
     t = stats.t.ppf(0.975, 2)
-    assert line.slope_se_n_pa == pytest.approx(np.hypot(residuals.slope_se_n_pa, of_trials))
-    assert line.slope_ci95_n_pa == pytest.approx(t * line.slope_se_n_pa)
+    assert line.slope_se == pytest.approx(np.hypot(residuals.slope_se, of_trials))
+    assert line.slope_ci95 == pytest.approx(t * line.slope_se)
     assert line.slope_dof == pytest.approx(2)
     more = [values | {4: values[2], 5: values[2]} for values in trials]  # S^2 = 1/2
-    line, of_trials = pressure_line(PRESSURES, means, more), np.sqrt(0.5 / 5) / BAR
-    ci95 = np.hypot(residuals.slope_ci95_n_pa, stats.t.ppf(0.975, 4) * of_trials)
-    assert line.slope_ci95_n_pa == pytest.approx(ci95)
-    assert stats.t.ppf(0.975, line.slope_dof) * line.slope_se_n_pa == pytest.approx(ci95)
+    line, of_trials = line_of_trials(PRESSURES, means, more), np.sqrt(0.5 / 5) / BAR
+    ci95 = np.hypot(residuals.slope_ci95, stats.t.ppf(0.975, 4) * of_trials)
+    assert line.slope_ci95 == pytest.approx(ci95)
+    assert stats.t.ppf(0.975, line.slope_dof) * line.slope_se == pytest.approx(ci95)
 
 
 def test_only_trials_that_all_pressures_have_form_lines():
     trials = [{k: k * p / BAR for k in (1, 2, 3)} for p in PRESSURES]
     trials[1] |= {4: 900.0}
     trials[2].pop(3)
-    line = pressure_line(PRESSURES, [1.5 * p / BAR for p in PRESSURES], trials)
-    assert line.slope_ci95_n_pa * BAR == pytest.approx(12.706 * np.sqrt(0.5) / np.sqrt(2), rel=1e-4)
+    line = line_of_trials(PRESSURES, [1.5 * p / BAR for p in PRESSURES], trials)
+    assert line.slope_ci95 * BAR == pytest.approx(12.706 * np.sqrt(0.5) / np.sqrt(2), rel=1e-4)
 
 
 @pytest.mark.parametrize("pressures", [2, 3])
@@ -118,12 +119,12 @@ def coverage(pressures, trials, scatter, draws):
     inside = np.zeros(3)
     for _ in range(draws):
         y = drawn(rng, pressures, trials, *scatter)
-        line = pressure_line(pressures, y.mean(axis=1), [dict(enumerate(row)) for row in y])
-        residuals = pressure_line(pressures, y.mean(axis=1), alone(y.mean(axis=1)))
+        line = line_of_trials(pressures, y.mean(axis=1), [dict(enumerate(row)) for row in y])
+        residuals = line_of_trials(pressures, y.mean(axis=1), alone(y.mean(axis=1)))
         slopes = np.polyfit(pressures, y, 1)[0]
         of_trials = stats.t.ppf(0.975, trials - 1) * slopes.std(ddof=1) / np.sqrt(trials)
-        halves = (line.slope_ci95_n_pa, residuals.slope_ci95_n_pa, of_trials)
-        inside += abs(line.slope_n_pa - 1e-5) <= np.array(halves)
+        halves = (line.slope_ci95, residuals.slope_ci95, of_trials)
+        inside += abs(line.slope - 1e-5) <= np.array(halves)
     return inside / draws
 
 

@@ -24,6 +24,7 @@ from tests.support.board.stm32_rom_standin import (
     running,
 )
 from tests.support.cut_campaign import one_load
+from tests.support.waiting import killed_in_the_end
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = typer.main.get_command(app).commands
@@ -155,20 +156,17 @@ def test_the_example_of_a_server_tells_its_address_and_ends_with_ctrl_c(name, wo
     if option in arguments:
         at = arguments.index(option)
         del arguments[at : at + 2]
-    process = subprocess.Popen(
+    started = subprocess.Popen(
         [*command, *arguments, option, free_port], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True,
     )  # fmt: skip
-    try:
+    with killed_in_the_end(started) as process:
         address = process.stdout.readline().strip()
         if not address and "config/examples" in (told := process.communicate(timeout=60)[1]):
             pytest.skip(f"the examples are put in place when hbench is installed: {told}")
         assert re.fullmatch(r"(socket|http)://(localhost|127\.0\.0\.1):\d+/?", address)
         process.send_signal(signal.SIGINT)
         assert process.wait(60) == 0
-    finally:
-        process.kill()
-        process.communicate()
 
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))

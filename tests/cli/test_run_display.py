@@ -69,8 +69,8 @@ def test_a_pipe_gets_each_rejection_with_its_reason(picky_schedule, tmp_path):
 
 
 def test_a_terminal_shows_a_block_and_keeps_the_rejections(picky_schedule, tmp_path):
-    terminal = Terminal(["run", picky_schedule, "-o", "out"], tmp_path, columns=90)
-    assert terminal.end() == 0
+    with Terminal(["run", picky_schedule, "-o", "out"], tmp_path, columns=90) as terminal:
+        assert terminal.end() == 0
     blocks = terminal.shown.decode().replace("\r", "").split("\x1b[J")
     first = blocks[1].splitlines()
     assert [line.split()[0] for line in first[1:6]] == [
@@ -96,10 +96,10 @@ def test_ctrl_c_at_the_terminal_takes_the_block_away_and_leaves_nothing_live(
     schedule = short_schedule(  # 400 runs: some seconds, however late the test reads the terminal
         velocities=[f"{speed} mm/s" for speed in range(50, 150, 5)], trials=20, window="5 s"
     )
-    terminal = Terminal(["run", schedule, "-o", "out"], tmp_path)
-    terminal.wait_for(b"constant speed")
-    os.kill(terminal.process.pid, signal.SIGINT)
-    assert terminal.end() == 130
+    with Terminal(["run", schedule, "-o", "out"], tmp_path) as terminal:
+        terminal.wait_for(b"constant speed")
+        os.kill(terminal.process.pid, signal.SIGINT)
+        assert terminal.end() == 130
     end = screen(terminal.shown)
     assert end[-2].startswith("interrupted") and "--resume" in end[-2]
     assert "Traceback" not in "\n".join(end)

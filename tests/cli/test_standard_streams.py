@@ -11,6 +11,7 @@ import pytest
 
 from hbench.store.campaign.folder import load_campaign
 from tests.support import ROOT
+from tests.support.waiting import killed_in_the_end
 
 SAMPLE = Path("stribeck-small")  # a copy: the command writes results to it
 LIMITS = ROOT / "configs" / "limits.yaml"
@@ -80,15 +81,16 @@ def test_what_an_interrupt_follows_at_once_is_written_once():
     os.sched_setaffinity(0, {min(cores)})  # so that the reader runs before the writer goes on
     try:
         for _ in range(5):
-            process = subprocess.Popen(
+            started = subprocess.Popen(
                 [sys.executable, "-m", "hbench", "rig", "--socket", "localhost:0"],
                 stdout=subprocess.PIPE,
                 text=True,
                 cwd="/",
             )
-            assert process.stdout.readline().startswith("socket://")
-            os.kill(process.pid, signal.SIGINT)
-            assert process.communicate(timeout=60.0)[0] == ""
-            assert process.returncode == 0
+            with killed_in_the_end(started) as process:
+                assert process.stdout.readline().startswith("socket://")
+                process.send_signal(signal.SIGINT)
+                assert process.communicate(timeout=60.0)[0] == ""
+                assert process.returncode == 0
     finally:
         os.sched_setaffinity(0, cores)

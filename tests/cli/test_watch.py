@@ -32,6 +32,7 @@ from hbench.workflow.watching.charts import limits_checked, station_charts
 from tests.support import ROOT
 from tests.support.report.browser import Browser
 from tests.support.report.spaces import ordinary_spaces
+from tests.support.waiting import killed_in_the_end
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 PATIENCE_S = 60.0
@@ -95,7 +96,7 @@ def files_of(folder):
 
 
 def hbench(folder, *arguments):
-    return subprocess.Popen(
+    started = subprocess.Popen(
         [sys.executable, "-m", "hbench", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -103,6 +104,7 @@ def hbench(folder, *arguments):
         cwd=folder,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
     )
+    return killed_in_the_end(started)
 
 
 def test_a_campaign_under_way_is_told_as_the_operator_sees_it(
@@ -187,8 +189,10 @@ def test_a_killed_host_is_not_told_as_running(short_schedule, tmp_path, monkeypa
     monkeypatch.setattr(watch, "STALE_S", 1.5)
     speeds = [f"{speed} mm/s" for speed in range(50, 150, 5)]  # 400 runs: some seconds
     schedule = short_schedule(velocities=speeds, trials=20, window="5 s")
-    host = hbench(tmp_path, "run", schedule, "-o", "out")
-    with watched(tmp_path / "out") as page:
+    with (
+        hbench(tmp_path, "run", schedule, "-o", "out") as host,
+        watched(tmp_path / "out") as page,
+    ):
         deadline = time.monotonic() + PATIENCE_S
         while not page.state()["live"] or len(page.runs()["runs"]) < 2:
             assert host.poll() is None and time.monotonic() < deadline, host.communicate()
@@ -344,17 +348,14 @@ def test_a_port_that_is_taken_is_an_error_with_a_hint():
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_the_command_prints_its_address_and_ends_with_ctrl_c(sample, number):
-    process = hbench(sample.parent, "watch", sample, "--port", "0")
-    try:
+    with hbench(sample.parent, "watch", sample, "--port", "0") as process:
         address = process.stdout.readline().strip()
         match = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/", address)
         assert match, address
         assert Page(int(match[1])).state()["state"] == "finished"
         process.send_signal(number)
         out, told = process.communicate(timeout=PATIENCE_S)
-    finally:
-        process.kill()
-    assert process.returncode == 0 and not out and not told
+        assert process.returncode == 0 and not out and not told
 
 
 def shown_by(chromium, page, folder):
@@ -710,8 +711,8 @@ def test_a_station_is_printed_with_all_its_cylinders(sample, tmp_path, require_t
 def test_a_file_is_refused_before_a_page_is_served(tmp_path, option):
     file = tmp_path / "run.csv"
     file.write_text("t_s\n")
-    process = hbench(tmp_path, "watch", file, *option)
-    out, told = process.communicate(timeout=PATIENCE_S)
+    with hbench(tmp_path, "watch", file, *option) as process:
+        out, told = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 2 and not out
     assert f"{file}: is a file" in told and "Give the campaign's folder." in told
 
@@ -724,7 +725,7 @@ def test_a_folder_that_the_other_page_is_for_is_refused(tmp_path, option, words)
     (tmp_path / "line" / "one").mkdir(parents=True)
     (tmp_path / "line" / "one" / "campaign.yaml").touch()
     folder = tmp_path / "line" / "one" if option else tmp_path / "line"
-    process = hbench(tmp_path, "watch", folder, *option)
-    out, told = process.communicate(timeout=PATIENCE_S)
+    with hbench(tmp_path, "watch", folder, *option) as process:
+        out, told = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 2 and not out
     assert f"{folder}: {words}" in told and "--station" in told

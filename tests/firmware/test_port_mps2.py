@@ -29,6 +29,7 @@ from hbench.rig.stepped import SteppedRig
 from hbench.store.campaign.folder import load_campaign
 from tests.support.commands import hbench
 from tests.support.rig_campaign import measure_on_rig
+from tests.support.waiting import killed_in_the_end
 
 PATIENCE_S = 60.0
 IDENTIFY = BY_NAME["identify"].code
@@ -316,16 +317,15 @@ def test_another_programs_image_is_a_device_error_and_its_emulator_ends(
 def command(image, experiment, tmp_path):
     """Start ``hbench rig --emulate``; return the process and the name of its port."""
     options = ["--bench", "bench.yaml", "--emulate", str(image), "--socket", "localhost:0"]
-    process = subprocess.Popen(
+    started = subprocess.Popen(
         [sys.executable, "-m", "hbench", "rig", *options],
         stdout=subprocess.PIPE,
         text=True,
         cwd=tmp_path,  # otherwise a checkout in the working folder would be imported
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
     )
-    yield process, process.stdout.readline().strip()
-    process.kill()
-    process.communicate()
+    with killed_in_the_end(started) as process:
+        yield process, process.stdout.readline().strip()
 
 
 def test_a_campaign_over_the_served_socket_is_accepted_and_marked_as_simulated(command, tmp_path):

@@ -13,7 +13,6 @@ from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
-from hbench.reconcile.separation import next_experiment
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.reconcile.separation.planned_runs import planned_effects
 from hbench.records import Provenance
@@ -22,6 +21,7 @@ from tests.support.reconcile.blind import outcome, task_of
 from tests.support.reconcile.rounds import plans_of
 
 GENERATE = ROOT / "tests" / "support" / "hidden" / "generate.py"
+LIBRARY = ROOT / "configs" / "discriminate.yaml"
 BENCH, MODEL = ROOT / "configs" / "bench-aau.yaml", ROOT / "configs" / "model-aau.yaml"
 INERTIAS = {"added_mass", "friction_lag"}
 STEADY = {
@@ -137,14 +137,19 @@ def diagnosed(bench, data, schedule, hidden):
     )
 
 
+def offer_alone(monkeypatch, experiments):
+    """Replace the experiments from which the next is chosen."""
+    library = yaml.safe_dump({"experiments": experiments}).encode()
+    place = "hbench.reconcile.separation.next_experiment.example"
+    monkeypatch.setattr(place, lambda name: library)
+
+
 def test_no_experiment_is_proposed_where_none_separates(bench, bench_data, monkeypatch):
     """A further load has the same acceleration: lag and mass stay alike."""
     others = dict.fromkeys(set(EFFECTS) - CANDIDATES, "not in this test")
     place = "hbench.reconcile.diagnose.observable_effects"
     monkeypatch.setattr(place, lambda runs, plant: (tuple(CANDIDATES), others))
-    library = yaml.safe_dump({"experiments": [MORE]}).encode()
-    place = "hbench.reconcile.separation.next_experiment.example"
-    monkeypatch.setattr(place, lambda name: library)
+    offer_alone(monkeypatch, [MORE])
     hidden = merge(UNTUNED, {"effects": {"added_mass": {"test": "50 kg"}}})
     found = diagnosed(bench, bench_data, POOR, hidden)
     assert found.verdict == "ambiguous"
@@ -195,9 +200,10 @@ def test_the_proposed_experiment_distinguishes_guides_and_seals(tmp_path, monkey
     The bench is a hidden one, and its friction levels off with the force. The proposal is the best
     of the shipped experiments of these kinds, or of all.
     """
-    shipped = [one for one in next_experiment._experiments() if not kinds or one["kind"] in kinds]
-    assert len(shipped) > 1
-    monkeypatch.setattr(next_experiment, "_experiments", lambda: shipped)
+    shipped = yaml.safe_load(LIBRARY.read_bytes())["experiments"]
+    offered = [one for one in shipped if not kinds or one["kind"] in kinds]
+    assert len(offered) > 1
+    offer_alone(monkeypatch, offered)
     first, second = next_campaign(tmp_path, ("load_friction", 2, seed))
     assert first.verdict == "ambiguous"
     rivals = {candidate.name for candidate in first.alternatives}

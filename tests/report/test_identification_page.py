@@ -237,7 +237,7 @@ def test_runs_of_kinds_that_determine_no_law_are_counted_with_their_reason():
     held = tuple(f"{run} (hold): runs of this kind determine no friction law" for run in (8, 9))
     found = replace(identified(law("lugre", 10.0)), left_out=held)
     page = ordinary_spaces(identification_page(found, ()))
-    assert "laws from 1 runs, verified on 1 others; 2 not used" in page
+    assert "laws from 1 run, verified on 1 other; 2 not used" in page
     assert "Runs 8, 9 (hold): runs of this kind determine no friction law." in page
     assert "Runs not used: 2\n- runs 8, 9 (hold)" in identification_text(found)
 

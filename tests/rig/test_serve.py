@@ -24,7 +24,7 @@ from hbench.rig.serve import FullSpeed, WallClock, serve
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign.folder import load_campaign
 from tests.support.rig_campaign import measure_on_rig
-from tests.support.waiting import wait_until
+from tests.support.waiting import killed_in_the_end, wait_until
 
 PATIENCE_S = 30.0
 ADDRESSES = [None, "localhost:0"]  # pseudo-terminal, socket
@@ -246,16 +246,17 @@ def test_an_address_that_is_taken_is_a_device_error():
 
 def test_the_command_prints_the_port_alone_and_ctrl_c_ends_it_well(short_schedule):
     bench = short_schedule().parent / "bench.yaml"
-    process = subprocess.Popen(
+    started = subprocess.Popen(
         [sys.executable, "-m", "hbench", "rig", "--bench", bench, "--socket", "localhost:0"],
         stdout=subprocess.PIPE,
         text=True,
         cwd=bench.parent,  # a checkout in the working folder would be imported instead
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
     )
-    name = process.stdout.readline().strip()
-    (found,) = workflow.find_boards([name])
-    assert (found.state, found.board.board) == ("board", "host")
-    process.send_signal(signal.SIGINT)
-    rest, _ = process.communicate(timeout=PATIENCE_S)
-    assert (process.returncode, rest) == (0, "")
+    with killed_in_the_end(started) as process:
+        name = process.stdout.readline().strip()
+        (found,) = workflow.find_boards([name])
+        assert (found.state, found.board.board) == ("board", "host")
+        process.send_signal(signal.SIGINT)
+        rest, _ = process.communicate(timeout=PATIENCE_S)
+        assert (process.returncode, rest) == (0, "")

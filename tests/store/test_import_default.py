@@ -187,9 +187,9 @@ def test_damaged_run_says_so_and_spares_the_others(bring_in, tmp_path, damage, t
 def test_a_log_that_the_index_lacks_is_told(bring_in, source):
     (source / "runs.csv").write_text(INDEX + "A-1,a.csv,steady,1,0.03,1,500,1.5e6\n")
     (source / "c.csv").write_text(HEAD + ROWS)
-    assert any(re.match(r"runs.csv: .*\bc\.csv.*\(1 files\)", n) for n in bring_in()[0].notes)
+    assert any(re.match(r"runs.csv: .*\bc\.csv.*\(1 file\)", n) for n in bring_in()[0].notes)
 
 
 def test_a_last_line_without_end_is_told_since_its_number_may_be_cut(bring_in, source):
     (source / "a.csv").write_text(HEAD + ROWS[:-5])
-    assert any(re.search(r"\ba\.csv: .*\(1 files\)", note) for note in bring_in()[0].notes)
+    assert any(re.search(r"\ba\.csv: .*\(1 file\)", note) for note in bring_in()[0].notes)

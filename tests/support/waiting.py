@@ -1,7 +1,9 @@
 """Waiting for threads and processes."""
 
+import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 
 def wait_until(holds: Callable[[], object], patience_s: float) -> None:
@@ -10,3 +12,13 @@ def wait_until(holds: Callable[[], object], patience_s: float) -> None:
     while not holds():
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.01)
+
+
+@contextmanager
+def killed_in_the_end(process: subprocess.Popen) -> Iterator[subprocess.Popen]:
+    """Give a test a process that does not outlive it, whether the test passes or fails."""
+    with process:
+        try:
+            yield process
+        finally:
+            process.kill()

@@ -27,7 +27,8 @@ from hbench.analysis.comparison.matching import (
     matching_key,
     nearest_set_point,
 )
-from hbench.analysis.curves.band_trends import FEWEST, weights
+from hbench.analysis.curves.band_trends import FEWEST
+from hbench.analysis.statistics.line_of_trials import slope_weights
 from hbench.analysis.statistics.student import satterthwaite
 from hbench.analysis.uncertainty.budget import friction_contributions
 from hbench.config.sensors import Instruments
@@ -190,7 +191,7 @@ def _slope_parts(
     a, b = (
         weighted(
             zip(
-                weights(np.array(trend.pressures_pa)).tolist(),
+                slope_weights(np.array(trend.pressures_pa)).tolist(),
                 [_contributions(band, shares, known) for band in trend.bands],
                 strict=True,
             )

@@ -31,7 +31,7 @@ what leaks across the piston from what leaks out of the closed side.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -65,7 +65,6 @@ def chamber_leakage(screened: Iterable[ScreenedRun], chambers: Chambers) -> tupl
 
 
 def _leakage(label: str, runs: Sequence[Run], chambers: Chambers) -> Leakage:
-    beta, steps = chambers.bulk_modulus, _steps(runs, chambers)
     holds = [_hold(run, chambers) for run in runs]
     moved = np.concatenate([hold.moved for hold in holds])
     number = np.repeat(np.arange(len(holds)), [len(hold.moved) for hold in holds])
@@ -77,31 +76,7 @@ def _leakage(label: str, runs: Sequence[Run], chambers: Chambers) -> Leakage:
         if abs(n - 1.0) > half:
             found = _solved(_matrix(holds, n, p_0), moved, number, runs, chambers)
             exponent, exponent_ci95 = n, half
-    coefficients, messages = [], []
-    none: list[str] = []
-    negative: list[str] = []
-    for i, name in enumerate(LEAK_NAMES):
-        value, se, half = float(found.value[i]), float(found.se[i]), float(found.half[i])
-        known = not found.unknown[i] and np.isfinite(half)
-        interval = (value - half, value + half) if known else None
-        if known and value <= half:
-            (none if value >= -half else negative).append(name)
-        shown = None if found.unknown[i] else value
-        coefficients.append(LeakCoefficient(name, shown, se if known else None, interval))
-    if none:
-        messages.append(f"not significant at the 95 % level: {_listed(none)}")
-    if negative:
-        messages.append(
-            "negative by more than U, although no oil leaks against its pressure: "
-            f"{_listed(negative)}. Check the oil temperature, the drift of the pressure "
-            "transducers and the leakage of the valves"
-        )
-    if found.unknown.any():
-        unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
-        messages.append(
-            f"{listed(unknown)} are not distinguishable at the pressures of these holds. "
-            "Hold at other loads and rod-side pressures"
-        )
+    messages = list(_of_leaks(found))
     if exponent_ci95 is not None:
         messages.append(
             f"the leaks grow with the pressure to the power {exponent:.3f} ± {exponent_ci95:.1g} "
@@ -110,27 +85,23 @@ def _leakage(label: str, runs: Sequence[Run], chambers: Chambers) -> Leakage:
     if len(runs) < 2:
         messages.append("no interval: there is only one hold")
     messages.append(
-        f"conditional on the stated effective bulk modulus ({beta / 1e5:.0f} bar) and dead "
-        "volumes: pressures determine only the leaks times beta / V. U contains an error of "
-        f"{100 * BULK_MODULUS_ERROR:.0f} % of this modulus and a change of the oil temperature at "
-        f"{60 * TEMPERATURE_RATE_K_S:g} K/min, both assumed"
+        f"conditional on the stated effective bulk modulus ({chambers.bulk_modulus / 1e5:.0f} bar) "
+        "and dead volumes: pressures determine only the leaks times beta / V. U contains an error "
+        f"of {100 * BULK_MODULUS_ERROR:.0f} % of this modulus and a change of the oil temperature "
+        f"at {60 * TEMPERATURE_RATE_K_S:g} K/min, both assumed"
     )
     return Leakage(
         label=label,
-        coefficients=tuple(coefficients),
+        coefficients=_coefficients(found),
         decays=tuple(hold.decay for hold in holds),
-        bulk_modulus_pa=beta,
+        bulk_modulus_pa=chambers.bulk_modulus,
         message="; ".join(messages),
         kind=runs[0].plan.kind,
         exponent=exponent,
         exponent_ci95=exponent_ci95,
         reference_pa=p_0,
-        step_pa=max(steps) or None,
+        step_pa=max(_steps(runs, chambers)) or None,
     )
-
-
-def _listed(names: Sequence[str]) -> str:
-    return "all leaks" if len(names) == len(LEAK_NAMES) else ", ".join(names)
 
 
 class _Solution(NamedTuple):
@@ -140,6 +111,53 @@ class _Solution(NamedTuple):
     se: np.ndarray
     half: np.ndarray  # of the 95 % interval
     unknown: np.ndarray  # bool
+
+    @property
+    def known(self) -> np.ndarray:
+        """Whether each leak (3,) has an interval."""
+        return ~self.unknown & np.isfinite(self.half)
+
+
+def _coefficients(found: _Solution) -> tuple[LeakCoefficient, ...]:
+    coefficients = []
+    for i, name in enumerate(LEAK_NAMES):
+        value, se, half = float(found.value[i]), float(found.se[i]), float(found.half[i])
+        coefficients.append(
+            LeakCoefficient(
+                name,
+                None if found.unknown[i] else value,
+                se if found.known[i] else None,
+                (value - half, value + half) if found.known[i] else None,
+            )
+        )
+    return tuple(coefficients)
+
+
+def _of_leaks(found: _Solution) -> Iterator[str]:
+    """Yield messages on leaks that are not significant, negative or unknown."""
+    small = found.known & (found.value <= found.half)
+    negative = small & (found.value < -found.half)
+    if (none := small & ~negative).any():
+        yield f"not significant at the 95 % level: {_listed(none)}"
+    if negative.any():
+        yield (
+            "negative by more than U, although no oil leaks against its pressure: "
+            f"{_listed(negative)}. Check the oil temperature, the drift of the pressure "
+            "transducers and the leakage of the valves"
+        )
+    if found.unknown.any():
+        yield (
+            f"{listed(_names(found.unknown))} are not distinguishable at the pressures of these "
+            "holds. Hold at other loads and rod-side pressures"
+        )
+
+
+def _listed(which: np.ndarray) -> str:
+    return "all leaks" if which.all() else ", ".join(_names(which))
+
+
+def _names(which: np.ndarray) -> list[str]:
+    return [name for name, flag in zip(LEAK_NAMES, which, strict=True) if flag]
 
 
 def _solved(

@@ -6,7 +6,7 @@ both directions, F(v) and F(-v) of the steady curves are
     (F(v) - F(-v)) / 2 = F_C + B v        Coulomb and viscous friction
     (F(v) + F(-v)) / 2 = F_0 + A v        offset of the force, asymmetry of the viscous part
 
-Each is a line through the speeds, with the intervals of ``band_trends``.
+Each is a line through the speeds, with the intervals of ``line_of_trials``.
 """
 
 from collections import defaultdict
@@ -14,8 +14,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from hbench.analysis.curves.band_trends import pressure_line
 from hbench.analysis.rounding import distinct
+from hbench.analysis.statistics.line_of_trials import line_of_trials
 from hbench.records import Curve, CurvePoint, MotionBalance
 
 _FEWEST = 3  # speeds of a line
@@ -41,7 +41,7 @@ def motion_balances(curves: Iterable[Curve]) -> tuple[MotionBalance, ...]:
             halves = [_by_trial(out, back, -1) for out, back in points]
             middles = [_by_trial(out, back, 1) for out, back in points]
             half, middle = (
-                pressure_line(speeds, [float(np.mean(list(v.values()))) for v in values], values)
+                line_of_trials(speeds, [float(np.mean(list(v.values()))) for v in values], values)
                 for values in (halves, middles)
             )
             balances.append(
@@ -50,14 +50,14 @@ def motion_balances(curves: Iterable[Curve]) -> tuple[MotionBalance, ...]:
                     label=label,
                     f_load_n=f_load_n,
                     speeds_m_s=tuple(speeds.tolist()),
-                    coulomb_n=half.intercept_n,
-                    coulomb_ci95_n=half.intercept_ci95_n,
-                    viscous_n_s_m=half.slope_n_pa,
-                    viscous_ci95_n_s_m=half.slope_ci95_n_pa,
-                    offset_n=middle.intercept_n,
-                    offset_ci95_n=middle.intercept_ci95_n,
-                    asymmetry_n_s_m=middle.slope_n_pa,
-                    asymmetry_ci95_n_s_m=middle.slope_ci95_n_pa,
+                    coulomb_n=half.intercept,
+                    coulomb_ci95_n=half.intercept_ci95,
+                    viscous_n_s_m=half.slope,
+                    viscous_ci95_n_s_m=half.slope_ci95,
+                    offset_n=middle.intercept,
+                    offset_ci95_n=middle.intercept_ci95,
+                    asymmetry_n_s_m=middle.slope,
+                    asymmetry_ci95_n_s_m=middle.slope_ci95,
                 )
             )
     return tuple(balances)

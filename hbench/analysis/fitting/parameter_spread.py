@@ -21,7 +21,7 @@ G.4):
 import numpy as np
 
 from hbench.analysis.statistics.trial_levels import TrialLevels
-from hbench.records.curves import FitSpread
+from hbench.records.fits import FitSpread
 
 
 def parameter_spread(

@@ -20,7 +20,7 @@ from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, HeldOut, Selection
-from hbench.records.curves import LEAST_HELD_OUT_SPEEDS
+from hbench.records.fits import LEAST_HELD_OUT_SPEEDS
 
 _TIE = 1e-6  # of a mean squared error: refits end within this of one another
 

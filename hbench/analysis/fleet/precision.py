@@ -28,6 +28,7 @@ from hbench.analysis.fleet.variance_components import (
     separated,
 )
 from hbench.records import CYLINDER, Estimate, Precision, Quantity, Side, VarianceSource
+from hbench.sentences import counted
 
 _FEWEST = 2  # campaigns of the plan beyond one of each cylinder
 _MOST = 150  # campaigns; the time rises with the third power of their number
@@ -71,7 +72,9 @@ def plan_of(rows: np.ndarray, identities: dict[str, list[str]]) -> Plan:
         )
     notes = []
     if not stated.all():
-        notes.append(f"{_campaigns(int((~stated).sum()))} without {_KEYS[CYLINDER]} left out.")
+        notes.append(
+            f"{counted(int((~stated).sum()), 'campaign')} without {_KEYS[CYLINDER]} left out."
+        )
     texts = {name: np.array(each, dtype=object)[stated] for name, each in identities.items()}
     rows = rows[stated]
     count, kinds = len(rows), len(set(texts[CYLINDER]))
@@ -191,10 +194,6 @@ def _together(a: np.ndarray, b: np.ndarray) -> list[tuple[str, str]]:
 
 def _no_plan(*notes: str) -> Plan:
     return Plan(np.zeros(0, dtype=int), {}, notes)
-
-
-def _campaigns(count: int) -> str:
-    return f"{count} campaign" if count == 1 else f"{count} campaigns"
 
 
 def _estimate(component: Component) -> Estimate:

@@ -100,7 +100,7 @@ def _follows_reference(run: Run, rules: Screening) -> Iterator[str]:
         )
 
 
-def _valve_limits(run: Run, rules: Screening) -> Iterator[str]:
+def _valve_limits(run: Run) -> Iterator[str]:
     whole = slice(0, None)
     valves = saturated_valves(run, whole)
     yield from saturation_reasons("valve_saturated", run.valve_saturated, whole, valves, "run")
@@ -108,7 +108,7 @@ def _valve_limits(run: Run, rules: Screening) -> Iterator[str]:
 
 def _complete_ramp(run: Run, rules: Screening) -> Iterator[str]:
     yield from _follows_reference(run, rules)
-    yield from _valve_limits(run, rules)
+    yield from _valve_limits(run)
     motion, top = run.plan.motion, abs(run.plan.v_ref_m_s)
     if run.v_ref_m_s is None or motion is None:
         return
@@ -124,7 +124,7 @@ def _complete_ramp(run: Run, rules: Screening) -> Iterator[str]:
 
 def _tracking(run: Run, rules: Screening) -> Iterator[str]:
     yield from _follows_reference(run, rules)
-    yield from _valve_limits(run, rules)
+    yield from _valve_limits(run)
 
 
 def _whole_cycles(run: Run, rules: Screening) -> Iterator[str]:
@@ -165,7 +165,7 @@ def _rest(run: Run, rules: Screening) -> Iterator[str]:
 
 
 def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
-    yield from _valve_limits(run, rules)
+    yield from _valve_limits(run)
     forward = SIGNS[run.plan.direction]
     moved_mm = 1e3 * forward * float(run.x_m[-1] - run.x_m[0])
     segments = run.plan.motion.segments if run.plan.motion else ()

@@ -36,14 +36,14 @@ def first_peak(friction_n: np.ndarray) -> Peak | None:
     """
     if not _pushes(friction_n):
         return None
-    samples, limit, noise_n = _samples_and_fall(friction_n)
-    friction = _ends_of_lines(friction_n, samples)
+    lines = _lines(friction_n)
+    friction = lines.ends_n
     highest = np.maximum.accumulate(friction)
-    fallen = (highest - friction > limit) & (highest >= _HIGH * friction.max())
+    fallen = (highest - friction > lines.fall_n) & (highest >= _HIGH * friction.max())
     if not fallen.any():
         return None
     end = int(np.argmax(fallen))
-    return Peak(int(np.argmax(friction[:end])), samples, end, noise_n)
+    return Peak(int(np.argmax(friction[:end])), lines.samples, end, lines.noise_n)
 
 
 def peak_n(t_s: np.ndarray, friction_n: np.ndarray, peak: Peak) -> float:
@@ -79,26 +79,30 @@ def least_fall(friction_n: np.ndarray) -> float:
     1 % of the largest friction, or eight standard deviations of the noise of a line's end, if that
     is more. NaN without friction against the push.
     """
-    return _samples_and_fall(friction_n).fall_n if _pushes(friction_n) else float("nan")
+    return _lines(friction_n).fall_n if _pushes(friction_n) else float("nan")
 
 
 def _pushes(friction_n: np.ndarray) -> bool:
     return len(friction_n) >= 4 and float(friction_n.max()) > 0.0
 
 
-class _Line(NamedTuple):
-    samples: int
-    fall_n: float  # that counts
-    noise_n: float  # of its end
+class _Lines(NamedTuple):
+    """Straight lines through the last samples before each of n samples of friction."""
+
+    samples: int  # of a line
+    ends_n: np.ndarray  # (n,) [N]
+    noise_n: float  # standard deviation of an end
+    fall_n: float  # below a maximum of the ends, that counts
 
 
-def _samples_and_fall(friction_n: np.ndarray) -> _Line:
+def _lines(friction_n: np.ndarray) -> _Lines:
     noise = noise_of_differences(np.diff(friction_n, 2), 2)  # second ones: the push is a ramp
     samples = int(np.ceil((2 * noise / (_NOISE * friction_n.max())) ** 2))
     samples = min(max(samples, _SAMPLES), len(friction_n) // 2)
-    most = float(_ends_of_lines(friction_n, samples).max())
+    ends = _ends_of_lines(friction_n, samples)
     of_end = 2 * noise / float(np.sqrt(samples))
-    return _Line(samples, max(_FALL * most, _FALL_NOISE * of_end), of_end)
+    fall = max(_FALL * float(ends.max()), _FALL_NOISE * of_end)
+    return _Lines(samples, ends, of_end, fall)
 
 
 def _ends_of_lines(y: np.ndarray, m: int) -> np.ndarray:

@@ -6,6 +6,7 @@ from pathlib import Path
 import typer
 
 from hbench.cli.printed import AS_JSON, as_object
+from hbench.sentences import counted
 
 
 class ExportFormat(StrEnum):
@@ -66,4 +67,4 @@ def export(
     if as_json:
         typer.echo(as_object("export", folder=output, format=format_.value, files=count))
     else:
-        typer.echo(f"{output}: {count} {'file' if count == 1 else 'files'}")
+        typer.echo(f"{output}: {counted(count, 'file')}")

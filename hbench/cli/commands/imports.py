@@ -8,6 +8,7 @@ import typer
 
 from hbench.cli.printed import AS_JSON, as_object, remark
 from hbench.errors import ConfigError, ExitCode
+from hbench.sentences import counted
 
 
 def import_(
@@ -56,7 +57,9 @@ def _import(source: Path, output: Path, map_file: Path | None, as_json: bool) ->
     if as_json:
         typer.echo(as_object("import", campaign=output, **vars(summary)))
     else:
-        typer.echo(f"{output}: {summary.runs} runs from {summary.files} files")
+        typer.echo(
+            f"{output}: {counted(summary.runs, 'run')} from {counted(summary.files, 'file')}"
+        )
         typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)
 
 
@@ -80,7 +83,8 @@ def _preview(source: Path, map_file: Path, folder: Path, as_json: bool) -> None:
         )
     else:
         typer.echo(
-            f"{page}: {len(preview.files)} files, {len(errors)} errors; {len(runs)} runs, "
+            f"{page}: {counted(len(preview.files), 'file')}, {counted(len(errors), 'error')}; "
+            f"{counted(len(runs), 'run')}, "
             f"{accepted} accepted{''.join(f', {n} {code}' for code, n in reasons.most_common())}"
         )
     if errors and not runs:

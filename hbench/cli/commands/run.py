@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from hbench.cli.printed import AS_JSON, as_object, remark
+from hbench.sentences import counted
 
 if TYPE_CHECKING:
     from hbench.experiment.steady_demand import SteadyDemand
@@ -80,7 +81,7 @@ def run(
     estimate = workflow.estimate(experiment)
     most = "at most " if estimate.at_most else ""
     remark(
-        f"{experiment.schedule.name}: {most}{estimate.runs} runs, about "
+        f"{experiment.schedule.name}: {most}{counted(estimate.runs, 'run')}, about "
         f"{_minutes(estimate.seconds)} on the bench, {estimate.bytes / 1e6:.1f} MB of logs"
         f"{'; adaptive velocities: the measured friction determines how many' if most else ''}"
     )
@@ -123,7 +124,9 @@ def run(
     if as_json:
         typer.echo(as_object("run", campaign=output, **vars(summary)))
     else:
-        typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
+        typer.echo(
+            f"{output}: {counted(summary.runs, 'run')} in {_minutes(summary.seconds)} of bench time"
+        )
         if campaigns is None:
             typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)
 

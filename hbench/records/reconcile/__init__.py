@@ -1,1 +1,1 @@
-"""Records of `reconcile`: gaps, effects, what runs can tell apart, and the diagnosis."""
+"""Records of `reconcile`: gaps, effects, effects that runs distinguish, and the diagnosis."""

@@ -1,23 +1,23 @@
 """Content of the report of a campaign, for the page, Markdown and PDF."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 
 from hbench.records import DIRECTIONS, KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
-from hbench.report.campaign.method import method_section
-from hbench.report.campaign.motion_rows import differs
-from hbench.report.campaign.quality.verdict import (
-    decision_reserve,
-    instruments_percent,
-    quality_verdict,
-)
+from hbench.report.campaign.quality.verdict import decision_reserve, quality_verdict
 from hbench.report.campaign.reasons import aborted_words
+from hbench.report.campaign.sections.method import method_section
+from hbench.report.campaign.sections.motions import motion_sections
+from hbench.report.campaign.sections.settings import (
+    identity_facts,
+    not_calibrated_words,
+    settings_section,
+)
+from hbench.report.campaign.sections.summary import summary_section
 from hbench.report.campaign.series_words import common_label, without_common_label
-from hbench.report.campaign.settings import identity_facts, not_calibrated_words, settings_section
-from hbench.report.campaign.summary import summary_section
 from hbench.report.creep_words import creep_facts
 from hbench.report.drift import drift_reserve
 from hbench.report.fit_sections import fit_remarks, fit_sections
@@ -27,23 +27,13 @@ from hbench.report.oil_temperature import temperature_section
 from hbench.report.rejected_section import rejected_sections
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing, of_section
-from hbench.report.render.numbers import number, span
 from hbench.report.render.word_tables import titled
 from hbench.report.zero_words import zero_notes
 
 _SHEET = 50  # a longer table of points is not printed
-
-_RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
-_BREAKAWAY = (
-    "Breakaway is the largest friction while a rising force pushes the piston, which has rested "
-    "under load. It depends on the seals, on the time at rest and on the rate of the force. The "
-    "piston creeps while the force rises; creep is the distance up to the largest friction."
-)
-_HOLDS = "Oil that leaves the chambers in each hold, without U. [[leakage]] has the leaks with U."
-_DISTANCE = (
-    "Changes along straight lines with their 95 % intervals: over all values (endurance), and over "
-    "the last half of them (run-in). Settled: the interval of the last change lies within 5 % of "
-    "the mean. Changing: it is wider and does not contain 0."
+_HALF_BAND = (
+    "Half band, middle",
+    "Mean of both directions' magnitudes, and half of their difference.",
 )
 _ZEROS = (
     "The zeros of the sensors in the table were checked with the supply off and the chambers "
@@ -53,10 +43,6 @@ _ZEROS = (
 _NOT_PRINTED = (
     "curves.csv and efficiency.csv, beside this page, contain every point. A table of more than "
     f"{_SHEET} points is on the page and not on paper."
-)
-_TESTED = (
-    "Difference of friction over a range of speeds ± half-width of its 95 % interval "
-    "over the trials. p is corrected after Holm for the number of tests."
 )
 
 
@@ -96,7 +82,7 @@ def report_document(
         *_friction(results, others, bool(curves)),
         *fit_sections(results),
         *temperature_section(results, drawn("temperature")),
-        *_moving(results, drawn, decision is not None),
+        *motion_sections(results, drawn, decision is not None),
         *_budget(results),
         *_efficiency(results, drawn("efficiency")),
         *more,
@@ -199,111 +185,6 @@ def _decided(results: Results, decision: Section) -> Section:
     It explains a breakaway below the friction of a slow run, which a reader would doubt.
     """
     return replace(decision, paragraphs=(), facts=(*decision.facts, *creep_facts(results)))
-
-
-def _moving(
-    results: Results, drawn: Callable[[str], tuple[Drawing, ...]], decided: bool
-) -> Iterable[Section]:
-    if drawings := drawn("ramps"):
-        table = page_motions.comparison_table(results)
-        differing = sum(map(differs, results.motions.comparisons))
-        verb = "is" if differing == 1 else "are"
-        said = f"{differing} of {len(table.rows)} differences {verb} significant."
-        subsections = (
-            (
-                Section(
-                    f"{_RAMPS} {said}",
-                    (_TESTED,),
-                    tables=titled(table, "Differences between ramps, and from steady runs"),
-                    folded=True,
-                ),
-            )
-            if table.rows
-            else ()
-        )
-        yield Section("Ramps", drawings=drawings, parts=subsections)
-    if results.motions.breakaways:
-        yield Section(
-            "Breakaway",
-            (_BREAKAWAY,),
-            drawings=drawn("breakaway"),
-            facts=() if decided else creep_facts(results),
-            tables=(
-                *titled(page_motions.breakaway_table(results), "Measured breakaway force"),
-                *titled(
-                    page_motions.dwell_table(results),
-                    "Laws over the time at rest, with the intervals of the trials",
-                ),
-            ),
-        )
-    for name, table, more, words in (
-        ("hysteresis", page_motions.loop_table(results), (), "Width and energy of the loops"),
-        ("steps", page_motions.level_table(results), (), "Friction after each step"),
-        (
-            "leakage",
-            page_motions.leak_table(results),
-            _holds(results),
-            "Leakage at the highest pressure",
-        ),
-    ):
-        if drawings := drawn(name):
-            shown = Section(
-                name.capitalize(),
-                items=table.messages,
-                drawings=drawings,
-                tables=(replace(table, title=words),),
-                parts=more,
-            )
-            if name in _FOLDED:
-                fold = f"{words}: figure and table"
-                inside = replace(shown, title=fold, folded=True, printed=False)
-                yield Section(shown.title, (_FOLDED[name](results),), parts=(inside,))
-            else:
-                yield shown
-    if drawings := drawn("over-distance"):
-        table = page_motions.distance_table(results)
-        tables = titled(table, "Changes over the distance")
-        yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=tables)
-
-
-def _holds(results: Results) -> tuple[Section, ...]:
-    table = page_motions.hold_table(results)
-    title = f"Each hold ({len(table.rows)})"
-    return (Section(title, (_HOLDS,), tables=(table,), folded=True),) if table.rows else ()
-
-
-def _loop_words(results: Results) -> str:
-    loops = results.motions.loops
-    energy = span([loop.area_j for loop in loops])
-    share = instruments_percent(results.quality)
-    instruments = f", which make friction uncertain by ±{share} %" if share else ""
-    return (
-        f"{_count(len(loops), 'triangle')} with {energy} J of friction work a cycle. Intervals of "
-        f"energy and width do not contain the instruments{instruments}. Width is |F| while the "
-        "speed rises less |F| while it falls: it is negative where friction is larger while the "
-        "speed falls."
-    )
-
-
-def _step_words(results: Results) -> str:
-    levels = results.motions.levels
-    speeds = span([1e3 * abs(level.v_to_m_s) for level in levels])
-    known = [level.settling_s for level in levels if level.settling_s is not None]
-    slowest = (
-        f" The longest settling time of friction is {number(max(known), 2)} s." if known else ""
-    )
-    return f"{_count(len(levels), 'level')} of {speeds} mm/s.{slowest}"
-
-
-_HALF_BAND = (
-    "Half band, middle",
-    "Mean of both directions' magnitudes, and half of their difference.",
-)
-_FOLDED = {"hysteresis": _loop_words, "steps": _step_words}  # by the section's name
-
-
-def _count(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _budget(results: Results) -> tuple[Section, ...]:

@@ -26,6 +26,7 @@ from hbench.report.render.numbers import significant, span, with_interval
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import wrapped
 from hbench.report.render.word_tables import Table
+from hbench.sentences import counted
 
 _REFERENCE = re.compile(r"; \[\[\w+\]\]")  # to a table of the page
 _ANCHOR = re.compile(r"\[\[\w+\]\]")
@@ -60,12 +61,12 @@ def summary_text(results: Results, decision: str = "") -> str:
     ]
     lines = list(table_lines(WordTable("Friction against the motion", columns, tuple(rows))))
     head = f"{results.provenance.name} ({results.provenance.source})"
-    counts = f"{len(results.runs)} runs{of_kinds}: {accepted} accepted, {rejected}"
+    counts = f"{counted(len(results.runs), 'run')}{of_kinds}: {accepted} accepted, {rejected}"
     notes = [f"note: {note}" for note in results.notes]
     if results.drift is not None:
         notes.insert(0, f"drift: friction changed by {drift_words(results.drift)}")
-    if said := temperature_words(results):
-        notes.insert(0, f"oil: {said.removesuffix('.')}")
+    if oil := temperature_words(results):
+        notes.insert(0, f"oil: {oil.removesuffix('.')}")
     fits = [line for each in _fit_tables(curves) for line in ("", *table_lines(each))]
     lines += [*fits, *(line for words in _joint_words(results) for line in wrapped(words))]
     lines += wrapped(f"fits: {fit_interval_words(results)}") if fits else []

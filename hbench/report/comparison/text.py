@@ -48,6 +48,7 @@ from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
+from hbench.sentences import plural
 
 SCHEMA = "hbench.comparison/1"
 _OIL = ("sensor", "mean_k", "low_k", "high_k", "runs")
@@ -252,8 +253,8 @@ def _checks(differences: CampaignDifferences, settings: bool) -> Iterator[tuple[
 def _counted(what: str, differences: Sequence[Difference], hidden: int = 0) -> str:
     """Count the significant differences, without the ``hidden`` ones: they may come from drift."""
     real = sum(difference.real for difference in differences) - hidden
-    verb = "is" if real == 1 else "are"
-    beyond = "exceeds its uncertainty" if hidden == 1 else "exceed their uncertainty"
+    verb = plural(real, "is", "are")
+    beyond = plural(hidden, "exceeds its uncertainty", "exceed their uncertainty")
     drift = f"; {hidden} {beyond}, but may come from a drift" if hidden else ""
     return (
         f"{real} of {len(differences)} differences {what} {verb} significant{drift}. "

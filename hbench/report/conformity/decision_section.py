@@ -30,7 +30,7 @@ from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import NONE, significant
 from hbench.report.render.word_tables import Cell, Table
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 from hbench.units import from_si
 
 _HEAD = ("Quantity", "Limit", "Test", "Measured ± U", "Conforms", "Decision")
@@ -149,9 +149,8 @@ def _which(decision: Conformity, checks: Sequence[ConformityCheck]) -> str:
     decisive = [check for check in checks if check.decision == decision]
     if not decisive:
         return f"{decision}."
-    one, several = _OUTCOMES[decision]
     count = f"{decision}: {len(decisive)} of {len(checks)} checks"
-    outcome = one if len(decisive) == 1 else several
+    outcome = plural(len(decisive), *_OUTCOMES[decision])
     if decision == "PASS":
         return f"{count} {outcome}."
     names = dict.fromkeys(_name(check.requirement) for check in decisive)

@@ -200,14 +200,15 @@ def _reproduced(design: Design) -> Section:
         for row in text.reproduced_rows(design.reproduced)
     ]
     head = tuple(map(capital, text.REPRODUCED_HEAD))
-    agrees, said = head.index("Agrees"), reproduced_words(design.reproduced)
+    agrees = head.index("Agrees")
     differ = [(*r[:agrees], *r[agrees + 1 :]) for r in rows if r[agrees] == "NO"]
     kept = (*head[:agrees], *head[agrees + 1 :])
     tables = (WordTable("Numbers that do not agree", kept, tuple(differ)),) if differ else ()
     part = Section(
         f"All numbers ({len(rows)})", tables=(WordTable("", head, tuple(rows)),), folded=True
     )
-    return Section("Numbers of the source", (f"{said} {_SOURCE}",), tables=tables, parts=(part,))
+    words = f"{reproduced_words(design.reproduced)} {_SOURCE}"
+    return Section("Numbers of the source", (words,), tables=tables, parts=(part,))
 
 
 def _merit(words: str) -> Cell:

@@ -1,9 +1,9 @@
 """Heading of the page of a diagnosis: its verdict as a title, and what was measured."""
 
 from hbench.records import Diagnosis
-from hbench.report.campaign.settings import provenance_facts
+from hbench.report.campaign.sections.settings import provenance_facts
 from hbench.report.diagnosis.names import in_words
-from hbench.sentences import capital, listed, plural
+from hbench.sentences import capital, counted, listed
 
 _LONGEST = 60  # letters of the names of effects in a title
 _SIZES = {"bore": "piston_diameter", "rod": "rod_diameter", "stroke": "stroke"}  # of a model file
@@ -44,7 +44,7 @@ def _verdict(diagnosis: Diagnosis) -> str:
 
 def _counted(sure: int, others: int) -> str:
     """Return how many effects were found; the verdict below the title names them."""
-    effects = f"{sure or others} {plural(sure or others, 'effect', 'effects')}"
+    effects = counted(sure or others, "effect")
     if not others or not sure:
         return f"{effects} {'found' if sure else 'not confirmed'}"
     return f"{effects} found, {others} not confirmed"

@@ -81,19 +81,19 @@ def _law(effect: AddedEffect) -> str:
 
 
 def _lines(
-    values: Mapping[str, Any], said: Mapping[tuple[str, ...], str], above: tuple[str, ...]
+    values: Mapping[str, Any], comments: Mapping[tuple[str, ...], str], above: tuple[str, ...]
 ) -> Iterator[str]:
     """Yield a mapping's lines, with the comment of a section above it and of a value beside it."""
     indent = "  " * len(above)
     for key, value in values.items():
         path = (*above, key)
-        comment = " ".join(said.get(path, "").split())
+        comment = " ".join(comments.get(path, "").split())
         name = _dump(key).strip()
         if isinstance(value, Mapping) and value:
             if comment:
                 yield f"{indent}# {comment}\n"
             yield f"{indent}{name}:\n"
-            yield from _lines(value, said, path)
+            yield from _lines(value, comments, path)
         elif value and isinstance(value, list) and isinstance(value[0], Mapping):
             yield f"{indent}# {comment}\n{indent}{name}:\n" if comment else f"{indent}{name}:\n"
             yield from (f"{indent}  - {_flow(each)}\n" for each in value)

@@ -83,7 +83,7 @@ def _several(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield which confirmed effects are present, and what each changes most."""
     of_bench = [_with_parts(effect) for effect in diagnosis.confirmed if not effect.of_sensor]
     errors = [in_words(effect.name) for effect in diagnosis.confirmed if effect.of_sensor]
-    number_of = "an error" if len(errors) == 1 else "errors"
+    number_of = plural(len(errors), "an error", "errors")
     parts = [
         *([f"the model does not contain {listed(of_bench)}"] if of_bench else []),
         *([f"the instruments have {number_of}, {listed(errors)}"] if errors else []),

@@ -17,6 +17,7 @@ from hbench.report.fleet.verdict import stepped_numbers
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
+from hbench.sentences import counted, plural
 
 DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
 _COUNTED = "Each campaign counts once, in its class of values."
@@ -147,7 +148,7 @@ def _outside(spreads: Iterable[Spread]) -> str:
 
 
 def _lie(count: int) -> str:
-    return "1 campaign lies" if count == 1 else f"{count} campaigns lie"
+    return f"{counted(count, 'campaign')} {plural(count, 'lies', 'lie')}"
 
 
 def _read_as(spreads: Iterable[Spread]) -> str:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
+from typing import NamedTuple
 
 from hbench.records import (
     FEWEST_CAMPAIGNS,
@@ -70,19 +71,16 @@ def campaign_table(fleet: Fleet) -> WordTable:
 
     Intervals that hardly differ from row to row are those of ``shared_intervals``.
     """
-    columns, rounded, rows = _columns(fleet), _columns(fleet, rounded=True), []
+    columns, rows = list(_columns(fleet)), []
     folders = campaign_names(fleet)
     for at, campaign in enumerate(fleet.rows):
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
-        cells = [
-            cells[at].partition(" ")[0] if _shared(cells) else rounded[name][at]
-            for name, cells in columns.items()
-        ]
+        numbers = [column.cells[at] for column in columns]
         remark = "; ".join(_remarks(campaign, fleet))
         day = "" if campaign.started is None else f"{campaign.started:%Y-%m-%d}"
         about = (folders[campaign.path], campaign.specimen, day, campaign.label, campaign.decision)
-        rows.append((*about, speed, *cells, remark))
-    head = (*ROW_WORDS, _SPEED, *columns, "Remark")
+        rows.append((*about, speed, *numbers, remark))
+    head = (*ROW_WORDS, _SPEED, *(column.head for column in columns), "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
     if working_speed(fleet) and len(rows) > 1:
         kept = [i for i in kept if head[i] != _SPEED]
@@ -93,35 +91,35 @@ def campaign_table(fleet: Fleet) -> WordTable:
 
 def shared_intervals(fleet: Fleet) -> str:
     """Return the intervals that the table of campaigns leaves out, and the speed of its values."""
-    known = {name: _shared(cells) for name, cells in _columns(fleet).items()}
-    stated = [
-        f"{name.rpartition(' (')[0].lower()} {interval} {name.rpartition(' (')[2].rstrip(')')}"
-        for name, interval in known.items()
-        if interval
-    ]
+    stated = []
+    for column in _columns(fleet):
+        name, _, unit = column.head.rpartition(" (")
+        if column.shared:
+            stated.append(f"{name.lower()} {column.shared} {unit.rstrip(')')}")
     speed = working_speed(fleet)
     at = f"Values at {speed}." if speed and len(fleet.rows) > 1 else ""
     intervals = f"95 % intervals: {'; '.join(stated)}." if stated else ""
     return " ".join(filter(None, (at, intervals)))
 
 
-def _columns(fleet: Fleet, rounded: bool = False) -> dict[str, list[str]]:
-    """Return the main numbers of all campaigns with their intervals, by the heads of columns.
+class _Column(NamedTuple):
+    """A main number of all campaigns."""
 
-    ``rounded`` by their intervals; else numbers whose interval is large have four digits, since
-    rows may differ by less than what their intervals share.
-    """
-    return {
-        name_of(spread): [
-            _with_ends(
-                campaign.numbers.get(spread.quantity.column(spread.direction)),
-                spread.quantity.scale,
-                rounded,
-            )
-            for campaign in fleet.rows
-        ]
-        for spread in main_spreads(fleet)
-    }
+    head: str
+    cells: list[str]  # by campaign
+    shared: str  # interval of all cells, which they leave out; empty where each has its own
+
+
+def _columns(fleet: Fleet) -> Iterator[_Column]:
+    for spread in main_spreads(fleet):
+        name, scale = spread.quantity.column(spread.direction), spread.quantity.scale
+        numbers = [campaign.numbers.get(name) for campaign in fleet.rows]
+        full = [_with_ends(each, scale, rounded=False) for each in numbers]
+        if shared := _shared(full):
+            cells = [cell.partition(" ")[0] for cell in full]
+        else:
+            cells = [_with_ends(each, scale, rounded=True) for each in numbers]
+        yield _Column(name_of(spread), cells, shared)
 
 
 def _shared(cells: list[str]) -> str:
@@ -150,6 +148,11 @@ def _remarks(campaign: FleetCampaign, fleet: Fleet) -> Iterator[str]:
 
 
 def _with_ends(number: FleetNumber | None, scale: float, rounded: bool) -> str:
+    """Write a number with its interval, ``rounded`` by the interval.
+
+    Else a number whose interval is large has four digits, since rows may differ by less than what
+    their intervals share.
+    """
     if number is None:
         return NONE
     if number.low is None or number.high is None:

@@ -24,7 +24,7 @@ from hbench.report.fleet.names import (
     working_speed,
 )
 from hbench.report.render.numbers import alike, half_width, significant, with_ends
-from hbench.sentences import capital, uncapital
+from hbench.sentences import capital, plural, uncapital
 
 _LIMITS_ARE_NARROWER = (
     "A campaign beyond a control limit need not be an outlier: control limits are narrower."
@@ -57,7 +57,7 @@ def fleet_verdict(fleet: Fleet) -> str:
             "not compared."
         )
     if poor:
-        verb = "has" if poor == 1 else "have"
+        verb = plural(poor, "has", "have")
         sentences.append(f"{poor} of {analyzed} analysed campaigns {verb} poor data.")
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
@@ -155,11 +155,11 @@ def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
     drifts = sum(trend.real for trend in known)
     if drifts:
         without = "without such a change " if stepped_numbers(fleet) else ""
-        verb = "drifts" if drifts == 1 else "drift"
+        verb = plural(drifts, "drifts", "drift")
         yield f"{drifts} of {len(known)} numbers {without}{verb} significantly."
     beyond = in_order(name for chart in fleet.charts for name in chart.outside)
     if beyond:
-        verb = "is" if len(beyond) == 1 else "are"
+        verb = plural(len(beyond), "is", "are")
         which = named(beyond if len(beyond) <= _NAMED + 1 else beyond[:_NAMED], len(beyond))
         some = any(chart.beyond > len(chart.outside) for chart in fleet.charts)
         count = f"{'At least ' * some}{len(beyond)} of {fleet.compared} campaigns"

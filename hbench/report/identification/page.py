@@ -8,7 +8,7 @@ from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.records.identification import MEMORY_M
 from hbench.report.campaign.fit_tables import in_words, law_words
-from hbench.report.campaign.settings import provenance_facts
+from hbench.report.campaign.sections.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
 from hbench.report.identification.ranking import best_law, ranked_laws
 from hbench.report.identification.remarks import interval_words, left_out_words, oscillation_words
@@ -29,6 +29,7 @@ from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.numbers import alike
 from hbench.report.render.word_tables import with_columns
+from hbench.sentences import counted
 
 _SOURCE = (
     "Laws and verification profile",
@@ -145,7 +146,7 @@ def _identity(identification: Identification) -> tuple[tuple[str, str], ...]:
     used = {run for law in identification.laws for run in law.runs}
     verified = len(identification.verification_runs)
     left_out = len(identification.left_out)
-    runs = f"laws from {len(used)} runs, verified on {verified} others"
+    runs = f"laws from {counted(len(used), 'run')}, verified on {counted(verified, 'other')}"
     runs += f"; {left_out} not used" if left_out else ""
     return (
         ("Campaign", identification.provenance.name),

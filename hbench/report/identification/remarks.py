@@ -5,7 +5,7 @@ from hbench.records.numbers import NORMAL_95
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.ranking import ranked_laws
 from hbench.report.render.numbers import half_width, span
-from hbench.sentences import listed
+from hbench.sentences import listed, plural
 
 
 def left_out_words(identification: Identification) -> list[str]:
@@ -15,8 +15,7 @@ def left_out_words(identification: Identification) -> list[str]:
         run, _, why = line.partition(" ")
         runs.setdefault(why, []).append(run)
     return [
-        f"{'run' if len(each) == 1 else 'runs'} {', '.join(each)} {why}"
-        for why, each in runs.items()
+        f"{plural(len(each), 'run', 'runs')} {', '.join(each)} {why}" for why, each in runs.items()
     ]
 
 

@@ -19,7 +19,7 @@ from hbench.report.identification.text import (
     undetermined_words,
 )
 from hbench.report.render.numbers import half_width, number, short, significant
-from hbench.sentences import listed
+from hbench.sentences import listed, plural
 
 _ANOTHER = "A real cylinder may need another law."
 
@@ -92,11 +92,11 @@ def _as_good(identification: Identification, best: str) -> str:
         return ""
     counts = [len(fits[law].undetermined) if law in fits else 0 for law in (best, *others)]
     names = listed([f"{law_words(law)} ({number(errors[law], 1)} N)" for law in others])
-    verb = "is" if len(others) == 1 else "are"
+    verb = plural(len(others), "is", "are")
     if counts[0] == min(counts[1:]):
         return f"{names} {verb} as good."
     more = listed([str(count) for count in counts[1:]])
-    has = "has" if len(others) == 1 else "have"
+    has = plural(len(others), "has", "have")
     return f"{names} {verb} as good, but {has} {more} undetermined parameters."
 
 

@@ -11,6 +11,7 @@ from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import NONE, number, short, significant, with_interval
 from hbench.report.render.word_tables import Cell, Table
+from hbench.sentences import counted
 from hbench.untrusted_text import printable
 
 _MOST_RUNS = 60  # of a file in its table
@@ -39,24 +40,20 @@ def preview_page(preview: ImportPreview, drawings: Mapping[str, Drawing]) -> str
 
 def _verdict(preview: ImportPreview) -> str:
     runs = preview.runs
-    accepted = f"{sum(r.screened.accepted for r in runs)} of {_count(len(runs), 'run')}"
+    accepted = f"{sum(r.screened.accepted for r in runs)} of {counted(len(runs), 'run')}"
     errors = len(list(_errors(preview)))
     if preview.refused:
         return (
-            f"The import would stop with {_count(errors, 'error')}, listed "
+            f"The import would stop with {counted(errors, 'error')}, listed "
             f"below. Without these files, {accepted} would be accepted."
         )
     if errors:
         return (
-            f"The import would leave out {_count(errors, 'file')}, listed below with the reasons. "
+            f"The import would leave out {counted(errors, 'file')}, listed below with the reasons. "
             f"Of the other files, {accepted} would be accepted."
         )
-    files = _count(len(preview.files), "file")
+    files = counted(len(preview.files), "file")
     return f"{files} can be imported; {accepted} would be accepted."
-
-
-def _count(n: int, noun: str) -> str:
-    return f"{n} {noun if n == 1 else noun + 's'}"
 
 
 def _result(preview: ImportPreview) -> Iterator[str]:
@@ -111,8 +108,8 @@ def _series(preview: ImportPreview, drawings: Mapping[str, Drawing]) -> Iterator
         files = [file for file in preview.files if file.pattern == pattern]
         accepted, runs = sum(f.accepted for f in files), sum(len(f.runs) for f in files)
         about = (
-            f"Files {printable(pattern)}: {_count(len(files), 'file')}, {accepted} of "
-            f"{_count(runs, 'run')} accepted."
+            f"Files {printable(pattern)}: {counted(len(files), 'file')}, {accepted} of "
+            f"{counted(runs, 'run')} accepted."
         )
         shown = [file for file in files if file.name in drawings]
         if len(shown) < len(files):

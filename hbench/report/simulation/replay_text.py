@@ -8,6 +8,7 @@ from hbench.report.json_documents.values import json_text, json_value
 from hbench.report.render.numbers import significant
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import wrapped
+from hbench.sentences import counted
 
 
 def replay_text(replay: Replay) -> str:
@@ -24,8 +25,8 @@ def replay_text(replay: Replay) -> str:
     head = ("signal", "unit", "all runs", "worst run", "which")
     lines = [
         *wrapped(
-            f"SIMULATED: {len(replay.runs)} runs of {replay.provenance.name!r} by {replay.model}, "
-            "in open loop: under the measured valve commands and supply pressure."
+            f"SIMULATED: {counted(len(replay.runs), 'run')} of {replay.provenance.name!r} by "
+            f"{replay.model}, in open loop: under the measured valve commands and supply pressure."
         ),
         "",
         *table_lines(WordTable("Simulated less measured, root mean square", head, rows)),

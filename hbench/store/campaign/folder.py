@@ -23,6 +23,7 @@ from hbench.records import Provenance, RawRun, Run, RunPlan
 from hbench.store.campaign import journal
 from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.journal import Entry
+from hbench.store.campaign.journal_notes import repeated_runs, unlisted_logs
 from hbench.store.campaign.run_csv import parse_run
 from hbench.store.campaign.run_times import clock_fault, latest_moment, moment, start_times_s
 from hbench.store.dsp_logs.dsp_log import parse_records
@@ -82,10 +83,11 @@ class StoredCampaign:
 
     def damaged(self) -> dict[str, str]:
         """Return the completed runs whose log is missing or changed, each with the reason."""
+        done, suffix = self.done, ".csv" if self.imported else ".dat"
         reasons = {
-            entry.plan.run: self._log(entry, ".csv" if self.imported else ".dat")[1]
+            entry.plan.run: self._log(entry, suffix)[1]
             for entry in self.latest
-            if entry.plan.run in self.done
+            if entry.plan.run in done
         }
         return {run: "; ".join(found) for run, found in reasons.items() if found}
 
@@ -263,7 +265,7 @@ def load_campaign(folder: Path) -> StoredCampaign:
     check_inside(folder, path)
     content = journal.parse_journal(read_journal(path), str(path))
     warnings = [str(note) for note in content.header.get("notes") or ()]
-    warnings += [*content.warnings, *_unlisted_logs(folder, content), *_repeated_runs(content)]
+    warnings += [*content.warnings, *unlisted_logs(path, content), *repeated_runs(content)]
     if content.header["source"] != "imported" and (fault := clock_fault(content.entries)):
         warnings.append(f"{path}: {fault}; the order of the runs replaces their times")
     return StoredCampaign(folder, content.header, content.entries, tuple(map(printable, warnings)))
@@ -276,29 +278,6 @@ def load_header(folder: Path) -> StoredCampaign:
     head, runs, _ = read_journal(path).partition(b"\nruns:")
     content = journal.parse_journal(head + (b"\nruns: []\n" if runs else b""), str(path))
     return StoredCampaign(folder, content.header, (), ())
-
-
-def _unlisted_logs(folder: Path, content: journal.JournalContent) -> Iterator[str]:
-    """Report logs without a journal entry: the entry was lost, or the log was added later."""
-    listed = {entry.plan.run for entry in content.entries}
-    suffix = ".csv" if content.header["source"] == "imported" else ".dat"
-    logs = sorted(path.name for path in (folder / "runs").glob(f"*{suffix}"))
-    unlisted = [name for name in logs if name.removesuffix(suffix).split("~")[0] not in listed]
-    if unlisted:
-        few = ", ".join(unlisted[:10]) + (", ..." if len(unlisted) > 10 else "")
-        yield f"{folder / JOURNAL}: no entry for {few} in runs: left out ({len(unlisted)} logs)"
-
-
-def _repeated_runs(content: journal.JournalContent) -> Iterator[str]:
-    """Report runs that were repeated after a rejection, which selects among trials."""
-    repeated = [entry for entry in content.entries if entry.after_rejection]
-    if repeated:
-        few = "; ".join(f"{e.plan.run} ({e.after_rejection})" for e in repeated[:5])
-        more = "; ..." if len(repeated) > 5 else ""
-        yield (
-            f"{len(repeated)} repetitions of runs directly after their rejection: {few}{more}. "
-            "The last attempt counts; the logs of earlier attempts are kept in runs"
-        )
 
 
 def read_journal(path: Path) -> bytes:

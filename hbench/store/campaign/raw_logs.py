@@ -11,6 +11,7 @@ from pathlib import Path
 
 from hbench.errors import DataError
 from hbench.records.conformity.certified import RawData, RawLog
+from hbench.sentences import abridged, counted
 from hbench.store.campaign.checksums import sha256
 from hbench.store.campaign.folder import JOURNAL, StoredCampaign
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_file
@@ -25,10 +26,9 @@ def raw_data(campaign: StoredCampaign) -> RawData:
     present = {log.sha256 for log in logs}
     changed = [e.plan.run for e in campaign.latest if e.stop and e.stop.sha256 not in present]
     if changed:
-        few = ", ".join(changed[:5]) + (", ..." if len(changed) > 5 else "")
         raise DataError(
-            f"{campaign.folder}: the raw logs of {len(changed)} runs are missing or were changed "
-            f"after they were written: {few}",
+            f"{campaign.folder}: the raw logs of {counted(len(changed), 'run')} are missing or "
+            f"were changed after they were written: {abridged(changed, 5)}",
             "Restore them from a copy of the campaign.",
         )
     lines = "".join(f"{log.sha256}  {log.name}\n" for log in logs)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hbench.config.import_map import FileSeries, ImportMap
 from hbench.errors import ConfigError, DataError
-from hbench.store.importing.file_notes import listed
+from hbench.store.importing.file_notes import first_names
 from hbench.units import parse_unit
 
 # Limits of the lengths bound the time that a match takes.
@@ -118,7 +118,7 @@ def refuse_empty(folder: Path, matches: FolderMatches) -> None:
         )
         raise DataError(
             f"{folder}: no file matches series {series.label!r}, files: {series.files}",
-            f"Give paths from the imported folder, which contains {listed(names)}.{fields}",
+            f"Give paths from the imported folder, which contains {first_names(names)}.{fields}",
         )
 
 

@@ -4,11 +4,14 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from hbench.sentences import abridged
+
 ROTARY_NOTE = (
     "rotary actuator: in all results 1 m stands for 1 rad, 1 N for 1 N m and an area of 1 m^2 for "
     "1 m^3/rad"
 )
-_LISTED = 3  # files named in a note on many
+_NAMED = 3  # files named in a note on many
+_LONGEST = 60  # letters of a name
 
 
 @dataclass(frozen=True)
@@ -28,16 +31,14 @@ def merged(notes: Iterable[FileNote]) -> list[str]:
     return [f"{_files(group)}: {_filled(group)}" for group in groups.values()]
 
 
-def listed(names: Iterable[str]) -> str:
-    """Return the first names of a list, for a message."""
-    names = list(names)
-    few = ", ".join(name[:60] for name in names[:_LISTED]) or "none"
-    return f"{few}{', ...' if len(names) > _LISTED else ''}"
+def first_names(names: Iterable[str]) -> str:
+    """Return the first of some names of files or sheets, for a message; ``none`` without any."""
+    return abridged([name[:_LONGEST] for name in names], _NAMED) or "none"
 
 
 def _files(group: list[FileNote]) -> str:
     names = list(dict.fromkeys(note.file for note in group))
-    return names[0] if len(names) == 1 else f"{len(names)} files ({listed(names)})"
+    return names[0] if len(names) == 1 else f"{len(names)} files ({first_names(names)})"
 
 
 def _filled(group: list[FileNote]) -> str:

@@ -18,6 +18,7 @@ import numpy as np
 from hbench.config.files.loading import read_yaml
 from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
+from hbench.sentences import abridged, counted
 from hbench.store.campaign import journal
 from hbench.store.campaign.folder import JOURNAL, refuse_existing
 from hbench.store.campaign.journal import Stop
@@ -163,5 +164,5 @@ def _truncations(files: Iterable[SourceFile]) -> Iterator[str]:
     """Report text files without a final newline: the last number can be incomplete."""
     names = [file.name for file in files if file.is_truncated]
     if names:
-        few = ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")
-        yield f"no newline at the end of {few}: possibly truncated ({len(names)} files)"
+        few = abridged(names, 10)
+        yield f"no newline at the end of {few}: possibly truncated ({counted(len(names), 'file')})"

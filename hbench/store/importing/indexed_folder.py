@@ -20,6 +20,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.records import KINDS, Factors, Outcome, RunPlan, Specimen, kind_names
+from hbench.sentences import abridged, counted, plural
 from hbench.store.campaign.journal import check_run_id
 from hbench.store.campaign.plan_fields import check_number, read_factors
 from hbench.store.campaign.run_csv import check_complete, read_channels
@@ -114,8 +115,8 @@ def _other_cylinders(runs: Sequence[ImportedRun], specimen: Specimen) -> tuple[s
     given = (specimen.area_piston_m2, specimen.area_rod_m2)
     others = sum(not np.allclose(area, given, rtol=_SAME_AREA, atol=0) for area in areas)
     note = (
-        f"{others} runs have another cylinder in the index than in {BENCH}: that of the index is "
-        "used; remove the columns of areas for the other"
+        f"{counted(others, 'run')} {plural(others, 'has', 'have')} another cylinder in the index "
+        f"than in {BENCH}: that of the index is used; remove the columns of areas for the other"
     )
     return (note,) if others else ()
 
@@ -136,8 +137,8 @@ def _unlisted(folder: Path, index: str, runs: Sequence[ImportedRun]) -> Iterator
     unlisted = {path for at, suffix in beside for path in at.glob(f"*{suffix}")} - listed
     if unlisted:
         names = sorted(path.relative_to(folder.resolve()).as_posix() for path in unlisted)
-        few = ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")
-        yield f"{index}: no row for {few}: left out ({len(names)} files)"
+        few = abridged(names, 10)
+        yield f"{index}: no row for {few}: left out ({counted(len(names), 'file')})"
 
 
 def _table_index(folder: Path, name: str) -> _Index:

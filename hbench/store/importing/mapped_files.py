@@ -13,9 +13,10 @@ from hbench.errors import DataError
 from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.motion.similar_values import SAME_SPEED, similar_values
 from hbench.records import KINDS, RunPlan, Specimen
+from hbench.sentences import counted
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
-from hbench.store.importing.file_notes import ROTARY_NOTE, FileNote, listed, merged
+from hbench.store.importing.file_notes import ROTARY_NOTE, FileNote, first_names, merged
 from hbench.store.importing.imported_run import (
     ImportedRun,
     ImportedRuns,
@@ -291,7 +292,7 @@ def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap)
     whole = len(of_cut.pop("none", ()))
     for name, own in of_cut.items():
         count = len({piece.match.name for piece in own})
-        yield f"{len(own)} runs cut at {name} from {count} files"
+        yield f"{counted(len(own), 'run')} cut at {name} from {counted(count, 'file')}"
     if of_cut and whole:
         yield f"files that are one run each: {whole}"
     if any(piece.match.trial is None for own in of_cut.values() for piece in own):
@@ -308,4 +309,4 @@ def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap)
         )
     unmatched = [name for name in unmatched if not name.endswith((".yaml", ".yml"))]  # a map
     if unmatched:
-        yield f"files that match no series of the map: {len(unmatched)} ({listed(unmatched)})"
+        yield f"files that match no series of the map: {len(unmatched)} ({first_names(unmatched)})"

@@ -36,6 +36,8 @@ _BACK_AND_FORTH = (
     "reconcile uses, 'kind: triangle'."
 )
 _TOO_SHORT = "Check the units of x_m and t_s in the map, or reduce 'min_stroke'."
+_APART = "extending and retracting share too few positions after settling: not compared"
+_TOO_FEW = "{count} strokes cover too few of the positions of the others and are left out"
 
 
 @dataclass(frozen=True)
@@ -246,12 +248,11 @@ def _with_shared_positions(
         sections = {i: Section(strokes[i], speeds[i]) for i in range(len(strokes))}
         apart = min(speeds) < 0 < max(speeds)
     few = len(strokes) - len(sections)
-    texts = {
-        "extending and retracting share too few positions after settling: not compared": apart,
-        "{count} strokes cover too few of the positions of the others and are left out": few > 0,
-    }
-    count = {"count": few}
-    notes = (FileNote(name, t, count if "{" in t else {}) for t, said in texts.items() if said)
+    notes = []
+    if apart:
+        notes.append(FileNote(name, _APART))
+    if few:
+        notes.append(FileNote(name, _TOO_FEW, {"count": few}))
     return tuple(sections[i] for i in sorted(sections)), tuple(notes)
 
 

@@ -67,7 +67,7 @@ def choose_channels(
     free = [c for c in columns if not c.is_date_time]
     if time.choice is not None:
         free = [c for c in free if c.key != time.choice.column.key]
-    named = _by_name(free, time)
+    named = _by_name(free)
     chosen = dict(named)
     if "x_m" not in chosen:
         taken = {choice.column.key for choice in chosen.values()}
@@ -102,7 +102,7 @@ def _with_drive(
     return out
 
 
-def _by_name(columns: Sequence[SampleColumn], time: TimeChoice) -> dict[str, Choice]:
+def _by_name(columns: Sequence[SampleColumn]) -> dict[str, Choice]:
     chosen: dict[str, Choice] = {}
     group: frozenset[str] = frozenset()
     for channel in _QUANTITIES:

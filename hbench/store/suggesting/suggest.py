@@ -12,17 +12,19 @@ from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.import_layout import LIMITS
 from hbench.config.import_map import UNFILLED, ImportMap, parse_import_map
 from hbench.errors import DataError, HbenchError
-from hbench.motion.plateaus import Plateau, plateaus
+from hbench.motion.plateaus import plateaus
+from hbench.sentences import counted
 from hbench.store.importing.file_matches import FileMatch, match_files
-from hbench.store.importing.file_notes import listed
+from hbench.store.importing.file_notes import first_names
 from hbench.store.importing.importer import check_source
 from hbench.store.importing.mapped_files import cut_file, read_mapped_file
+from hbench.store.suggesting.channel_signs import with_signs
 from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.duplicates import duplicates
 from hbench.store.suggesting.factors import column_factors
 from hbench.store.suggesting.file_names import NamePattern, joined_holds, name_patterns
-from hbench.store.suggesting.force_balance import ForceBalance, force_balance
+from hbench.store.suggesting.force_balance import force_balance
 from hbench.store.suggesting.map_yaml.map_text import map_text
 from hbench.store.suggesting.map_yaml.suggested_map import (
     SuggestedMap,
@@ -69,7 +71,7 @@ def suggest_map(folder: Path) -> Suggestion:
     if not samples:
         first = next(iter(faults.items()), None)
         raise DataError(
-            f"{folder}: no file contains a table of numbers; it contains {listed(names)}",
+            f"{folder}: no file contains a table of numbers; it contains {first_names(names)}",
             f"{first[0]}: {first[1]}" if first else "Give the folder that contains the logs.",
         )
     by_signature: dict[tuple, list[NamePattern]] = defaultdict(list)
@@ -102,7 +104,7 @@ def _joined_or_split(
         if sample.other_sheets:
             yield (
                 f"{sample.name}: the first sheet was read; {len(sample.other_sheets)} others: "
-                f"{listed(sample.other_sheets)}; format.sheet in the map chooses one; {_JOIN}"
+                f"{first_names(sample.other_sheets)}; format.sheet in the map chooses one; {_JOIN}"
             )
 
 
@@ -161,8 +163,7 @@ def _suggested_map(
     choices = choose_channels(columns, time, fields)
     channels = [_channels(i, time, choices) for i in range(len(files))]
     steady = [plateaus(c["t_s"], c["x_m"]) if c else [] for c in channels]
-    balance = force_balance(channels, steady)
-    choices = _signed(_drive_signed(choices, channels, steady), balance)
+    choices = with_signs(choices, channels, steady)
     factors = column_factors(columns, files[0].units)
     series = []
     for pattern in alike:
@@ -224,54 +225,6 @@ def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[s
     return {"t_s": t[later], **{key: y[known][later] for key, y in values.items()}}
 
 
-def _signed(choices: dict[str, Choice], balance: ForceBalance) -> dict[str, Choice]:
-    """Turn the signs that contradict the balance of forces."""
-    out = dict(choices)
-    why = f"sign by the balance of forces in {balance.sections} sections"
-    for sign, channels in (
-        (balance.force_sign, ("f_applied_n",)),
-        (balance.position_sign, ("x_m", "v_m_s", "v_ref_m_s")),
-    ):
-        for channel in channels if sign else ():
-            choice = out.get(channel)
-            if choice is not None and choice.scale is not None:
-                out[channel] = replace(
-                    choice, scale=float(sign) * choice.scale, reason=f"{choice.reason}; {why}"
-                )
-    if {"x_m", "p_tp_pa", "f_applied_n"} <= out.keys():
-        for sign, channel in ((balance.position_sign, "x_m"), (balance.force_sign, "f_applied_n")):
-            choice = out[channel]
-            if not sign and choice.column.name != channel:
-                reason = f"{choice.reason}; the balance of forces does not determine its sign"
-                out[channel] = replace(choice, certainty=GUESS, reason=reason)
-    if balance.chambers_swapped:
-        warning = "check: by the balance of forces p_tr_pa acts on the larger area"
-        for channel in ("p_tp_pa", "p_tr_pa"):
-            choice = out[channel]
-            out[channel] = replace(choice, certainty=GUESS, reason=f"{choice.reason}; {warning}")
-    return out
-
-
-def _drive_signed(
-    choices: dict[str, Choice],
-    channels: Sequence[Mapping[str, np.ndarray]],
-    steady: Sequence[Sequence[Plateau]],
-) -> dict[str, Choice]:
-    """Turn the sign of a drive's force that acts against the motion at constant speed."""
-    choice = choices.get("f_drive_n")
-    means: dict[bool, list[float]] = {True: [], False: []}
-    for file, sections in zip(channels, steady, strict=True):
-        for plateau in sections if "f_drive_n" in file else ():
-            mean = float(np.nanmean(file["f_drive_n"][plateau.section]))
-            means[plateau.v_m_s > 0].append(mean)
-    if choice is None or not all(means.values()):
-        return choices
-    if np.mean(means[True]) >= np.mean(means[False]):
-        return choices
-    reason = f"{choice.reason}; sign by the friction, which opposes the motion"
-    return choices | {"f_drive_n": replace(choice, scale=-1.0, reason=reason)}
-
-
 def _verified(
     folder: Path,
     suggested: SuggestedMap,
@@ -320,7 +273,7 @@ def _import_fault(folder: Path, match: FileMatch, rules: ImportMap) -> str:
 
 
 def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
-    yield f"read {len(suggested.files)} files: {listed(suggested.files)}"
+    yield f"read {counted(len(suggested.files), 'file')}: {first_names(suggested.files)}"
     for name, fault in faults.items():
         yield f"not read: {name}: {fault}"
     for name, fault in suggested.unread.items():
@@ -329,8 +282,8 @@ def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
             yield f"{means.channel}: column {name!r} can't be read: {fault}"
     for series in suggested.series:
         if series.fault:
-            count = len(series.pattern.names)
-            yield f"not in the map: {series.pattern.files} ({count} files): {series.fault}"
+            count = counted(len(series.pattern.names), "file")
+            yield f"not in the map: {series.pattern.files} ({count}): {series.fault}"
     if isinstance(rules := _rules(suggested), str):
         yield f"the map is not complete: {rules}"
     for channel, names in suggested.left_out.items():

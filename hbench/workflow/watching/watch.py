@@ -11,7 +11,7 @@ from typing import Any
 from hbench.errors import HbenchError
 from hbench.experiment.staged_plan import planned_runs
 from hbench.records import KINDS, ScreenedRun
-from hbench.sentences import listed
+from hbench.sentences import counted, listed
 from hbench.store.campaign.folder import JOURNAL, StoredCampaign, load_campaign
 from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.live_file import read_live
@@ -45,17 +45,17 @@ class Watch:
             age_s = abs(time.time() - live["at_s"])
             if age_s <= STALE_S:
                 return {"state": "running", "said": "", "version": version, "live": live}
-            said = (
+            words = (
                 f"The host has been silent for {_time(age_s)}: killed, suspended or disconnected. "
                 f"A board without its host stops by itself. {_RESUME}"
             )
-            return {"state": "silent", "said": said, "version": version, "live": None}
+            return {"state": "silent", "said": words, "version": version, "live": None}
         with self._lock:
             self._read(at_once=True)
-            state, said = (
+            state, words = (
                 self._ending(self._campaign) if self._campaign else ("nothing", self._error)
             )
-        return {"state": state, "said": said, "version": version, "live": None}
+        return {"state": state, "said": words, "version": version, "live": None}
 
     def runs(self) -> dict[str, Any]:
         """Return the campaign's name, and the finished runs with their verdicts."""
@@ -125,7 +125,7 @@ class Watch:
     def _ending(self, campaign: StoredCampaign) -> tuple[str, str]:
         """Return the state and the words of a campaign without a host."""
         if campaign.imported:
-            return "finished", f"{len(campaign.latest)} runs, imported"
+            return "finished", f"{counted(len(campaign.latest), 'run')}, imported"
         done, planned = len(campaign.done), self._planned
         of_planned = "" if planned is None else f" of {planned}"
         summary = f"{done}{of_planned} runs measured"

@@ -15,7 +15,7 @@ _PARTS = re.compile(r"\x1b\[(\d*)([A-Za-z])|(\r)|(\n)|([^\r\n\x1b]+)")
 
 
 class Terminal:
-    """``hbench`` with its terminal."""
+    """``hbench`` with its terminal, a context manager that kills it in the end."""
 
     def __init__(self, arguments, cwd, columns=100):
         self.shown = b""
@@ -42,8 +42,15 @@ class Terminal:
         """Read to the end; return the exit code."""
         while self._read(60.0):
             pass
-        os.close(self._window)
         return self.process.wait(60.0)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+        os.close(self._window)
 
     def _read(self, timeout_s) -> bool:
         if not select.select([self._window], [], [], timeout_s)[0]:

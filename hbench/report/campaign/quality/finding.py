@@ -4,7 +4,7 @@ from hbench.records import Quality, QualityCheck
 from hbench.report.drift import drift_finding, drift_words
 from hbench.report.quality_words import FINDINGS, NAMES, WRONG_BALANCE
 from hbench.report.render.numbers import number, significant
-from hbench.sentences import plural
+from hbench.sentences import counted, plural
 
 _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
 
@@ -20,7 +20,7 @@ def reason(check: QualityCheck, stated: bool = False) -> str:
         limit = f" (poor below {check.poor:g} %)" if check.grade == "poor" else ""
         return f"{number(check.value, 0)} % of the planned runs were completed{limit}"
     if is_without_trial(check):
-        return _without_trial(check.count)
+        return _without_trial(check.count or 0)
     if check.name == "runs_accepted":
         were = plural(check.count or 0, "was", "were")
         return f"{check.count} of {check.of} runs {were} accepted"
@@ -34,7 +34,7 @@ def finding(check: QualityCheck, quality: Quality) -> str:
     points = quality.completeness.short_points
     none, single = (sum(point.accepted == count for point in points) for count in (0, 1))
     if is_without_trial(check) and single:
-        return f"{_value(check)}, one at {single} {plural(single, 'point', 'points')}"
+        return f"{_value(check)}, one at {counted(single, 'point')}"
     if check.name != "complete" or not none:
         return _value(check)
     return f"{_value(check)}; {_without_trial(none)}"
@@ -65,7 +65,7 @@ def _value(check: QualityCheck) -> str:
 
 def _trials(check: QualityCheck) -> str:
     if is_without_trial(check):
-        return f"none at {check.count} {plural(check.count, 'point', 'points')}"
+        return f"none at {counted(check.count or 0, 'point')}"
     if check.value == check.poor:
         return "at least one point has a single trial, so no interval"
     return f"at least {check.value}"
@@ -87,9 +87,8 @@ def _signs(check: QualityCheck) -> str:
     return f"at {check.count} of {check.of} points {_WRONG_SIGN}, beyond the interval"
 
 
-def _without_trial(count: int | None) -> str:
-    points, have = plural(count, "point", "points"), plural(count, "has", "have")
-    return f"{count} {points} {have} no accepted trial"
+def _without_trial(count: int) -> str:
+    return f"{counted(count, 'point')} {plural(count, 'has', 'have')} no accepted trial"
 
 
 def is_without_trial(check: QualityCheck) -> bool:

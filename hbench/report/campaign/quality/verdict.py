@@ -6,7 +6,7 @@ from hbench.report.campaign.quality.finding import is_without_trial, reason
 from hbench.report.campaign.quality.plausibility import contradictions
 from hbench.report.quality_words import NAMES, STEPS
 from hbench.report.render.numbers import number
-from hbench.sentences import capital
+from hbench.sentences import capital, plural
 
 RULE = (
     "Each check is good, to be used with care, or poor; the verdict is the worst of them. The "
@@ -40,8 +40,8 @@ def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = Fa
         if not (incomplete and is_without_trial(check))  # not twice
         if count_runs or check.name != "complete"
     ]
-    said = [reason(check, stated) for check in named if not (stated and check.drift is not None)]
-    reasons = ". ".join(map(capital, said))
+    faults = [reason(check, stated) for check in named if not (stated and check.drift is not None)]
+    reasons = ". ".join(map(capital, faults))
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
         if len(quality.checks) == 1:
@@ -64,7 +64,7 @@ def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = Fa
 def quality_count(quality: Quality) -> str:
     """Count the checks that are good."""
     good = sum(check.grade == "good" for check in quality.checks)
-    return f"{good} of {len(quality.checks)} checks {'is' if good == 1 else 'are'} good"
+    return f"{good} of {len(quality.checks)} checks {plural(good, 'is', 'are')} good"
 
 
 def grade_words(quality: Quality) -> str:

@@ -16,7 +16,7 @@ from hbench.report.diagnosis.names import in_words
 from hbench.report.render.numbers import NONE, number, significant
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import wrapped
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 
 MATRIX_TEXT = (
     "Angle of the signatures of two effects in these runs, after the refitted values are projected "
@@ -141,7 +141,7 @@ def detectable(diagnosis: Diagnosis) -> str:
     rest = f" They would not show {listed(unseen)}: these can be present." if unseen else ""
     count = f"{sum(seen.values())} of {len(seen)}"
     fitted = [in_words(name) for name, why in diagnosis.not_tried.items() if why == FITTED]
-    verb = "is" if len(fitted) == 1 else "are"
+    verb = plural(len(fitted), "is", "are")
     more = f" {capital(listed(fitted))} {verb} fitted with the model's values." if fitted else ""
     untried = [in_words(name) for name in seen if name in diagnosis.not_tried]
     tried = f" ({len(seen) - len(untried)} tried, and {listed(untried)})" if untried else ""

@@ -6,7 +6,7 @@ from hbench.records import Candidate, Diagnosis
 from hbench.records.reconcile.diagnosis import LEAST_EXPLAINED, LEAST_SIZE, TOLERATED
 from hbench.report.diagnosis.names import in_words, share
 from hbench.report.render.numbers import number, significant
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 
 
 def too_small(candidate: Candidate) -> list[str]:
@@ -68,7 +68,7 @@ def absorbed_words(diagnosis: Diagnosis) -> str:
     ]
     if not names or diagnosis.verdict != "none":
         return ""
-    without = "it" if len(names) == 1 else "them"
+    without = plural(len(names), "it", "them")
     return (
         f"Not excluded: {listed(names)}. The refitted model without {without}, with errors of the "
         "sensors within their tolerances, comes about as close."

@@ -18,7 +18,7 @@ from hbench.report.diagnosis.names import (
     steps_of,
 )
 from hbench.report.render.numbers import NONE, number, p_equation, significant
-from hbench.sentences import listed
+from hbench.sentences import listed, plural
 
 CLEARLY_WORSE = 1.1  # gap against another one
 _MUCH_LARGER = 2.0  # gap of a simulated signal against the largest one of a balance
@@ -125,7 +125,7 @@ def expected_words(diagnosis: Diagnosis) -> str:
     return (
         "The remaining deviation is mostly that of a correct model, whose values would be as "
         f"uncertain and whose trials would differ as much: {deviations(gaps)}. In runs outside the "
-        f"fit {beyond} of it {'is' if len(gaps) == 1 else 'are'} beyond that, which is too small "
+        f"fit {beyond} of it {plural(len(gaps), 'is', 'are')} beyond that, which is too small "
         "to matter."
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from hbench.records import UnnamedLaw
 from hbench.report.diagnosis.names import balance
 from hbench.report.render.numbers import number, p_equation, significant
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 
 _TERMS = {
     "flow": "inflow",
@@ -47,7 +47,7 @@ def law_summary(laws: Sequence[UnnamedLaw]) -> str:
             f"{term(law)} of {low} to {high} {law.unit} over {words(law)} "
             f"({balances_words(law)}; gap of runs outside the fit {before} before, {after} after)"
         )
-    kind = "an unnamed law" if len(laws) == 1 else "unnamed laws"
+    kind = plural(len(laws), "an unnamed law", "unnamed laws")
     return (
         f"The revised model contains {kind}, fitted as a table: {'; '.join(parts)}. A table "
         "reproduces a deviation but does not show its cause."

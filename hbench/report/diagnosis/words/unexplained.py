@@ -19,7 +19,7 @@ from hbench.report.diagnosis.words.deviation import CLEARLY_WORSE, deviations, e
 from hbench.report.diagnosis.words.place import rms_words, worst_places
 from hbench.report.diagnosis.words.refit import refit_increases, unexplained
 from hbench.report.render.numbers import p_equation, significant
-from hbench.sentences import capital, listed
+from hbench.sentences import capital, listed, plural
 
 _FAR = 2.0  # times its limit: a deviation that is clearly above it
 _REST = "while at rest"  # a place where no speed is varied
@@ -103,7 +103,7 @@ def agreeing_words(diagnosis: Diagnosis, gaps: Sequence[Gap]) -> str:
         sentences.append(f"{capital(deviations(by_chance, probable=True))}; this may be chance.")
     sentences += [_below_limit_words(diagnosis, gap) for gap in significantly]
     if agreeing:
-        verb = "agrees" if len(agreeing) == 1 else "agree"
+        verb = plural(len(agreeing), "agrees", "agree")
         sentences.append(
             f"{capital(all_in_sentence(agreeing))} {verb} within the limits that matter."
         )

@@ -1,11 +1,11 @@
 """The first section of the page: friction at the working speed, breakaway, efficiency."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 
-from hbench.records import KINDS, Curve, HeadlineNumber, HeadlineSeries, Results
-from hbench.records.curves import LEAST_HELD_OUT_SPEEDS
+from hbench.records import KINDS, HeadlineNumber, HeadlineSeries, Results
+from hbench.records.fits import LEAST_HELD_OUT_SPEEDS
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.page_tables import friction_budget_table
@@ -19,29 +19,24 @@ from hbench.report.campaign.quality.verdict import (
     quality_verdict,
 )
 from hbench.report.campaign.reasons import aborted_words, is_aborted
-from hbench.report.campaign.table_columns import LOAD_CELL, WHO, table, who
+from hbench.report.campaign.sections.headline_table import (
+    differs_from_load,
+    headline_table,
+    load_cell_means,
+)
 from hbench.report.drift import drift_fact
 from hbench.report.drift_section import drift_sections
-from hbench.report.headline import FLAGS, extrapolated_words, headline_tiles
+from hbench.report.headline import extrapolated_words, headline_tiles
 from hbench.report.next_step import next_step_of
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import (
-    NONE,
-    half_width,
-    number,
-    short,
-    span,
-    with_interval,
-)
-from hbench.report.render.word_tables import Cell, Table
+from hbench.report.render.numbers import span
 from hbench.report.zero_words import zero_reserve
-from hbench.sentences import listed, plural
-from hbench.units import from_si
+from hbench.sentences import counted, listed, plural
 
 _ONE_TRIAL = (
-    " A number of one trial has no U: a single trial does not show the scatter of repetitions."
+    "A number of one trial has no U: a single trial does not show the scatter of repetitions."
 )
 _EFFICIENCY = (
     "F_applied / F_T where the oil drives the load, F_T / F_applied where the load drives the oil. "
@@ -70,27 +65,16 @@ def summary_section(
     series = results.headline.series
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
-    known = _instruments_known(results)
-    with_u = any(
-        number is not None and number.u95
-        for each in series
-        for number in (each.friction_n, each.breakaway_n, each.efficiency)
-    )
+    numbers = _numbers(series)
     title = "Results of each direction and load"
-    title += f", with {'expanded uncertainty ' * known}U" if with_u else ""
-    load_cell_n = _load_cell(results)
-    table_of_series = _table(series, load_cell_n)
+    if _any_u(numbers):
+        title += f", with {'expanded uncertainty ' * _instruments_known(results)}U"
+    load_cell_n = load_cell_means(results)
+    table_of_series = headline_table(series, load_cell_n)
     tables = (replace(table_of_series, title=title),) if series else ()
-    budget = friction_budget_table(results)
     heading = f"Each direction and load ({len(series)})"
     folded = (Section(heading, tables=tables, folded=True),) if len(series) > _LONG else ()
-    parts = "[[uncertainty]]" if budget.rows else ""
     load = _NOMINAL_LOAD if results.provenance.source == "imported" else _LOAD
-    zeros = zero_reserve(results) if known and with_u else ""
-    drift = any(p.sigma_drift_n is not None for curve in results.curves for p in curve.points)
-    uncertainty = _uncertainty(series, parts, known, drift)
-    share = instruments_percent(results.quality) if _ONE_TRIAL.strip() in uncertainty else ""
-    alone = f"The tolerances of the instruments alone give ±{share} %." if share else ""
     facts = (
         ("Measured", _measured(results)),
         ("Data", _data(results) if decided else ""),
@@ -99,10 +83,10 @@ def summary_section(
         ("Friction laws", _laws(results)),
     )
     terms = (
-        ("Uncertainty", " ".join(filter(None, (uncertainty, alone, zeros)))),
+        ("Uncertainty", _uncertainty(results, numbers)),
         ("Breakaway", extrapolated_words(results)),
         ("Efficiency", _EFFICIENCY if any(each.efficiency for each in series) else ""),
-        ("Load", load if _differs_from_load(series, load_cell_n) else ""),
+        ("Load", load if differs_from_load(series, load_cell_n) else ""),
     )
     return Section(
         "Summary",
@@ -133,7 +117,7 @@ def _stated(facts: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 def _terms(facts: tuple[tuple[str, str], ...]) -> tuple[Section, ...]:
     """Return a folded part that explains the columns of the table; its title names them."""
     names = listed([name.lower() for name, _ in facts])
-    verb = "means" if len(facts) == 1 else "mean"
+    verb = plural(len(facts), "means", "mean")
     return (Section(f"What {names} {verb} here", facts=facts, folded=True),) if facts else ()
 
 
@@ -162,13 +146,34 @@ def _instruments_known(results: Results) -> bool:
     return not points or any(point.sigma_instruments_n is not None for point in points)
 
 
-def _uncertainty(series: Collection[HeadlineSeries], budget: str, known: bool, drift: bool) -> str:
-    """State what U is, and which table has its parts; empty if no number of the summary has one."""
-    numbers = [n for each in series for n in (each.friction_n, each.breakaway_n, each.efficiency)]
-    single = any(each is not None and each.basis == "one_trial" for each in numbers)
-    if all(each is None or each.u95 is None for each in numbers):
-        return _ONE_TRIAL.lstrip() if single else ""
-    parts = f" {budget} contains its factor k and its parts." if budget else ""
+def _numbers(series: Iterable[HeadlineSeries]) -> list[HeadlineNumber]:
+    """Return all numbers of the summary that are known."""
+    return [
+        known
+        for each in series
+        for known in (each.friction_n, each.breakaway_n, each.efficiency)
+        if known is not None
+    ]
+
+
+def _any_u(numbers: Iterable[HeadlineNumber]) -> bool:
+    return any(each.u95 is not None for each in numbers)
+
+
+def _uncertainty(results: Results, numbers: Collection[HeadlineNumber]) -> str:
+    """State what U is, which table has its parts, and what the instruments contribute.
+
+    Empty if no number of the summary has a U or is of one trial.
+    """
+    of_one_trial: tuple[str, ...] = ()
+    if any(each.basis == "one_trial" for each in numbers):
+        share = instruments_percent(results.quality)
+        alone = f"The tolerances of the instruments alone give ±{share} %." if share else ""
+        of_one_trial = _ONE_TRIAL, alone
+    if not _any_u(numbers):
+        return " ".join(filter(None, of_one_trial))
+    known = _instruments_known(results)
+    drift = any(p.sigma_drift_n is not None for curve in results.curves for p in curve.points)
     without = "It does not contain the errors of the instruments, whose tolerances are not known."
     if known:
         of = "trials, instruments and drift" if drift else "trials and instruments"
@@ -179,8 +184,10 @@ def _uncertainty(series: Collection[HeadlineSeries], budget: str, known: bool, d
         what = f"U is the expanded uncertainty of trials and drift, for 95 %. {without}"
     else:
         what = f"U is the half-width of the 95 % interval of the trials. {without}"
-    what += parts if known or drift else ""
-    return f"{what}{_ONE_TRIAL if single else ''}"
+    has_budget = (known or drift) and friction_budget_table(results).rows
+    budget = "[[uncertainty]] contains its factor k and its parts." if has_budget else ""
+    zeros = zero_reserve(results) if known else ""
+    return " ".join(filter(None, (what, budget, *of_one_trial, zeros)))
 
 
 def _quality_details(results: Results) -> Iterable[Section]:
@@ -203,109 +210,11 @@ def _quality_details(results: Results) -> Iterable[Section]:
                 yield Section(name, tables=(each,), folded=True, printed=printed)
 
 
-def _load_cell(results: Results) -> list[float | None]:
-    """Return the mean force of the load cell [N] at each series' point of the headline."""
-    forces = {
-        (*_who(curve), abs(point.v_m_s)): point.f_applied_n
-        for curve in results.curves
-        for point in curve.points
-    }
-    return [forces.get((*_who(each), each.v_m_s)) for each in results.headline.series]
-
-
-def _differs_from_load(
-    series: Collection[HeadlineSeries], load_cell_n: Iterable[float | None]
-) -> bool:
-    """Return whether the load cell's force differs from a set load, as the table writes them."""
-    return any(
-        None not in (force_n, each.f_load_n) and number(force_n, 0) != number(each.f_load_n, 0)
-        for each, force_n in zip(series, load_cell_n, strict=True)
-    )
-
-
-def _who(series: Curve | HeadlineSeries) -> tuple:
-    load = series.f_load_n, series.p_lr_ref_pa
-    return series.kind, series.label, series.direction, *load, series.a_ref_m_s2
-
-
-def _table(series: Sequence[HeadlineSeries], load_cell_n: Sequence[float | None]) -> Table:
-    per_bar = from_si(1.0, "bar")
-    common = _common_remark(series)
-    rows: list[tuple[str | Cell, ...]] = [
-        (
-            *who(each)[:1],
-            *who(each)[2:],
-            number(None if each.v_m_s is None else 1e3 * each.v_m_s),
-            number(applied, 0),
-            _without_one_trial(_cell(each.friction_n)),
-            _as_pressure(each.friction_pa, per_bar),
-            _trials(each.friction_n),
-            _cell(each.breakaway_n).text if common else _breakaway(each),
-            _as_pressure(each.breakaway_pa, per_bar),
-            _without_one_trial(_cell(each.efficiency, 100.0)),
-        )
-        for each, applied in zip(series, load_cell_n, strict=True)
-    ]
-    head = (
-        *("At (mm/s)", LOAD_CELL, "Friction ± U (N)", "Friction ± U (bar)", "Trials alone (N)"),
-        *(
-            f"Breakaway ± U (N){common and f', {common}'}",
-            "Breakaway ± U (bar)",
-            "Efficiency ± U (%)",
-        ),
-    )
-    return table((WHO[0], *WHO[2:], *head), rows)
-
-
-def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
-    if estimate is None:
-        return Cell(NONE)
-    half = None if estimate.u95 is None else scale * estimate.u95
-    return Cell(with_interval(scale * estimate.value, half), FLAGS[estimate.basis])
-
-
-def _as_pressure(estimate: HeadlineNumber | None, scale: float) -> Cell:
-    """Return a force as a pressure; its flag is beside the force."""
-    return Cell(_cell(estimate, scale).text)
-
-
-def _without_one_trial(cell: Cell) -> Cell:
-    """Return a cell without the flag that the column of the trials has."""
-    return Cell(cell.text) if cell.flag == FLAGS["one_trial"] else cell
-
-
-def _breakaway(series: HeadlineSeries) -> Cell:
-    """Return breakaway with the rest that it was measured after, or what else it is."""
-    cell = _cell(series.breakaway_n)
-    if series.breakaway_dwell_s is None:
-        return cell
-    return Cell(f"{cell.text} {_breakaway_remark(series)}")
-
-
-def _breakaway_remark(series: HeadlineSeries) -> str:
-    """Return after which rest breakaway was measured, or how else it was determined."""
-    if series.breakaway_dwell_s is not None:
-        return f"after {short(series.breakaway_dwell_s)} s at rest"
-    return "" if series.breakaway_n is None else FLAGS[series.breakaway_n.basis]
-
-
-def _common_remark(series: Sequence[HeadlineSeries]) -> str:
-    """Return the remark that breakaway has in all of several series; else empty."""
-    remarks = [_breakaway_remark(each) for each in series if each.breakaway_n is not None]
-    return remarks[0] if len(remarks) > 1 and len(set(remarks)) == 1 else ""
-
-
-def _trials(estimate: HeadlineNumber | None) -> str:
-    if estimate is not None and estimate.basis == "one_trial":
-        return FLAGS["one_trial"]
-    return "" if estimate is None or estimate.ci95 is None else f"±{half_width(estimate.ci95)}"
-
-
 def _measured(results: Results) -> str:
     """Return runs, speeds, loads and directions in a sentence."""
     kinds = Counter(KINDS[run.run.plan.kind] for run in results.runs)
     counts = ", ".join(kind.counted(count) for kind, count in kinds.items()) or "none"
-    of_all = f"{len(results.runs)} {plural(len(results.runs), 'run', 'runs')}"
+    of_all = counted(len(results.runs), "run")
     runs = f"{of_all} ({counts})"
     if len(kinds) == 1:
         (kind,) = kinds
@@ -321,8 +230,7 @@ def _measured(results: Results) -> str:
             phrases.append(f"steady {speeds}")
         loads = {abs(c.f_load_n) for c in curves if c.f_load_n is not None}
         if loads:
-            count = "1 load" if len(loads) == 1 else f"{len(loads)} loads"
-            phrases.append(f"{count} of {span(loads)} N")
+            phrases.append(f"{counted(len(loads), 'load')} of {span(loads)} N")
         both = len({curve.direction for curve in curves}) == 2
         phrases.append("both directions" if both else "one direction")
         if not any(curve.over_velocity for curve in curves):
@@ -339,5 +247,5 @@ def _not_accepted(results: Results) -> str:
     aborted = sum(is_aborted(run) for run in results.runs)
     rejected = sum(not run.accepted for run in results.runs) - aborted
     counts = ((aborted, "interrupted"), (rejected, "rejected"))
-    parts = [f"{count} {'was' if count == 1 else 'were'} {how}" for count, how in counts if count]
+    parts = [f"{count} {plural(count, 'was', 'were')} {how}" for count, how in counts if count]
     return " and ".join(parts)
