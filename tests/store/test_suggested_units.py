@@ -1,0 +1,36 @@
+"""Units of a suggested map where a logger states none."""
+
+import numpy as np
+import pytest
+
+from hbench.config.files.yaml_text import parse_yaml
+from hbench.store.suggesting.suggest import suggest_map
+from tests.support.strokes import one_stroke
+
+
+def columns_of(folder, *, length_m, pressure_pa, force_n, name="{v:g}mm_s_{load:g}N_{trial}.csv"):
+    """Return the columns of the map suggested for logs in other units, which no header states."""
+    for v, load, trial in ((v, f, i) for v in (20, 60) for f in (2000, 5000) for i in (1, 2)):
+        run = one_stroke(v / 1e3, float(load), seed=trial)
+        pressures = run["p_tp_pa"] / pressure_pa, run["p_tr_pa"] / pressure_pa
+        rows = (run["t_s"], run["x_m"] / length_m, *pressures, run["f_applied_n"] / force_n)
+        file = folder / name.format(v=v, load=load, trial=trial)
+        np.savetxt(file, np.transpose(rows), "%.6g", ",", header="t,x,pA,pB,F", comments="")
+    return parse_yaml(suggest_map(folder).text)["columns"]
+
+
+@pytest.mark.parametrize(
+    ("length", "length_m", "force", "force_n"),
+    [("in", 0.0254, "lbf", 4.44822), ("m", 1.0, "kgf", 9.80665), ("mm", 1e-3, "kN", 1e3)],
+)
+def test_units_are_those_of_the_speeds_and_loads_in_the_names(
+    tmp_path, length, length_m, force, force_n
+):
+    columns = columns_of(tmp_path, length_m=length_m, pressure_pa=1e5, force_n=force_n)
+    assert columns["x_m"]["unit"] == length
+    assert columns["f_applied_n"]["unit"] == force
+
+
+def test_a_pressure_beside_inches_is_in_psi(tmp_path):
+    columns = columns_of(tmp_path, length_m=0.0254, pressure_pa=6894.76, force_n=4.44822)
+    assert [columns[channel]["unit"] for channel in ("p_tp_pa", "p_tr_pa")] == ["psi", "psi"]
