@@ -308,6 +308,14 @@ def test_filtered_columns_that_are_left_out_are_reported(logs):
     assert "left out: F_filtered [N] (filtered)" in text
 
 
+def test_columns_of_a_matrix_are_other_signals(logs):
+    run = there_and_back(0.05, 1000.0)
+    savemat(logs / "a.mat", {"M": np.column_stack(list(run.values()))})
+    suggestion = suggest_map(logs)
+    assert parse_yaml(suggestion.text)["columns"]["x_m"]["column"] == "M(:,2)"
+    assert not any("left out" in note for note in suggestion.notes)
+
+
 def test_a_suggested_map_is_refused_until_it_is_filled_in(logs):
     np.savetxt(logs / "a.csv", np.column_stack(list(one_stroke(0.05, 0).values())), delimiter=",")
     rules = parse_yaml(suggest_map(logs).text)
@@ -343,6 +351,8 @@ def test_signals_show_what_they_are():
     force = 100 * np.sign(v) + np.random.default_rng(0).standard_normal(len(t))
     assert velocity_factor(t, 1e3 * x, v + 0.001) == pytest.approx(1e3, rel=0.01)
     assert velocity_factor(t, force, v) is None
+    back_pressure = 6 + 20 * v  # bar, behind an orifice
+    assert velocity_factor(t, 1e3 * x, back_pressure) is None
     assert roughness(t, x) < 0.1 < roughness(t, force)
     assert are_proportional(force, 5 - 0.01 * force) and not are_proportional(force, x)
 
