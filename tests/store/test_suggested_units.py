@@ -1,11 +1,11 @@
-"""Units of a suggested map where a logger states none."""
+"""Units and speeds of a suggested map where neither logger nor names state them."""
 
 import numpy as np
 import pytest
 
 from hbench.config.files.yaml_text import parse_yaml
 from hbench.store.suggesting.suggest import suggest_map
-from tests.support.strokes import one_stroke
+from tests.support.strokes import one_stroke, there_and_back
 
 
 def columns_of(folder, *, length_m, pressure_pa, force_n, name="{v:g}mm_s_{load:g}N_{trial}.csv"):
@@ -34,3 +34,30 @@ def test_units_are_those_of_the_speeds_and_loads_in_the_names(
 def test_a_pressure_beside_inches_is_in_psi(tmp_path):
     columns = columns_of(tmp_path, length_m=0.0254, pressure_pa=6894.76, force_n=4.44822)
     assert [columns[channel]["unit"] for channel in ("p_tp_pa", "p_tr_pa")] == ["psi", "psi"]
+
+
+@pytest.mark.parametrize(
+    ("name", "files"),
+    [
+        ("log_{v}_{trial}.csv", "log_{speed}_{trial}.csv"),
+        ("{trial}-{v}-NBR.csv", "{trial}-{speed}-NBR.csv"),
+        ("Versuch_{v}_{trial}.csv", "Versuch_{speed}_{trial}.csv"),
+        ("[{v}] 50% (neu)/Lauf #{trial} ü.csv", "[{speed}] 50% (neu)/Lauf #{trial} ü.csv"),
+        ("{code}_{trial}.csv", None),
+    ],
+)
+def test_a_number_in_the_names_that_is_the_measured_speed_is_the_speed(tmp_path, name, files):
+    """A code of another order than the speeds is none: its files stay apart."""
+    for v, code in ((20, 7), (50, 60), (90, 20)):
+        for trial in (1, 2):
+            run = there_and_back(v / 1e3, 2000.0, seed=v + trial, cycles=1)
+            rows = run["t_s"], run["x_m"], run["p_tp_pa"], run["p_tr_pa"], run["f_applied_n"]
+            file = tmp_path / name.format(v=v, trial=trial, code=code)
+            file.parent.mkdir(exist_ok=True)
+            np.savetxt(file, np.transpose(rows), "%.6g", ",", header="t,x,pA,pB,F", comments="")
+    series = parse_yaml(suggest_map(tmp_path).text)["series"]
+    if files is None:
+        assert not any("{speed}" in each["files"] for each in series)
+    else:
+        assert [each["files"] for each in series] == [files]
+        assert series[0]["speed_unit"] == "mm/s"

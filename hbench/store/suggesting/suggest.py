@@ -12,7 +12,7 @@ from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.import_layout import LIMITS
 from hbench.config.import_map import UNFILLED, ImportMap, parse_import_map
 from hbench.errors import DataError, HbenchError
-from hbench.motion.plateaus import Plateau, plateaus
+from hbench.motion.plateaus import plateaus
 from hbench.store.importing.file_matches import FileMatch, match_files
 from hbench.store.importing.file_notes import listed
 from hbench.store.importing.importer import check_source
@@ -21,8 +21,13 @@ from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.duplicates import duplicates
 from hbench.store.suggesting.factors import column_factors
-from hbench.store.suggesting.file_names import NamePattern, joined_holds, name_patterns
-from hbench.store.suggesting.force_balance import ForceBalance, force_balance
+from hbench.store.suggesting.file_names import (
+    NamePattern,
+    joined_holds,
+    name_patterns,
+    with_speeds,
+)
+from hbench.store.suggesting.force_balance import balance_signed, drive_signed, force_balance
 from hbench.store.suggesting.map_yaml.map_text import map_text
 from hbench.store.suggesting.map_yaml.suggested_map import (
     SuggestedMap,
@@ -80,6 +85,9 @@ def suggest_map(folder: Path) -> Suggestion:
     suggested = _suggested_map(folder, list(files.values()), alike, len(names))
     if suggested.motion is None:
         joined = joined_holds(alike, names)
+    else:
+        joined = with_speeds(alike, names, suggested.speeds_m_s)
+    if {pattern.files for pattern in joined} != {pattern.files for pattern in alike}:
         patterns = [*(pattern for pattern in patterns if pattern not in alike), *joined]
         suggested = _suggested_map(folder, list(files.values()), joined, len(names))
     suggested = _verified(folder, suggested, patterns, faults)
@@ -162,7 +170,7 @@ def _suggested_map(
     channels = [_channels(i, time, choices) for i in range(len(files))]
     steady = [plateaus(c["t_s"], c["x_m"]) if c else [] for c in channels]
     balance = force_balance(channels, steady)
-    choices = _signed(_drive_signed(choices, channels, steady), balance)
+    choices = balance_signed(drive_signed(choices, channels, steady), balance)
     factors = column_factors(columns, files[0].units)
     series = []
     for pattern in alike:
@@ -178,6 +186,10 @@ def _suggested_map(
     return SuggestedMap(
         folder=folder.resolve().name,
         files=tuple(file.name for file in files),
+        speeds_m_s={
+            file.name: tuple(abs(plateau.v_m_s) for plateau in found)
+            for file, found in zip(files, steady, strict=True)
+        },
         count=count,
         format_name=files[0].format_name,
         layout=None if files[0].dialect is None else files[0].dialect.layout,
@@ -222,54 +234,6 @@ def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[s
     t = t_s[known]
     later = np.concatenate(([True], np.diff(t) > 0)) if len(t) else np.zeros(0, dtype=bool)
     return {"t_s": t[later], **{key: y[known][later] for key, y in values.items()}}
-
-
-def _signed(choices: dict[str, Choice], balance: ForceBalance) -> dict[str, Choice]:
-    """Turn the signs that contradict the balance of forces."""
-    out = dict(choices)
-    why = f"sign by the balance of forces in {balance.sections} sections"
-    for sign, channels in (
-        (balance.force_sign, ("f_applied_n",)),
-        (balance.position_sign, ("x_m", "v_m_s", "v_ref_m_s")),
-    ):
-        for channel in channels if sign else ():
-            choice = out.get(channel)
-            if choice is not None and choice.scale is not None:
-                out[channel] = replace(
-                    choice, scale=float(sign) * choice.scale, reason=f"{choice.reason}; {why}"
-                )
-    if {"x_m", "p_tp_pa", "f_applied_n"} <= out.keys():
-        for sign, channel in ((balance.position_sign, "x_m"), (balance.force_sign, "f_applied_n")):
-            choice = out[channel]
-            if not sign and choice.column.name != channel:
-                reason = f"{choice.reason}; the balance of forces does not determine its sign"
-                out[channel] = replace(choice, certainty=GUESS, reason=reason)
-    if balance.chambers_swapped:
-        warning = "check: by the balance of forces p_tr_pa acts on the larger area"
-        for channel in ("p_tp_pa", "p_tr_pa"):
-            choice = out[channel]
-            out[channel] = replace(choice, certainty=GUESS, reason=f"{choice.reason}; {warning}")
-    return out
-
-
-def _drive_signed(
-    choices: dict[str, Choice],
-    channels: Sequence[Mapping[str, np.ndarray]],
-    steady: Sequence[Sequence[Plateau]],
-) -> dict[str, Choice]:
-    """Turn the sign of a drive's force that acts against the motion at constant speed."""
-    choice = choices.get("f_drive_n")
-    means: dict[bool, list[float]] = {True: [], False: []}
-    for file, sections in zip(channels, steady, strict=True):
-        for plateau in sections if "f_drive_n" in file else ():
-            mean = float(np.nanmean(file["f_drive_n"][plateau.section]))
-            means[plateau.v_m_s > 0].append(mean)
-    if choice is None or not all(means.values()):
-        return choices
-    if np.mean(means[True]) >= np.mean(means[False]):
-        return choices
-    reason = f"{choice.reason}; sign by the friction, which opposes the motion"
-    return choices | {"f_drive_n": replace(choice, scale=-1.0, reason=reason)}
 
 
 def _verified(
