@@ -61,3 +61,13 @@ def test_a_number_in_the_names_that_is_the_measured_speed_is_the_speed(tmp_path,
     else:
         assert [each["files"] for each in series] == [files]
         assert series[0]["speed_unit"] == "mm/s"
+
+
+def test_the_unit_of_a_speed_in_the_names_is_that_of_the_motion(tmp_path):
+    for v in (0.02, 0.05, 0.09):
+        run = there_and_back(v, 2000.0, cycles=1)
+        rows = run["t_s"], 1e3 * run["x_m"], run["p_tp_pa"], run["p_tr_pa"], run["f_applied_n"]
+        file = tmp_path / f"v{v}.csv"
+        np.savetxt(file, np.transpose(rows), "%.6g", ",", header="t,x,pA,pB,F", comments="")
+    (series,) = parse_yaml(suggest_map(tmp_path).text)["series"]
+    assert (series["files"], series["speed_unit"]) == ("v{speed}.csv", "m/s")

@@ -165,15 +165,15 @@ def numbers_in(name: str) -> Iterator[NameNumber]:
 def number_fields(similar: SimilarNames, speeds_m_s: MeasuredSpeeds) -> dict[int, Field]:
     """Return the fields of the numbers that are one, by their position in the name.
 
-    A unit is more certain than a word, both more than a measured speed, and this more than the
-    place of a trial. No two numbers are the same field: the first counts.
+    A unit is more certain than a measured speed, this more than a word, and all more than the place
+    of a trial. No two numbers are the same field: the first counts.
     """
     fields: dict[int, Field] = {}
     for i, field in (
         *_by_units(similar),
+        *_by_motion(similar, speeds_m_s),
         *_by_words(similar),
         *_factors(similar),
-        *_by_motion(similar, speeds_m_s),
     ):
         if i not in fields and all(field.name != taken.name for taken in fields.values()):
             fields[i] = field

@@ -87,7 +87,7 @@ def suggest_map(folder: Path) -> Suggestion:
         joined = joined_holds(alike, names)
     else:
         joined = with_speeds(alike, names, suggested.speeds_m_s)
-    if {pattern.files for pattern in joined} != {pattern.files for pattern in alike}:
+    if [(p.files, p.units) for p in joined] != [(p.files, p.units) for p in alike]:
         patterns = [*(pattern for pattern in patterns if pattern not in alike), *joined]
         suggested = _suggested_map(folder, list(files.values()), joined, len(names))
     suggested = _verified(folder, suggested, patterns, faults)
