@@ -71,3 +71,14 @@ def test_the_unit_of_a_speed_in_the_names_is_that_of_the_motion(tmp_path):
         np.savetxt(file, np.transpose(rows), "%.6g", ",", header="t,x,pA,pB,F", comments="")
     (series,) = parse_yaml(suggest_map(tmp_path).text)["series"]
     assert (series["files"], series["speed_unit"]) == ("v{speed}.csv", "m/s")
+
+
+@pytest.mark.parametrize(("unit", "reading"), [("degC", 40.0), ("degF", 104.0), ("K", 313.15)])
+def test_the_unit_of_an_oil_temperature_is_that_of_a_usual_one(tmp_path, unit, reading):
+    run = there_and_back(0.05, 2000.0, cycles=1)
+    oil = reading + 0.1 * np.sin(run["t_s"])
+    rows = run["t_s"], run["x_m"], run["p_tp_pa"], run["p_tr_pa"], run["f_applied_n"], oil
+    header = "t,x,pA,pB,F,oil temp"
+    np.savetxt(tmp_path / "a.csv", np.transpose(rows), "%.6g", ",", header=header, comments="")
+    columns = parse_yaml(suggest_map(tmp_path).text)["columns"]
+    assert columns["temp_tank_k"] == {"column": "oil temp", "unit": unit}

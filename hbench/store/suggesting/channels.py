@@ -51,6 +51,7 @@ _USUAL_UNITS: dict[Quantity, str] = {
     "temperature": "degC",
 }
 _SMOOTH = 0.1  # roughness of a position
+_HOT_DEGC, _COLD_K = 90.0, 230.0  # hydraulic oil is colder, and warmer
 _BORES_M = (0.004, 1.0)  # of cylinders, to choose the unit of a force
 
 
@@ -149,8 +150,14 @@ def _points(column: SampleColumn, channel: str, group: frozenset[str]) -> float:
 
 def _is_plausible(column: SampleColumn) -> bool:
     """Return whether all values are possible temperatures of an oil."""
-    known = parse_unit(column.unit or "degC").to_si(column.known)
+    known = parse_unit(column.unit or _temperature_unit(column)).to_si(column.known)
     return len(known) > 0 and LEAST["K"] <= known.min() and known.max() <= LIMITS["K"]
+
+
+def _temperature_unit(column: SampleColumn) -> str:
+    """Return the unit in which the values are usual temperatures of an oil."""
+    median = float(np.median(column.known)) if len(column.known) else 0.0
+    return "K" if median > _COLD_K else "degF" if median > _HOT_DEGC else "degC"
 
 
 def _travel(column: SampleColumn) -> float:
@@ -281,6 +288,8 @@ def _assumed(
         highest = max((_largest_si(choice) for choice in pressures), default=0.0)
         smallest_n = np.pi / 4 * _BORES_M[0] ** 2 * highest
         return ("kN" if largest < smallest_n else "N"), "assumed from its range"
+    if _QUANTITIES[channel] == "temperature":
+        return _temperature_unit(column), "assumed from its range"
     return _USUAL_UNITS[_QUANTITIES[channel]], "assumed"
 
 
