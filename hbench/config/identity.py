@@ -11,6 +11,8 @@ _LONGEST = 200  # characters
 
 
 def _as_text(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("yes and no, true and false are read as no text: put them between quotes")
     if isinstance(value, (int, float)):
         raise ValueError("is read as a number, which may change it (007): put it between quotes")
     return str(value) if isinstance(value, date) else value

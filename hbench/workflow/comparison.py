@@ -13,6 +13,7 @@ from hbench.analysis.summary.run_clock import RunClock
 from hbench.config.setup import Setup
 from hbench.errors import DataError
 from hbench.records import CampaignDifferences
+from hbench.records.fleet.campaign_names import distinct_names
 from hbench.report.comparison.figures import draw_differences
 from hbench.report.comparison.text import differences_json, differences_page
 from hbench.report.render.figures import figure_files
@@ -77,8 +78,10 @@ def compare(
     logs = [measurements(each.latest) for each in (campaign_a, campaign_b)]
     if same := len(logs[0] & logs[1]):
         notes = (_SAME_LOGS.format(count=same, of=len(logs[0])), *notes)
+    paths = str(a.resolve()), str(b.resolve())
+    names = distinct_names(list(dict.fromkeys(paths)))
     return CampaignDifferences(
-        (a.resolve().name, b.resolve().name),
+        (names[paths[0]], names[paths[1]]),
         results_a.provenance,
         results_b.provenance,
         (results_a.quality, results_b.quality),

@@ -653,6 +653,13 @@ def test_not_tested_states_which_value_of_the_limit_was_not_measured(small, limi
     assert (check.decision, check.causes, check.reason) == ("NOT TESTED", causes, reason)
 
 
+def test_not_tested_states_the_series_that_were_measured(small):
+    curves = tuple(replace(curve, label="NBR") for curve in small.curves)
+    limit = {"quantity": "friction", "max": "900 N", "label": "nbr"}
+    (check,) = checks(replace(small, curves=curves), limit)
+    assert check.reason == "only other series were measured: NBR extending, NBR retracting"
+
+
 def test_not_tested_states_that_speed_and_load_were_not_measured_together(small):
     """The larger loads are without their points above 50 mm/s."""
     curves = tuple(

@@ -5,7 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hbench.analysis.summary.force_checks import equal_directions, load_balance, load_share
+from hbench.analysis.summary.force_checks import (
+    direction_notes,
+    equal_directions,
+    load_balance,
+    load_share,
+)
 
 SPEEDS = np.geomspace(5e-3, 0.2, 40)  # steps of a tenth
 CLOSE = np.arange(0.1, 0.2, 0.004)  # steps within 5 % of each other
@@ -94,3 +99,15 @@ def test_a_constant_force_in_the_loops_of_triangles_is_found(offset_n, grade):
     assert (check.grade, check.count, check.of) == (grade, 2, 2)
     assert check.value == pytest.approx(abs(offset_n))
     assert not list(equal_directions((), [loop(20.0)]))
+
+
+@pytest.mark.parametrize(("load_n", "beside"), [(4000.0, ""), (272.0, "1.3 times"), (0.0, "")])
+def test_friction_of_one_direction_beyond_the_load_is_noted(load_n, beside):
+    """Such as 272 kgf read as N; a test without load has no such note."""
+    alone = [c for c in curves([load_n], speeds=[0.05, 0.1, 0.12]) if c.direction == "extend"]
+    for curve in alone if not load_n else ():
+        for point in curve.points:
+            point.f_applied_n = 0.0
+    (note,) = direction_notes(alone)
+    assert ("times the applied force" in note) is bool(beside)
+    assert beside in note

@@ -54,3 +54,11 @@ def test_campaigns_without_a_common_curve_are_refused_with_what_each_has(tmp_pat
     assert isinstance(error, DataError)
     assert str(SAMPLE) in error.message and str(other) in error.message
     assert "50001 N" in error.message or "5000 N" in error.message
+
+
+def test_campaigns_in_folders_of_one_name_are_named_by_their_paths(tmp_path):
+    for cylinder in ("cylinder-1", "cylinder-2"):
+        shutil.copytree(SAMPLE, tmp_path / cylinder / "imported")
+    result = run(tmp_path / "cylinder-1" / "imported", tmp_path / "cylinder-2" / "imported")
+    text = " ".join(result.stdout.split())
+    assert "A: cylinder-1/imported" in text and "B: cylinder-2/imported" in text

@@ -363,3 +363,22 @@ def test_a_limit_that_cannot_be_read_is_named_with_its_value(value):
     limits = {"limits": [{"quantity": "friction", "max": value}]}
     with pytest.raises(ConfigError, match=rf"limits\.0: max = '{value}': "):
         parse_limits(limits, "limits.yaml")
+
+
+def test_a_limit_without_a_unit_has_no_hint_on_lists():
+    with pytest.raises(ConfigError, match="write for example '350 N'") as caught:
+        parse_limits({"limits": [{"quantity": "friction", "max": 350}]}, "limits.yaml")
+    assert "list" not in caught.value.hint
+
+
+def test_keys_in_place_of_a_limit_are_named():
+    limits = {"limits": [{"quantity": "friction", "max": {"extend": "3 N", "retract": "4 N"}}]}
+    with pytest.raises(ConfigError, match=r"max: must be one value; it has the keys 'extend, ret"):
+        parse_limits(limits, "limits.yaml")
+
+
+def test_a_serial_that_yaml_reads_as_a_truth_value_is_no_number():
+    data = read_yaml(CONFIGS / "import-csv.yaml")
+    with pytest.raises(ConfigError, match=r"specimen\.serial = False: yes and no") as caught:
+        parse_import_map(changed(data, "specimen", {"serial": False}), "map.yaml")
+    assert "number" not in caught.value.message

@@ -225,3 +225,18 @@ def test_travel_without_constant_speed_is_noted_where_a_run_is_made_of_each_plat
     assert [float(share) for share in shares] == pytest.approx(
         [100 * left_out] * bool(left_out), abs=3
     )
+
+
+def test_minutes_taken_as_seconds_are_refused_with_the_travel_and_its_time(
+    rules, import_by, tmp_path
+):
+    t_min = np.arange(0, 6, 0.01) / 60
+    x_mm = 10 + 60 * np.clip(60 * t_min - 1, 0, 4)
+    (tmp_path / "logs").mkdir()
+    table = np.column_stack([t_min, x_mm, 5 + 0 * x_mm])
+    np.savetxt(tmp_path / "logs/a.csv", table, "%.9f", ",", header="t,x,p", comments="")
+    units = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+    rules["columns"] = {c: {"column": n, "unit": u} for c, (n, u) in units.items()}
+    with pytest.raises(DataError, match=r"travels 240 mm in 0\.0998 s") as caught:
+        import_by(rules | {"cut": "plateaus"}, tmp_path / "logs")
+    assert "units of t_s and x_m" in caught.value.hint

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
 
 from hbench import workflow
@@ -15,7 +16,7 @@ from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
 from hbench.motion.plateaus import plateaus
-from hbench.store.formats import opening
+from hbench.store.formats import arrays, opening
 from hbench.store.suggesting.force_balance import force_balance
 from hbench.store.suggesting.signals import are_proportional, roughness, velocity_factor
 from hbench.store.suggesting.suggest import suggest_map
@@ -308,6 +309,14 @@ def test_filtered_columns_that_are_left_out_are_reported(logs):
     assert "left out: F_filtered [N] (filtered)" in text
 
 
+def test_columns_of_a_matrix_are_other_signals(logs):
+    run = there_and_back(0.05, 1000.0)
+    savemat(logs / "a.mat", {"M": np.column_stack(list(run.values()))})
+    suggestion = suggest_map(logs)
+    assert parse_yaml(suggestion.text)["columns"]["x_m"]["column"] == "M(:,2)"
+    assert not any("left out" in note for note in suggestion.notes)
+
+
 def test_a_suggested_map_is_refused_until_it_is_filled_in(logs):
     np.savetxt(logs / "a.csv", np.column_stack(list(one_stroke(0.05, 0).values())), delimiter=",")
     rules = parse_yaml(suggest_map(logs).text)
@@ -343,6 +352,8 @@ def test_signals_show_what_they_are():
     force = 100 * np.sign(v) + np.random.default_rng(0).standard_normal(len(t))
     assert velocity_factor(t, 1e3 * x, v + 0.001) == pytest.approx(1e3, rel=0.01)
     assert velocity_factor(t, force, v) is None
+    back_pressure = 6 + 20 * v  # bar, behind an orifice
+    assert velocity_factor(t, 1e3 * x, back_pressure) is None
     assert roughness(t, x) < 0.1 < roughness(t, force)
     assert are_proportional(force, 5 - 0.01 * force) and not are_proportional(force, x)
 
@@ -455,6 +466,19 @@ def test_a_column_that_cannot_be_read_is_reported_with_its_line(logs):
     notes = " ".join(suggest_map(logs).notes)
     assert "p_tp_pa: column 'Pressure A [bar]' can't be read: a.csv: line 9" in notes
     assert "'1.#INF'" in notes
+
+
+def test_a_channel_beyond_the_memory_is_reported_with_what_to_do(logs, monkeypatch):
+    monkeypatch.setattr(arrays, "LARGEST_UNPACKED", 8 * 1000)
+    run = one_stroke(0.05, 2000.0, 1)
+    with TdmsWriter(logs / "a.tdms") as file:
+        step = {"wf_increment": 0.01, "wf_start_offset": 0.0}
+        names = {"x [m]": "x_m", "pA [Pa]": "p_tp_pa", "pB [Pa]": "p_tr_pa", "F [N]": "f_applied_n"}
+        channels = [ChannelObject("g", name, run[key], step) for name, key in names.items()]
+        file.write_segment(channels)
+    notes = " ".join(suggest_map(logs).notes)
+    assert "'F [N]' can't be read: a.tdms: the mapped channels take more than" in notes
+    assert "Map fewer channels, or split the file." in notes
 
 
 def test_times_that_go_back_are_reported_with_their_values(logs):

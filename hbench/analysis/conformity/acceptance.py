@@ -14,10 +14,17 @@ from hbench.analysis.conformity.measured import (
 )
 from hbench.analysis.conformity.rejected import rejected_points
 from hbench.records import DIRECTION_WORDS, Results
-from hbench.records.conformity.acceptance import ConformityCheck, Requirement, Rule, UntestedCause
+from hbench.records.conformity.acceptance import (
+    ConformityCheck,
+    Measurement,
+    Requirement,
+    Rule,
+    UntestedCause,
+)
 from hbench.records.rod_pressure import SeriesKey, series_key
 from hbench.units import from_si
 
+_LISTED = 4  # series of a reason
 _Reason = tuple[str, tuple[UntestedCause, ...]]  # in words and as codes
 _NOT_MEASURED = {
     "friction": "no accepted steady runs",
@@ -121,7 +128,15 @@ def _why_not(results: Results, requirement: Requirement) -> _Reason:
     stated = [name for limit, name, *_ in asked if limit is not None]
     if len(stated) > 1 and requirement.label is None and requirement.direction is None:
         return f"{' and '.join(stated)} were measured, but not together", ("combination",)
-    return "only other series were measured", ("series",)
+    series = dict.fromkeys(_series(each) for each in others)
+    few = [*list(series)[:_LISTED], *["..."] * (len(series) > _LISTED)]
+    return f"only other series were measured: {', '.join(few)}", ("series",)
+
+
+def _series(measured: Measurement) -> str:
+    """Return the label and the direction of a measurement."""
+    direction = DIRECTION_WORDS[measured.direction] if measured.direction else ""
+    return f"{measured.label} {direction}".strip()
 
 
 def _nearest(limit: float, values: list[float], unit: str) -> str:

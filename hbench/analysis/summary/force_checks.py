@@ -192,7 +192,8 @@ def constant_force(curves: Iterable[Curve]) -> Iterator[QualityCheck]:
 def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
     """Yield the size of that force with the friction that is free of it, or why none is known.
 
-    Also a change with the load that is small for the load, and not for friction.
+    Also friction of one direction that exceeds the load, and a change with the load that is small
+    for the load, and not for friction.
     """
     curves = tuple(curves)
     directions = {curve.direction for curve in curves if curve.points}
@@ -200,7 +201,7 @@ def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
         yield (
             f"directions: only {DIRECTION_WORDS[directions.pop()]} runs. A wrong diameter, a zero "
             "offset or a weight that is not measured is then a part of friction that no check "
-            "shows. Measure both directions"
+            f"shows. {_beside_load(curves)}Measure both directions"
         )
     elif (mean := _constant_force(curves)) is not None:
         yield (
@@ -219,6 +220,20 @@ def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
             "load in one direction does the same. Half the difference of both directions is free "
             "of it"
         )
+
+
+def _beside_load(curves: Iterable[Curve]) -> str:
+    """Return a sentence on friction that is larger than the applied force at every point."""
+    points = [point for curve in curves for point in curve.points]
+    if any(abs(point.friction_n) <= abs(point.f_applied_n) for point in points):
+        return ""
+    if not all(point.f_applied_n for point in points):
+        return ""  # no load
+    times = median(abs(point.friction_n / point.f_applied_n) for point in points)
+    return (
+        f"Friction is {times:.2g} times the applied force (median): if the test was made under a "
+        "load, check the units of the pressures and of the force. "
+    )
 
 
 def _constant_force(curves: Iterable[Curve]) -> _Directions | None:

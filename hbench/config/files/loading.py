@@ -218,6 +218,8 @@ def _explain(
     value = fault["input"]
     if fault["type"] == "string_type" and isinstance(value, (bool, int, float, date)):
         message += "; put it in quotes" + ("" if isinstance(value, bool) else f': "{value}"')
+    if fault["type"] == "string_type" and isinstance(value, dict):
+        message = f"must be one value; it has the keys {brief(', '.join(map(str, value)))}"
     if fault["type"] == "tuple_type" and isinstance(value, str):
         message = f"must be a list: [{brief(value)[1:-1]}]"
     if fault["type"] == "unknown_kind" and isinstance(value, dict):
@@ -258,7 +260,9 @@ def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
 def _hint(faults: list["ErrorDetails"]) -> str:
     if any(fault["type"] == "extra_forbidden" for fault in faults):
         return "Correct or remove the key; see the commented examples."
-    without_unit = (fault for fault in faults if "has no unit" in fault["msg"])
-    if any(isinstance(key, int) for fault in without_unit for key in fault["loc"][-1:]):
+    of_values = (
+        f for f in faults if "has no unit" in f["msg"] and not isinstance(f["input"], dict)
+    )
+    if any(isinstance(key, int) for fault in of_values for key in fault["loc"][-1:]):
         return "Separate the values of a list by commas, each with its unit: [0.5 kN, 5 kN]."
     return ""

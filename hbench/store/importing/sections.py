@@ -149,8 +149,10 @@ def _at_plateaus(
     if not constant:
         raise DataError(
             f"{source}: holds no constant speed over min_stroke = {1e3 * rules.min_stroke:g} mm "
-            f"and min_window = {rules.screening.min_window:g} s",
-            "Reduce 'min_stroke' or 'screening.min_window' in the map.",
+            f"and min_window = {rules.screening.min_window:g} s; it travels "
+            f"{1e3 * np.ptp(x_m):.3g} mm in {t_s[-1] - t_s[0]:.3g} s",
+            "Check the units of t_s and x_m in the map, or reduce 'min_stroke' or "
+            "'screening.min_window'.",
         )
     starts = [0, *(plateau.section.stop for plateau in constant[:-1])]
     sections = tuple(

@@ -8,6 +8,7 @@ import numpy as np
 from hbench.channels import CHANNELS
 from hbench.config.import_layout import LEAST, LIMITS
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
+from hbench.store.suggesting.nominal_values import Fields, unit_of_levels, unit_of_travel
 from hbench.store.suggesting.quantities import Quantity, quantity_of
 from hbench.store.suggesting.samples import SampleColumn
 from hbench.store.suggesting.signals import (
@@ -50,19 +51,19 @@ _USUAL_UNITS: dict[Quantity, str] = {
     "temperature": "degC",
 }
 _SMOOTH = 0.1  # roughness of a position
-_NEAR_NOMINAL = 0.15  # of a nominal value in a file's name
+_HOT_DEGC, _COLD_K = 90.0, 230.0  # hydraulic oil is colder, and warmer
 _BORES_M = (0.004, 1.0)  # of cylinders, to choose the unit of a force
 
 
 def choose_channels(
     columns: Sequence[SampleColumn],
     time: TimeChoice,
-    fields: Sequence[Mapping[str, float]],
+    fields: Fields,
 ) -> dict[str, Choice]:
     """Return the column of each channel that is found.
 
     ``fields`` are the values in SI in the name of each file: a column without a name that has
-    these values is that quantity.
+    these values is that quantity, and one without a unit has that in which it has these values.
     """
     free = [c for c in columns if not c.is_date_time]
     if time.choice is not None:
@@ -77,12 +78,10 @@ def choose_channels(
     unnamed = [c for c in free if c.key not in taken and not c.name]
     if not _one_each(unnamed):  # else they may be pressures
         chosen = _with_drive(chosen, fields)
-    return _with_units(chosen, time)
+    return _with_units(chosen, time, fields)
 
 
-def _with_drive(
-    chosen: dict[str, Choice], fields: Sequence[Mapping[str, float]]
-) -> dict[str, Choice]:
+def _with_drive(chosen: dict[str, Choice], fields: Fields) -> dict[str, Choice]:
     """Take a force as that of the drive where there is no pressure, and only there."""
     out = dict(chosen)
     is_rotary = "x_m" in chosen and chosen["x_m"].unit in ANGLES
@@ -151,8 +150,14 @@ def _points(column: SampleColumn, channel: str, group: frozenset[str]) -> float:
 
 def _is_plausible(column: SampleColumn) -> bool:
     """Return whether all values are possible temperatures of an oil."""
-    known = parse_unit(column.unit or "degC").to_si(column.known)
+    known = parse_unit(column.unit or _temperature_unit(column)).to_si(column.known)
     return len(known) > 0 and LEAST["K"] <= known.min() and known.max() <= LIMITS["K"]
+
+
+def _temperature_unit(column: SampleColumn) -> str:
+    """Return the unit in which the values are usual temperatures of an oil."""
+    median = float(np.median(column.known)) if len(column.known) else 0.0
+    return "K" if median > _COLD_K else "degF" if median > _HOT_DEGC else "degC"
 
 
 def _travel(column: SampleColumn) -> float:
@@ -194,14 +199,15 @@ def _one_each(columns: Sequence[SampleColumn]) -> list[SampleColumn]:
 def _by_data(
     columns: list[SampleColumn],
     time: TimeChoice,
-    fields: Sequence[Mapping[str, float]],
+    fields: Fields,
     chosen: Mapping[str, Choice],
 ) -> dict[str, Choice]:
     """Choose columns without a known name by what they do."""
     found: dict[str, Choice] = {}
     for channel, field in (("p_tp_pa", "pressure"), ("f_applied_n", "load")):
         for column in columns if channel not in chosen else []:
-            if unit := _unit_of_nominal(column, _QUANTITIES[channel], field, fields):
+            unit = unit_of_levels(column, _QUANTITIES[channel], field, fields)
+            if unit and len({values[field] for values in fields}) > 1:
                 reason = f"has the {field} in the file names"
                 found[channel] = Choice(column, unit, False, LIKELY, reason)
     rest = [c for c in columns if c.key not in {choice.column.key for choice in found.values()}]
@@ -220,26 +226,7 @@ def _by_data(
     return found
 
 
-def _unit_of_nominal(
-    column: SampleColumn,
-    quantity: Quantity,
-    field: str,
-    fields: Sequence[Mapping[str, float]],
-) -> str | None:
-    """Return the unit in which the column has the nominal value of each file's name."""
-    nominal = np.array([values.get(field, np.nan) for values in fields])
-    if len(set(nominal.tolist())) < 2 or not np.isfinite(nominal).all():
-        return None
-    medians = np.array([float(np.nanmedian(v)) for v in column.values])
-    for unit in ("bar", "MPa", "kPa", "Pa", "psi", "N", "kN"):
-        if quantity_of(unit) == quantity:
-            away = np.abs(medians * parse_unit(unit).factor - nominal)
-            if np.mean(away < _NEAR_NOMINAL * np.abs(nominal)) > 0.7:
-                return unit
-    return None
-
-
-def _with_units(chosen: dict[str, Choice], time: TimeChoice) -> dict[str, Choice]:
+def _with_units(chosen: dict[str, Choice], time: TimeChoice, fields: Fields) -> dict[str, Choice]:
     """Assume a unit where none is stated."""
     out = dict(chosen)
     for channel in ("x_m", *(c for c in chosen if c != "x_m")):
@@ -253,7 +240,7 @@ def _with_units(chosen: dict[str, Choice], time: TimeChoice) -> dict[str, Choice
             reason = f"{choice.reason}; {stated} in the file: give {unit} for each {stated}"
             out[channel] = replace(choice, unit=unit, scale=None, reason=reason)
         elif not choice.unit:
-            unit, why = _assumed(channel, choice.column, out, time)
+            unit, why = _assumed(channel, choice.column, out, time, fields)
             certainty = GUESS if choice.certainty == GUESS else LIKELY
             out[channel] = replace(
                 choice, unit=unit, certainty=certainty, reason=f"{choice.reason}; {unit} {why}"
@@ -269,11 +256,17 @@ def _unusable_unit(channel: str, choice: Choice) -> str:
 
 
 def _assumed(
-    channel: str, column: SampleColumn, chosen: Mapping[str, Choice], time: TimeChoice
+    channel: str,
+    column: SampleColumn,
+    chosen: Mapping[str, Choice],
+    time: TimeChoice,
+    fields: Fields,
 ) -> tuple[str, str]:
     """Return a plausible unit and the reason."""
     largest = float(np.abs(column.known).max())
     if channel == "x_m":
+        if unit := unit_of_travel(column, time.t_s, fields):
+            return unit, "since it has the speed in the file names"
         return ("mm" if _travel(column) > 2 else "m"), "assumed from its range"
     if _QUANTITIES[channel] == "velocity" and "x_m" in chosen:
         for factor in _velocity_factors(column, chosen["x_m"], time):
@@ -281,7 +274,12 @@ def _assumed(
             unit = min(("m/s", "mm/s"), key=lambda u: abs(np.log(si / parse_unit(u).factor)))
             return unit, "since the position is its integral"
         return ("mm/s" if largest > 5 else "m/s"), "assumed from its range"
+    for name in {"p_tp_pa": ["pressure"], "f_applied_n": ["load"]}.get(channel, []):
+        if unit := unit_of_levels(column, _QUANTITIES[channel], name, fields):
+            return unit, f"since it has the {name} in the file names"
     if _QUANTITIES[channel] == "pressure":
+        if "x_m" in chosen and chosen["x_m"].unit == "in":
+            return "psi", "assumed, with a position in inches"
         return ("Pa" if largest > 2e4 else "bar"), "assumed from its range"
     if _QUANTITIES[channel] == "force":
         if "x_m" in chosen and chosen["x_m"].unit in ANGLES:
@@ -290,6 +288,8 @@ def _assumed(
         highest = max((_largest_si(choice) for choice in pressures), default=0.0)
         smallest_n = np.pi / 4 * _BORES_M[0] ** 2 * highest
         return ("kN" if largest < smallest_n else "N"), "assumed from its range"
+    if _QUANTITIES[channel] == "temperature":
+        return _temperature_unit(column), "assumed from its range"
     return _USUAL_UNITS[_QUANTITIES[channel]], "assumed"
 
 

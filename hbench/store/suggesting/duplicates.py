@@ -18,7 +18,8 @@ def duplicates(
 ) -> dict[str, tuple[str, ...]]:
     """Return the names of the filtered and raw columns of each chosen channel that are left out.
 
-    They are the columns whose names are equal but for words such as ``filt`` and ``raw``.
+    They are the columns whose names are equal but for words such as ``filt`` and ``raw``. Columns
+    with equal words otherwise, such as those of a matrix, are other signals.
     """
     chosen = {choice.column.key for choice in choices.values()}
     left_out = {}
@@ -27,7 +28,10 @@ def duplicates(
         names = [
             f"{column.name} ({_kind(column)})"
             for column in columns
-            if column.key not in chosen and bare and _bare(column) == bare
+            if column.key not in chosen
+            and bare
+            and _bare(column) == bare
+            and _kind(column) != _kind(choice.column)
         ]
         if names:
             left_out[channel] = tuple(names)

@@ -11,6 +11,7 @@ from hbench.config.import_map import FIELDS, FileSeries, units_behind
 from hbench.store.importing.file_matches import name_pattern
 from hbench.store.suggesting.name_fields import (
     Field,
+    MeasuredSpeeds,
     NameNumber,
     SimilarNames,
     is_long,
@@ -63,12 +64,19 @@ class NamePattern:
         return list(filter(name_pattern(series).fullmatch, names))
 
 
-def name_patterns(names: Sequence[str]) -> list[NamePattern]:
-    """Return patterns that match each of ``names`` once."""
+def name_patterns(
+    names: Sequence[str], speeds_m_s: MeasuredSpeeds | None = None
+) -> list[NamePattern]:
+    """Return patterns that match each of ``names`` once.
+
+    A number without a unit is a speed if it is the measured one in each file of ``speeds_m_s``.
+    """
     similar: dict[str, list[str]] = defaultdict(list)
     for name in names:
         similar[without_numbers(name)].append(name)
-    patterns = [pattern for group in similar.values() for pattern in _patterns(group)]
+    patterns = [
+        pattern for group in similar.values() for pattern in _patterns(group, speeds_m_s or {})
+    ]
     patterns = list(_with_directions(_with_signs(patterns, names), names))
     exact: list[NamePattern] = []
     for pattern in patterns:
@@ -98,10 +106,19 @@ def joined_holds(patterns: Sequence[NamePattern], names: Sequence[str]) -> list[
     return _labelled(joined)
 
 
-def _patterns(names: Sequence[str]) -> Iterator[NamePattern]:
+def with_speeds(
+    patterns: Sequence[NamePattern], names: Sequence[str], speeds_m_s: MeasuredSpeeds
+) -> list[NamePattern]:
+    """Return patterns of the same files, with fields for numbers that are the measured speeds."""
+    found = name_patterns(sorted(n for pattern in patterns for n in pattern.names), speeds_m_s)
+    is_exact = all(set(pattern.matching(names)) == set(pattern.names) for pattern in found)
+    return found if is_exact else list(patterns)
+
+
+def _patterns(names: Sequence[str], speeds_m_s: MeasuredSpeeds) -> Iterator[NamePattern]:
     """Yield the patterns of names that differ in numbers only."""
     similar = SimilarNames.of(names)
-    fields = number_fields(similar)
+    fields = number_fields(similar, speeds_m_s)
     motion = {i for i, field in fields.items() if field.name in _MOTION}
     if len(motion) == len(_MOTION):
         fields = {i: field for i, field in fields.items() if i not in motion}
@@ -116,7 +133,7 @@ def _patterns(names: Sequence[str]) -> Iterator[NamePattern]:
         by_files[_with_fields(name, numbers, fields, stars)].append(name)
     units = {f.name: f.unit for f in fields.values() if f.name in _DEFAULT_UNITS}
     factors = {f.name: f.unit for f in fields.values() if f.name not in FIELDS}
-    assumed = tuple(name for name, unit in units.items() if not unit)
+    assumed = tuple(f.name for i, f in fields.items() if f.name in units and not example[i].unit)
     units = {name: unit or _DEFAULT_UNITS[name] for name, unit in units.items()}
     for files, matched in by_files.items():
         yield NamePattern(files, tuple(matched), units, assumed, "", factors)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from hbench.config.import_map import FIELDS
 from hbench.store.suggesting.units import unit_in
+from hbench.units import parse_unit
 
 _NUMBER = re.compile(r"(?:(?<=[_= ])-)?\d{1,12}(?:[.,]\d{1,12})?")
 # A date, perhaps with a time of day, becomes a star.
@@ -50,13 +51,20 @@ _WORDS = {
     "pressure": re.compile(r"(?<![a-z])(p|pressure|druck)[ _=-]?$", re.IGNORECASE),
     "trial": re.compile(
         r"(?<![a-z])(trial|run|rep|repeat|test|take|nr|no|versuch|messung|wdh|wiederholung|lauf)"
-        r"[ _=-]?$",
+        r"[ _=.-]{0,2}#?$",
         re.IGNORECASE,
     ),
 }
+_IS_NUMBER = re.compile(r"\d+(\.\d+)?")  # and no date
 _LONGEST_VALUE = 8  # characters of a number without a unit; longer ones are dates
 _LONGEST_TRIAL = 4  # digits; longer numbers are dates or identifiers
 _ENDING = re.compile(r"\.[A-Za-z]\w{0,7}$")
+
+
+_SPEED_UNITS = ("mm/s", "m/s", "cm/s", "in/s")  # of a number that is the measured speed
+_NEAR_SPEED = 0.05  # of it
+
+MeasuredSpeeds = Mapping[str, Sequence[float]]  # sizes of the constant speeds in some files, m/s
 
 
 class NameNumber(NamedTuple):
@@ -154,14 +162,19 @@ def numbers_in(name: str) -> Iterator[NameNumber]:
         yield NameNumber(match.end() - len(text), match.end(), text, field, unit or "")
 
 
-def number_fields(similar: SimilarNames) -> dict[int, Field]:
+def number_fields(similar: SimilarNames, speeds_m_s: MeasuredSpeeds) -> dict[int, Field]:
     """Return the fields of the numbers that are one, by their position in the name.
 
-    A unit is more certain than a word, and both more than the place of a trial. No two numbers are
-    the same field: the first counts.
+    A unit is more certain than a measured speed, this more than a word, and all more than the place
+    of a trial. No two numbers are the same field: the first counts.
     """
     fields: dict[int, Field] = {}
-    for i, field in (*_by_units(similar), *_by_words(similar), *_factors(similar)):
+    for i, field in (
+        *_by_units(similar),
+        *_by_motion(similar, speeds_m_s),
+        *_by_words(similar),
+        *_factors(similar),
+    ):
         if i not in fields and all(field.name != taken.name for taken in fields.values()):
             fields[i] = field
     trial = _trial(similar, fields)
@@ -184,6 +197,23 @@ def _by_words(similar: SimilarNames) -> Iterator[tuple[int, Field]]:
         for field in ("speed", "load", "pressure"):
             if _WORDS[field].search(name[: number.start]):
                 yield i, Field(field, "")
+
+
+def _by_motion(similar: SimilarNames, speeds_m_s: MeasuredSpeeds) -> Iterator[tuple[int, Field]]:
+    """Yield the numbers that are a constant speed of each file in some unit, of several speeds."""
+    known = [name for name in similar.numbers if speeds_m_s.get(name)]
+    for i in range(len(similar.first[1])):
+        texts = [similar.numbers[name][i].text.replace(",", ".") for name in known]
+        if len(set(texts)) < 2 or not all(_IS_NUMBER.fullmatch(text) for text in texts):
+            continue
+        for unit in _SPEED_UNITS:
+            values = [float(text) * parse_unit(unit).factor for text in texts]
+            if all(_has(speeds_m_s[name], v) for name, v in zip(known, values, strict=True)):
+                yield i, Field("speed", unit)
+
+
+def _has(speeds_m_s: Sequence[float], v_m_s: float) -> bool:
+    return any(abs(speed - v_m_s) < _NEAR_SPEED * v_m_s for speed in speeds_m_s)
 
 
 def _factors(similar: SimilarNames) -> Iterator[tuple[int, Field]]:

@@ -167,7 +167,8 @@ def _values(table: Table, key: int | str) -> tuple[np.ndarray | None, str]:
             values = table.date_times(key, gaps=True)
             empty = np.isnat(values)
         except DataError:
-            return None, error.message.removeprefix(f"{table.source}: ")
+            fault = error.message.removeprefix(f"{table.source}: ")
+            return None, f"{fault}. {error.hint}" if error.hint else fault
     if len(values) < 2 or empty.all():
         return None, "has no values"
     if values.dtype.kind == "f" and np.nanmax(np.abs(values)) > _LARGEST:

@@ -4,6 +4,7 @@ import numpy as np
 
 _SAME = 1e-3  # of a signal's range: root mean square of what a straight line leaves
 _INTEGRAL = 0.05  # of the travel: the same between position and integral of velocity
+_OFFSET = 0.2  # of its range: largest offset of a velocity, which is near zero at rest
 _STEP_S = 0.05  # over which a position moves little
 _MOST_SAMPLES = 20_000
 
@@ -27,7 +28,10 @@ def are_proportional(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 def velocity_factor(t_s: np.ndarray, x: np.ndarray, v: np.ndarray) -> float | None:
-    """Return c if x = x_0 + c * integral of v dt, None if it is not."""
+    """Return c if x = x_0 + c * integral of v dt, None if it is not.
+
+    ``v`` may have a small offset. A large one is that of a pressure behind an orifice.
+    """
     if not len(t_s) == len(x) == len(v):
         return None
     known = np.isfinite(t_s) & np.isfinite(x) & np.isfinite(v)
@@ -35,14 +39,15 @@ def velocity_factor(t_s: np.ndarray, x: np.ndarray, v: np.ndarray) -> float | No
     if len(t) < 10 or is_constant(y) or is_constant(w):
         return None
     integral = np.concatenate(([0.0], np.cumsum(np.diff(t) * (w[1:] + w[:-1]) / 2)))
-    basis = np.column_stack([integral, t - t[0], np.ones(len(t))])  # v may have an offset
+    basis = np.column_stack([integral, t - t[0], np.ones(len(t))])
     scale = np.abs(basis).max(axis=0) + 1e-300
-    (c, *_), *_ = np.linalg.lstsq(basis / scale, y, rcond=None)
-    rest = y - basis / scale @ np.linalg.lstsq(basis / scale, y, rcond=None)[0]
+    fitted, *_ = np.linalg.lstsq(basis / scale, y, rcond=None)
+    c, offset, _ = fitted / scale
+    rest = y - basis @ (fitted / scale)
     line = y - np.polyval(np.polyfit(t, y, 1), t)
     if np.std(rest) > _INTEGRAL * np.ptp(y) or np.std(rest) > 0.3 * np.std(line):
         return None
-    return float(c / scale[0])
+    return None if abs(offset) > _OFFSET * abs(c) * np.ptp(w) else float(c)
 
 
 def roughness(t_s: np.ndarray, values: np.ndarray) -> float:

@@ -23,7 +23,12 @@ from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.duplicates import duplicates
 from hbench.store.suggesting.factors import column_factors
-from hbench.store.suggesting.file_names import NamePattern, joined_holds, name_patterns
+from hbench.store.suggesting.file_names import (
+    NamePattern,
+    joined_holds,
+    name_patterns,
+    with_speeds,
+)
 from hbench.store.suggesting.force_balance import force_balance
 from hbench.store.suggesting.map_yaml.map_text import map_text
 from hbench.store.suggesting.map_yaml.suggested_map import (
@@ -82,6 +87,9 @@ def suggest_map(folder: Path) -> Suggestion:
     suggested = _suggested_map(folder, list(files.values()), alike, len(names))
     if suggested.motion is None:
         joined = joined_holds(alike, names)
+    else:
+        joined = with_speeds(alike, names, suggested.speeds_m_s)
+    if [(p.files, p.units) for p in joined] != [(p.files, p.units) for p in alike]:
         patterns = [*(pattern for pattern in patterns if pattern not in alike), *joined]
         suggested = _suggested_map(folder, list(files.values()), joined, len(names))
     suggested = _verified(folder, suggested, patterns, faults)
@@ -179,6 +187,10 @@ def _suggested_map(
     return SuggestedMap(
         folder=folder.resolve().name,
         files=tuple(file.name for file in files),
+        speeds_m_s={
+            file.name: tuple(abs(plateau.v_m_s) for plateau in found)
+            for file, found in zip(files, steady, strict=True)
+        },
         count=count,
         format_name=files[0].format_name,
         layout=None if files[0].dialect is None else files[0].dialect.layout,

@@ -48,6 +48,7 @@ class SuggestedMap:
 
     folder: str
     files: tuple[str, ...]  # that were read
+    speeds_m_s: Mapping[str, tuple[float, ...]]  # sizes of the constant speeds in each of these
     count: int  # of all files
     format_name: str
     layout: Format | None
