@@ -5,6 +5,8 @@ Made by ``python tests/support/hidden/generate.py data_samples/blind --cases sto
 """
 
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -91,6 +93,17 @@ def test_the_verdict_is_the_same_from_a_model_with_wrong_values(name, start):
 def test_where_nothing_is_hidden_nothing_is_named(said):
     assert said["none"].verdict == "none"
     assert not said["none"].named and not said["none"].close
+
+
+@pytest.mark.slow
+def test_spools_that_leak_within_their_class_are_no_effect(tmp_path):
+    """Laminar gaps that close as a spool leaves its null; the model's edges leak as orifices do."""
+    out, schedule = tmp_path / "made", ROOT / "data_samples" / "blind.yaml"
+    hidden = ("spool_leak", "1", "5")
+    command = [sys.executable, blind.GENERATE, out, "--schedule", schedule, "--hide", *hidden]
+    subprocess.run(command, check=True)
+    found = blind.outcome(out / "-".join(hidden))
+    assert (found.verdict, found.named, found.learned) == ("none", (), ())
 
 
 def test_flow_forces_on_the_valves_are_no_effect_of_the_catalogue(said):

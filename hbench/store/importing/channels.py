@@ -97,7 +97,7 @@ def _constants(
 
 def _sheets(table: Table, name: str) -> Iterator[FileNote]:
     if isinstance(table, TextTable) and table.other_sheets:
-        text = "{count} further sheets not read: format.sheet in the map chooses one"
+        text = "sheets not read: {count}; format.sheet in the map chooses one"
         yield FileNote(name, text, {"count": len(table.other_sheets)})
 
 

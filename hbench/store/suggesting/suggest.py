@@ -109,10 +109,10 @@ def _joined_or_split(
             f"{', '.join(p.files for p in parts)}; {_JOIN}"
         )
     for sample in samples.values():
-        if sample.other_sheets:
+        if others := sample.other_sheets:
             yield (
-                f"{sample.name}: the first sheet was read; {len(sample.other_sheets)} others: "
-                f"{first_names(sample.other_sheets)}; format.sheet in the map chooses one; {_JOIN}"
+                f"{sample.name}: the first sheet was read; {counted(len(others), 'other')}: "
+                f"{first_names(others)}; format.sheet in the map chooses one; {_JOIN}"
             )
 
 

@@ -127,8 +127,8 @@ class Watch:
         if campaign.imported:
             return "finished", f"{counted(len(campaign.latest), 'run')}, imported"
         done, planned = len(campaign.done), self._planned
-        of_planned = "" if planned is None else f" of {planned}"
-        summary = f"{done}{of_planned} runs measured"
+        runs = counted(done, "run") if planned is None else f"{done} of {planned} runs"
+        summary = f"{runs} measured"
         if not campaign.entries:
             return "ended", summary
         run, stop = campaign.entries[-1].plan.run, campaign.entries[-1].stop

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tests.support.hidden.background import Background, draw_background
-from tests.support.hidden.sizes import KNOWN, OUTSIDE, Size
+from tests.support.hidden.sizes import KNOWN, OUTSIDE, WITHIN_CLASS, Size
 
 # Factors on a bench file's values, each drawn between 1 - s and 1 + s.
 _SPREADS = {
@@ -78,7 +78,7 @@ def drawn(effects: Mapping[str, float], seed: int) -> Drawn:
         zero_counts=0.5,
         background=draw_background(seed),
         effects={
-            name: _coefficients((KNOWN | OUTSIDE)[name], severity, rng)
+            name: _coefficients((KNOWN | OUTSIDE | WITHIN_CLASS)[name], severity, rng)
             for name, severity in effects.items()
         },
     )

@@ -98,3 +98,9 @@ OUTSIDE: dict[str, Size] = {
     "cell_crosstalk": Size({"p_tp": 1.6 / BAR, "p_tr": 1.6 / BAR}, signed=True),
     "pressure_drift": Size({"p_tp": 4.0 * BAR, "p_lp": 4.0 * BAR}, signed=True),
 }  # fmt: skip
+
+# What good benches have. A spool with two ports leaks 0.2 l/min from the supply to the tank at
+# 150 bar with both ports blocked, 0.5 % of its flow at 10 V and 70 bar.
+WITHIN_CLASS: dict[str, Size] = {
+    "spool_leak": Size({"conductance": 2.2e-13}, shape={"overlap": (0.2, 0.5)}),
+}

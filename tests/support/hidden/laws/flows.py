@@ -4,7 +4,7 @@ from math import copysign, exp, pi, sin, sqrt
 
 from hbench.model.compiled import inlined
 from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
-from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
+from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, SPOOL_T, V, X
 
 
 @inlined
@@ -145,6 +145,31 @@ def laminar_ports(q, c, state, at, rates, par):
     lr = through_port(q.lr, state[P_LR], p_s, p_t, transition)
     drawn = max(tp, 0.0) + max(tr, 0.0) + max(lp, 0.0) + max(lr, 0.0)
     return ChamberFlows(tp, tr, lp, lr, drawn, drawn - (tp + tr + lp + lr), q.fluidity)
+
+
+@inlined
+def past_lands(p, u, p_s, p_t, conductance, overlap):
+    """Leaks of a port from the supply and to the tank: laminar, largest at the spool's null."""
+    gap = conductance * overlap / (overlap + abs(u))
+    return gap * (p_s - p), gap * (p - p_t)
+
+
+def spool_leak(q, c, state, at, rates, par):
+    """Radial clearance of the spools, a gap along each land."""
+    conductance, overlap = c
+    if conductance == 0.0:
+        return q
+    p_s, p_t = state[P_S], par.supply.tank_pa
+    u_t, u_1, u_2 = state[SPOOL_T], state[SPOOL_T + 1], state[SPOOL_T + 2]
+    tp, from_tp = past_lands(state[P_TP], u_t, p_s, p_t, conductance, overlap)
+    tr, from_tr = past_lands(state[P_TR], u_t, p_s, p_t, conductance, overlap)
+    lp, from_lp = past_lands(state[P_LP], u_2, p_s, p_t, conductance, overlap)
+    lr, from_lr = past_lands(state[P_LR], u_1, p_s, p_t, conductance, overlap)
+    return ChamberFlows(
+        q.tp + tp - from_tp, q.tr + tr - from_tr, q.lp + lp - from_lp, q.lr + lr - from_lr,
+        q.drawn + tp + tr + lp + lr, q.returned + from_tp + from_tr + from_lp + from_lr,
+        q.fluidity,
+    )  # fmt: skip
 
 
 def raised_tank(oil, c, state, at, rates, par):

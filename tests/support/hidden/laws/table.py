@@ -42,6 +42,9 @@ EFFECTS = {
         "laminar_ports": _row(
             _FLOWS, {"transition": "Pa"}, flows=flows.laminar_ports
         ),  # before the leaks, which are not of the valves
+        "spool_leak": _row(
+            _FLOWS, {"conductance": "m^3/(s Pa)", "overlap": "V"}, flows=flows.spool_leak
+        ),
         "entrained_air": _row(
             _FLOWS, {"fraction": "1", "dissolved": "Pa"}, oil=flows.entrained_air
         ),
