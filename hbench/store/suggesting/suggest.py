@@ -18,7 +18,6 @@ from hbench.store.importing.file_matches import FileMatch, match_files
 from hbench.store.importing.file_notes import first_names
 from hbench.store.importing.importer import check_source
 from hbench.store.importing.mapped_files import cut_file, read_mapped_file
-from hbench.store.suggesting.channel_signs import with_signs
 from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.duplicates import duplicates
@@ -29,7 +28,7 @@ from hbench.store.suggesting.file_names import (
     name_patterns,
     with_speeds,
 )
-from hbench.store.suggesting.force_balance import force_balance
+from hbench.store.suggesting.force_balance import force_balance, with_signs
 from hbench.store.suggesting.map_yaml.map_text import map_text
 from hbench.store.suggesting.map_yaml.suggested_map import (
     SuggestedMap,
