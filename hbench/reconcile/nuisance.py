@@ -59,6 +59,7 @@ _VALVE = {  # of all valves, which are of one type
     "exponent": 0.1,  # of the flow over the pressure drop: 0.4 to 0.6, an orifice has 0.5
     "hose": to_si("0.05 bar min/l", "bar min/l"),  # of the line between valve and transducer
     "leak": 0.03,  # V, of 10 V: through both ports 0.6 % of the flow of a fully open valve
+    "null_leak": 0.03,
 }
 _EACH_VALVE = {"gain": 0.1, "null": 0.2}  # of the gain; V, 2 % of 10 V
 # k of u (1 + k sign u): 6 % between the flows of both directions; data sheets allow 10 %.

@@ -103,7 +103,7 @@ def test_rows_of_valves_and_transducers_have_a_coefficient_for_each_of_them():
     assert set(EFFECTS["valve_trim"].coefficients) == {
         *(f"gain_{valve}" for valve in valves),
         *(f"null_{valve}" for valve in valves),
-        *("curvature", "small", "exponent", "ports", "inlets", "hose", "leak"),
+        *("curvature", "small", "exponent", "ports", "inlets", "hose", "leak", "null_leak"),
     }
     transducers = {"p_tp", "p_tr", "p_lp", "p_lr", "p_s"}
     assert set(EFFECTS["pressure_gain"].coefficients) == transducers

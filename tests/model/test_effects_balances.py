@@ -83,8 +83,9 @@ def chambers(run):
             valve *= 1 + side + np.where(sharp > 0, 0.05, -0.05)
         lost = 0.02 * BAR * 60e3 * np.abs(valve) / (2 * np.maximum(port, 1e3))  # in a hose
         valve *= np.sqrt(1 + lost**2) - lost
-        inlet, outlet = (  # both edges leak as if open by 5 mV
-            K_S * 0.005 * np.sign(each) * np.sqrt(np.abs(each))
+        leaking = 0.005 + 0.005 / (1 + (opening / 0.3) ** 2)  # V, both edges
+        inlet, outlet = (
+            K_S * leaking * np.sign(each) * np.sqrt(np.abs(each))
             for each in (supply - p[name], p[name] - tank)
         )
         drawn = np.maximum(valve, 0) + inlet

@@ -1,6 +1,6 @@
 """A spool with underlap leaves both edges of a port open: it opens early and leaks at null.
 
-The clearance of a spool leaks at both edges too, however far it is open.
+The clearance of a spool leaks at both edges too, however far it is open, and most at null.
 
 The expected flows are those of a bridge of two orifices at each port (Eryilmaz and Wilson, Unified
 modelling of servo valves, 2006): x open on one side, w + x and w^2 / (w + x).
@@ -61,15 +61,16 @@ def test_flows_are_those_of_a_bridge_of_two_orifices_at_each_port(underlapped, s
     assert q.returned == pytest.approx(sum(returned for _, returned in ports), rel=1e-6)
 
 
-@pytest.mark.parametrize("u", [-1.0, 0.0, 0.02])
-def test_the_clearance_of_a_spool_leaks_beside_the_flow_of_the_open_edge(par, start, u):
-    p_s, p_t, leak_v = start[P_S], par.supply.tank_pa, 0.05
-    gain = leak_v * par.valve.flow_gain
+@pytest.mark.parametrize("leaks", [{"leak": 0.05}, {"null_leak": 0.05}])
+@pytest.mark.parametrize("u", [-1.0, 0.0, 0.02, 0.3])
+def test_the_clearance_of_a_spool_leaks_beside_the_flow_of_the_open_edge(par, start, u, leaks):
+    p_s, p_t = start[P_S], par.supply.tank_pa
+    spools = np.array([u, u, 0.3 * u, -0.5 * u])  # at the ports Tp, Tr, Lp, Lr
+    closing = 1 + (spools / 0.3) ** 2 if "null_leak" in leaks else 1.0
+    gain = 0.05 * par.valve.flow_gain / closing
     opened, none = Openings(u, -0.5 * u, 0.3 * u), np.zeros(n_states(par))
     without = valve_flows(start, opened, p_t, par, none)
-    found = valve_flows(
-        start, opened, p_t, with_effects(par, {"valve_trim": {"leak": leak_v}}), none
-    )
+    found = valve_flows(start, opened, p_t, with_effects(par, {"valve_trim": leaks}), none)
     ports = start[P_TP : P_LR + 1]
     drawn, returned = gain * np.sqrt(p_s - ports), gain * np.sqrt(ports - p_t)
     assert np.subtract(found[:4], without[:4]) == pytest.approx(drawn - returned, rel=1e-6)

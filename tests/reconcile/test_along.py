@@ -45,6 +45,7 @@ CASES = [
     ({"valve_trim": {"hose": "0.2 bar min/l"}}, FLOWS),
     ({"valve_trim": {"small": "10 %"}}, FLOWS),
     ({"valve_trim": {"leak": "0.1 V"}}, FLOWS),
+    ({"valve_trim": {"null_leak": "0.1 V"}}, FLOWS),
 ]
 
 

@@ -22,14 +22,14 @@ ROWS = {
             "ports": Coefficient("%", 5, -50, 50),
             "inlets": Coefficient("%", 5, -50, 50),
             "hose": Coefficient("bar min/l", 0.02, -1, 10),
-            "leak": Coefficient("V", 0.005, 0, 1),
+            **{leak: Coefficient("V", 0.005, 0, 1) for leak in ("leak", "null_leak")},
         },
         balances=FLOWS,
         laws={"openings": openings.valve_trim, "ports": flows.uneven_ports},
         law="opening = u (1 + gain + curvature |u|) + null, the slope lower by small within 2 V; "
         "Q grows with dP^(1/2 + exponent), and by 1 +- ports +- inlets at the test valve: + at the "
         "port to the piston side, + at inlets; hose Q is lost of each drop dP; closed edges leak "
-        "as if open by leak",
+        "as if open by leak + null_leak / (1 + (opening / 0.3 V)^2)",
         signals="Commands at a given speed, by a share or by a constant voltage; each valve alone.",
         confused_with={
             "valve_asymmetry": Separation(

@@ -17,6 +17,7 @@ from hbench.model.valves import signed_root
 FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
 PRESSURE_PA = 50e5
 LEAST_DROP_PA = 1e3  # across a port
+GAP_V = 0.3  # opening at which a closed edge leaks half as much as at null: assumed
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
 
 
@@ -25,18 +26,31 @@ def uneven_ports(
     par: PlantParameters,
 ) -> PortFlows:  # fmt: skip
     """Ports are no sharp orifices, not equal, and behind hoses; closed edges leak. c: see
-    ``openings.valve_trim``; the last five are used here.
+    ``openings.valve_trim``; the last six are used here.
 
     Q grows with dP^(1/2 + n), the same at 50 bar: the edges of a real spool are rounded, and small
     drops laminar (Merritt 1967, section 3.4). The test valve's port to the piston side lets a share
     more through and the other one less, and its inlets a share more than its outlets. A hose takes
     R Q of the drop across its port. Both edges of a port leak through the clearance of the spool,
-    as if open by l.
+    as if open by l + l_0 / (1 + (u / w)^2): l is that of edges which are never closed, l_0 that of
+    a gap which grows longer as the spool leaves its null.
     """
-    n, ports, inlets, hose, leak = c[8], c[9], c[10], c[11], c[12]
+    n, ports, inlets, hose, leak, at_null = c[8], c[9], c[10], c[11], c[12], c[13]
     if n != 0.0 or ports != 0.0 or inlets != 0.0 or hose != 0.0:
         flows = _uneven(flows, n, ports, inlets, hose, state)
-    return flows if leak == 0.0 else _with_leaks(flows, leak, leak, leak, state, par)
+    if leak == 0.0 and at_null == 0.0:
+        return flows
+    test = leak + through_gap(flows.opened.test, at_null)
+    load_1 = leak + through_gap(flows.opened.load_1, at_null)
+    load_2 = leak + through_gap(flows.opened.load_2, at_null)
+    return _with_leaks(flows, test, load_1, load_2, state, par)
+
+
+@inlined
+def through_gap(u: float, at_null: float) -> float:
+    """Opening [V] as which the closed edges leak at the opening ``u``."""
+    share = u / GAP_V
+    return at_null / (1.0 + share * share)
 
 
 @inlined

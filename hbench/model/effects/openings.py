@@ -23,13 +23,13 @@ def valve_trim(
     par: PlantParameters,
 ) -> Openings:  # fmt: skip
     """Valves of one type are not equal: u (1 + g + k |u|) + u_0. c: g [1], then u_0 [V], of T, L1,
-    L2, the curvature k [1/V] and the kink s [1] of all, and five coefficients for
+    L2, the curvature k [1/V] and the kink s [1] of all, and six coefficients for
     ``flows.uneven_ports``.
 
     g is the deviation from the gain of the bench file, u_0 the null bias. Within 2 V the slope is
     lower by s: a spool's edges have notches or a radius for fine control.
     """
-    g_t, g_1, g_2, null_t, null_1, null_2, k, kink, _, _, _, _, _ = c
+    g_t, g_1, g_2, null_t, null_1, null_2, k, kink, _, _, _, _, _, _ = c
     return Openings(
         trimmed(u.test, g_t, null_t, k, kink),
         trimmed(u.load_1, g_1, null_1, k, kink),
