@@ -180,7 +180,7 @@ def test_a_ports_exponent_changes_the_power_of_the_drop_and_nothing_at_50_bar(pa
     state[[P_TP, P_TR, P_LP, P_LR, P_S]] = np.array([100, 32, 52, 149, 150]) * BAR
     sharp = np.array([1.0, -2.0, 3.0, 0.5]) * np.sqrt(np.array([50, 30, 98, 1]) * BAR)
     before = ChamberFlows(*sharp, 7.0, 8.0, 1.0)
-    c = (*(0.0,) * 8, n, *(0.0,) * 4)
+    c = (*(0.0,) * 8, n, *(0.0,) * 5)
     after = through_ports(before, c, state, par)
     drops = np.array([50, 30, 98, 1]) / 50  # Lp from the supply: 150 - 52 bar
     power = np.array([1.0, -2.0, 3.0, 0.5]) * np.sqrt(50 * BAR) * drops ** (0.5 + n)
@@ -190,7 +190,7 @@ def test_a_ports_exponent_changes_the_power_of_the_drop_and_nothing_at_50_bar(pa
     assert after.drawn - before.drawn == pytest.approx(supplied)
     kept = sum(after[:4]) - sum(before[:4])  # continuity: what is drawn and not kept returns
     assert after.returned - before.returned == pytest.approx(supplied - kept)
-    assert through_ports(before, (0.0,) * 13, state, par) == before
+    assert through_ports(before, (0.0,) * 14, state, par) == before
 
 
 @pytest.mark.parametrize("r_bar_min_l", [0.03, 0.5])
@@ -200,7 +200,7 @@ def test_a_hose_takes_its_loss_from_the_drop_across_the_port(par, start, r_bar_m
     state[[P_TP, P_TR, P_LP, P_LR, P_S]] = np.array([100, 32, 52, 149, 150]) * BAR
     drops = np.array([50, 32 - par.supply.tank_pa / BAR, 98, 1]) * BAR
     sharp = np.array([3.0, -2.0, 1.0, 0.4]) * 1e-4
-    c = (*(0.0,) * 11, r, 0.0)
+    c = (*(0.0,) * 11, r, 0.0, 0.0)
     before = ChamberFlows(*sharp, 4.4e-4, 2e-4, 1.0)
     after = through_ports(before, c, state, par)
     flows = np.array(after[:4])
@@ -211,7 +211,7 @@ def test_a_hose_takes_its_loss_from_the_drop_across_the_port(par, start, r_bar_m
 
 def test_small_openings_may_have_another_slope(par, start):
     """5 % lower within 2 V, the former slope beyond: an offset of 0.1 V at large openings."""
-    c = (*(0.0,) * 7, 0.05, *(0.0,) * 5)
+    c = (*(0.0,) * 7, 0.05, *(0.0,) * 6)
     commands = Openings(1.0, -2.0, 8.0)
     after = valve_trim(commands, c, np.array(start), FIRST, np.zeros(len(start)), par)
     assert tuple(after) == pytest.approx((0.95, -1.9, 7.9))
@@ -224,7 +224,7 @@ def test_the_test_valves_four_edges_have_gains_of_their_own(par, start, way):
     Extending, oil enters the piston side and leaves the rod side; retracting, the other way.
     """
     before = ChamberFlows(way * 2e-4, way * -1.2e-4, -3e-4, 1e-4, 3e-4, 4.2e-4, 1.0)
-    c = (*(0.0,) * 9, 0.02, -0.01, 0.0, 0.0)
+    c = (*(0.0,) * 9, 0.02, -0.01, 0.0, 0.0, 0.0)
     after = through_ports(before, c, np.array(start), par)
     factors = (1.01, 0.99) if way > 0 else (1.03, 0.97)
     assert after.tp == pytest.approx(factors[0] * before.tp)
