@@ -118,7 +118,7 @@ class Separation:
         return np.where(found, high, np.nan)
 
     def exceeds(self, keys: Sequence[CoefficientKey], sizes: np.ndarray) -> np.ndarray:
-        """Return which coefficients (k,) exceed the least threshold at ``sizes`` (k,), typical."""
+        """Return which coefficients (k,) exceed the least threshold at sizes in typical ones."""
         causes = np.array([self._unit(key) for key in keys])
         return self._loss((), sizes[:, None] * causes) > CRITERIA.score
 
