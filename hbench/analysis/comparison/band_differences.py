@@ -14,6 +14,7 @@ from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
     CampaignValue,
     Contributions,
+    Pair,
     corrected,
     tested,
     untested,
@@ -42,7 +43,6 @@ from hbench.records import (
     Results,
 )
 
-Pair = tuple[Instruments | None, Instruments | None]
 OfInstruments = tuple[Contributions, Contributions] | None  # to a and to b; None: not known
 
 _HALF, _MIDDLE = (0.5, -0.5), (0.5, 0.5)  # shares of extending and retracting

@@ -12,6 +12,7 @@ from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
     CampaignValue,
     Contributions,
+    Pair,
     corrected,
     tested,
     untested,
@@ -28,8 +29,6 @@ from hbench.records import (
     Results,
     Specimen,
 )
-
-Pair = tuple[Instruments | None, Instruments | None]  # of A and of B; None: not known
 
 _SAME = 0.05  # largest relative difference of two times at rest or rates that count as the same
 

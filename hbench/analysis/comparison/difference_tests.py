@@ -36,6 +36,7 @@ from hbench.config.sensors import Instruments
 from hbench.records import Curve, Difference
 
 Contributions = dict[str, StandardUncertainty]  # of the instruments' errors, with their signs
+Pair = tuple[Instruments | None, Instruments | None]  # of A and of B; None: not known
 Terms = Sequence[tuple[float, Sequence[float]]]  # weight of a mean, and its trials
 
 NO_SCATTER = "no scatter: a single trial"

@@ -16,6 +16,7 @@ from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
     CampaignValue,
     Contributions,
+    Pair,
     Terms,
     corrected,
     tested,
@@ -52,7 +53,6 @@ from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import differs_in_rod_pressure
 
 CurveKey = tuple
-Pair = tuple[Instruments | None, Instruments | None]  # of A and of B; None: not known
 
 
 class WeightedPoints(NamedTuple):
