@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.reconcile.likelihood import Fit, Priors, maximum_likelihood
+from hbench.reconcile.likelihood import Fit, Priors, most_likely
 from hbench.reconcile.products import Products
 
 FOLDS = 5
@@ -120,14 +120,19 @@ def _cross_validated(
     signs: np.ndarray | None,
     groups: np.ndarray | None,
 ) -> CrossValidation:
-    total = np.zeros(1)
-    for number in range(min(FOLDS, len(points))):
-        fold = np.arange(len(points)) % FOLDS == number
-        beta = maximum_likelihood(data, priors, chosen, points[~fold], signs, groups)
-        sums = data.sums(chosen, points[fold], signs, groups)
-        total = total + sums.squared_residuals(beta)
-    whole = data.sums(chosen, points, signs, groups)
-    return CrossValidation(total / whole.windows, whole.noise, whole.points, whole.windows)
+    held_out = np.zeros((min(FOLDS, len(points)), len(data.squares)), bool)
+    held_out[np.arange(len(points)) % FOLDS, points] = True
+    selected, total = priors.select(chosen), np.zeros(1)
+    # All folds at once, or of many data sets, which need memory, one fold after the other.
+    for folds in held_out[None] if signs is None else held_out[:, None]:
+        others = held_out.any(axis=0) & ~folds
+        beta = most_likely(data.sums(chosen, others, signs, groups), selected)
+        sums = data.sums(chosen, folds, signs, groups)
+        total = total + sums.squared_residuals(beta).sum(axis=0)
+    whole = data.sums((), data.part(points), groups=groups)
+    return CrossValidation(
+        total / whole.windows[0], whole.noise[0], whole.points[0], whole.windows[0]
+    )
 
 
 def rotated(data: Products, count: int, seed: int) -> np.ndarray:

@@ -63,16 +63,30 @@ def maximum_likelihood(
     groups: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the most likely beta (b, chosen) over some ``points``; ``signs`` (b, p) make nulls."""
-    return _most_likely(data.sums(chosen, points, signs, groups), priors.select(chosen))
+    sums = data.sums(chosen, data.part(points), signs, groups)
+    return most_likely(sums, priors.select(chosen))[0]
 
 
-def _most_likely(sums: Sums, priors: Priors) -> np.ndarray:
-    noise = np.broadcast_to(sums.noise, (len(sums.mixed), len(sums.noise)))
-    from_noise = _reweighted_fit(sums, priors, noise)
-    centre = np.tile(np.clip(priors.centre, priors.low, priors.high), (len(sums.mixed), 1))
-    from_centre = _reweighted_fit(sums, priors, sums.variance(centre))
-    better = _cost(sums, priors, from_centre) < _cost(sums, priors, from_noise)
-    return np.where(better[:, None], from_centre, from_noise)
+def most_likely(sums: Sums, priors: Priors) -> np.ndarray:
+    """Return the most likely beta (f, b, q) for each part and data set of the sums.
+
+    ln L has several maxima: a group that one beta fits well outweighs the others. Of two fits the
+    better counts. One starts at the centre of the priors, the other with the noise as variance,
+    which gives the largest residuals the largest weight.
+    """
+    f, b, g, q = sums.mixed.shape
+    centre = np.broadcast_to(np.clip(priors.centre, priors.low, priors.high), (f, b, q))
+    noise = np.broadcast_to(sums.noise[:, None], (f, b, g))
+    squares = np.broadcast_to(sums.squares, (f, b, g))
+    twice = replace(
+        sums,
+        mixed=np.concatenate([sums.mixed, sums.mixed], axis=1),
+        squares=np.concatenate([squares, squares], axis=1),
+    )
+    beta = _reweighted_fit(twice, priors, np.concatenate([noise, sums.variance(centre)], axis=1))
+    cost = _cost(twice, priors, beta)
+    better = cost[:, b:] < cost[:, :b]
+    return np.where(better[..., None], beta[:, b:], beta[:, :b])
 
 
 def expected_loss(
@@ -87,68 +101,72 @@ def expected_loss(
     The differences d are those of ``causes`` (b, q), factors on all columns. The loss is counted
     from a fit that leaves nothing but the noise; the priors' part is included.
     """
-    columns = data.summed_columns(points)
-    known = data.sums(chosen, points, None)
+    part = data.part(points)
+    columns = data.summed_columns(part)
     sums = replace(
-        known,
-        mixed=columns.times(causes)[:, :, list(chosen)],
-        squares=columns.squares(causes),
+        data.sums(chosen, part),
+        mixed=columns.times(causes)[..., list(chosen)],
+        squares=columns.squares(causes[None]),
     )
     selected = priors.select(chosen)
-    fitted = _cost(sums, selected, _most_likely(sums, selected))
-    return fitted - 0.5 * float(np.log(sums.noise) @ sums.points)
+    fitted = _cost(sums, selected, most_likely(sums, selected))[0]
+    return fitted - 0.5 * float(np.log(sums.noise[0]) @ sums.points[0])
 
 
 def information(data: Products, points: np.ndarray) -> np.ndarray:
     """Return the information (q, q) on all columns: sum n_g / (m_g v_g) c c', v_g that of noise."""
-    sums = data.sums((), points, None)
+    part = data.part(points)
+    sums = data.sums((), part)
     weight = sums.points / (sums.windows * sums.noise)
-    return data.summed_columns(points).weighted(weight[None])[0]
+    return data.summed_columns(part).weighted(weight[:, None])[0, 0]
 
 
 def cost(data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarray) -> float:
     """Return - ln L of a model as it is, less a constant: at beta = 0 of the ``chosen`` columns."""
-    sums = data.sums(chosen, points, None)
-    return float(_cost(sums, priors.select(chosen), np.zeros((1, len(chosen))))[0])
+    sums = data.sums(chosen, data.part(points))
+    return float(_cost(sums, priors.select(chosen), np.zeros((1, 1, len(chosen))))[0, 0])
 
 
 def least_cost(data: Products, fit: "Fit", points: np.ndarray, groups: np.ndarray) -> float:
     """Return - ln L of the best fit to some ``points`` and ``groups``, less a constant."""
     chosen = fit.changing(data, groups)
-    sums, priors = data.sums(chosen, points, None, groups), fit.priors.select(chosen)
-    return float(_cost(sums, priors, _most_likely(sums, priors))[0])
+    sums = data.sums(chosen, data.part(points), groups=groups)
+    priors = fit.priors.select(chosen)
+    return float(_cost(sums, priors, most_likely(sums, priors))[0, 0])
 
 
 def _cost(sums: Sums, priors: Priors, beta: np.ndarray) -> np.ndarray:
-    """Return - ln L (b,) of beta (b, q), less a constant."""
+    """Return - ln L (f, b) of beta (f, b, q), less a constant."""
     off = (beta - priors.centre) / priors.sigma
-    return 0.5 * (np.log(sums.variance(beta)) @ sums.points + np.sum(off**2, axis=1))
+    of_data = (np.log(sums.variance(beta)) @ sums.points[..., None])[..., 0]
+    return 0.5 * (of_data + np.sum(off**2, axis=2))
 
 
 def _reweighted_fit(sums: Sums, priors: Priors, variance: np.ndarray) -> np.ndarray:
-    """Return beta (b, q) of a reweighted fit that starts with the groups' variances (b, g).
-
-    ln L has several maxima: a group that one beta fits well outweighs the others. A start with the
-    noise gives the largest residuals the largest weight.
-    """
-    beta = np.full((len(variance), len(priors.centre)), np.inf)
-    rows = np.arange(len(beta))
+    """Return beta (f, b, q) of a reweighted fit that starts with variances (f, b, g)."""
+    beta = np.full((*variance.shape[:2], len(priors.centre)), np.inf)
+    moving = np.ones(beta.shape[:2], bool)
     for _ in range(_REWEIGHTINGS):
-        step = _weighted_fit(sums.select(rows), priors, variance)
-        moves = np.any(np.abs(step - beta[rows]) > _CONVERGED, axis=1)
-        beta[rows] = step
-        rows = rows[moves]
-        if not len(rows):
+        step = _weighted_fit(sums, priors, variance, moving)
+        moves = np.any(np.abs(step - beta[moving]) > _CONVERGED, axis=1)
+        beta[moving] = step
+        moving[moving] = moves
+        if not moves.any():
             break
-        variance = sums.select(rows).variance(beta[rows])
+        variance = sums.variance(beta)
     return beta
 
 
-def _weighted_fit(sums: Sums, priors: Priors, variance: np.ndarray) -> np.ndarray:
-    """Return beta (b, q) within its bounds where the groups' variances (b, g) are known."""
-    weight = sums.points / (sums.windows * variance)
-    curved = sums.columns.weighted(weight)
-    driven = np.einsum("bg,bgj->bj", weight, sums.mixed)
+def _weighted_fit(
+    sums: Sums, priors: Priors, variance: np.ndarray, moving: np.ndarray
+) -> np.ndarray:
+    """Return beta (r, q) within its bounds for known variances (f, b, g), of the ``moving`` only.
+
+    ``moving`` (f, b) is true at r places.
+    """
+    weight = (sums.points / sums.windows)[:, None] / variance
+    curved = sums.columns.weighted(weight)[moving]
+    driven = (weight[:, :, None] @ sums.mixed)[:, :, 0][moving]
     beta = np.zeros_like(driven)
     fixed = np.zeros_like(driven, bool)
     rows = np.arange(len(driven))
@@ -195,11 +213,13 @@ def spread(
     of another form may shift a parameter by as much. The degrees of freedom are the number of
     operating points that determine a parameter, less one.
     """
-    selected, sums = priors.select(chosen), data.sums(chosen, points, None)
-    weight = (sums.points / (sums.windows * sums.variance(beta[None])))[0]
-    information = weight[:, None] * sums.columns.diagonal()
+    selected, sums = priors.select(chosen), data.sums(chosen, data.part(points))
+    variance = sums.variance(beta[None, None])
+    weight = (sums.points / sums.windows)[0] / variance[0, 0]
+    information = weight[:, None] * sums.columns.diagonal()[0]
     prior_information = np.diag(selected.sigma**-2.0)
-    inverse = _inverse(sums.columns.weighted(weight[None])[0] + prior_information)
+    curved = sums.columns.weighted(weight[None, None])[0, 0]
+    inverse = _inverse(curved + prior_information)
     index = np.ix_(points, np.arange(len(weight)), np.array(chosen, dtype=int))
     of_columns = data.columns.select(np.array(chosen, dtype=int)).times(beta)
     residual = data.mixed[index] - of_columns[points]
@@ -213,7 +233,7 @@ def spread(
         if len(by_group) > 1:
             others.append(inverse @ (_scatter(by_group) + prior_information) @ inverse)
     share = information / np.maximum(information.sum(axis=0), 1e-300)
-    dof = np.maximum(share.T @ sums.points - 1, 1.0)
+    dof = np.maximum(share.T @ sums.points[0] - 1, 1.0)
     return Spread(_larger(inverse, *others), sandwich, dof)
 
 

@@ -13,53 +13,54 @@ class Block(NamedTuple):
 
     groups: np.ndarray  # (k,) indices
     columns: np.ndarray  # (u,) indices
-    values: np.ndarray  # (p, k, u, u) by operating point, or (k, u, u)
+    values: np.ndarray  # (p, k, u, u) by operating point, or (f, k, u, u) by part
 
 
 @dataclass(frozen=True)
 class ColumnSums:
-    """Products of q columns by group g. Most columns are 0 in most of the groups."""
+    """Products of q columns by part f and group g. Most columns are 0 in most of the groups."""
 
     blocks: tuple[Block, ...]
-    shape: tuple[int, int]  # g, q
+    shape: tuple[int, int, int]  # f, g, q
 
     def select(self, groups: np.ndarray, columns: np.ndarray) -> "ColumnSums":
         """Return the products of some columns in some groups, which get the indices there."""
-        return ColumnSums(
-            tuple(_selected(self.blocks, self.shape, groups, columns)), (len(groups), len(columns))
-        )
+        f, g, q = self.shape
+        blocks = _selected(self.blocks, (g, q), groups, columns)
+        return ColumnSums(tuple(blocks), (f, len(groups), len(columns)))
 
     def diagonal(self) -> np.ndarray:
-        """Return the squares (g, q) of the columns."""
+        """Return the squares (f, g, q) of the columns."""
         out = np.zeros(self.shape)
         for groups, columns, values in self.blocks:
-            out[np.ix_(groups, columns)] = np.einsum("kjj->kj", values)
+            out[:, groups[:, None], columns] = np.einsum("fkjj->fkj", values)
         return out
 
     def weighted(self, weight: np.ndarray) -> np.ndarray:
-        """Return the sums (b, q, q) over the groups with a weight (b, g) of each."""
-        q = self.shape[1]
-        out = np.zeros((len(weight), q, q))
+        """Return the sums (f, b, q, q) over the groups with a weight (f, b, g) of each."""
+        q = self.shape[2]
+        out = np.zeros((*weight.shape[:2], q, q))
         for groups, columns, values in self.blocks:
-            u = len(columns)
-            part = weight[:, groups] @ values.reshape(len(groups), u * u)
-            out[:, columns[:, None], columns] += part.reshape(-1, u, u)
+            f, k, u, _ = values.shape
+            part = weight[..., groups] @ values.reshape(f, k, u * u)
+            out[..., columns[:, None], columns] += part.reshape(f, -1, u, u)
         return out
 
     def times(self, beta: np.ndarray) -> np.ndarray:
-        """Return the products (b, g, q) with the sum of the columns, each times beta (b, q)."""
-        out = np.zeros((len(beta), *self.shape))
+        """Return the products (f, b, g, q) with the sum of the columns, each times beta (b, q)."""
+        f, g, q = self.shape
+        out = np.zeros((f, len(beta), g, q))
         for groups, columns, values in self.blocks:
-            part = np.einsum("bj,kji->bki", beta[:, columns], values)
-            out[:, groups[:, None], columns] = part
+            part = np.einsum("bj,fkji->fbki", beta[:, columns], values)
+            out[..., groups[:, None], columns] = part
         return out
 
     def squares(self, beta: np.ndarray) -> np.ndarray:
-        """Return the squares (b, g) of the sum of the columns, each times beta (b, q)."""
-        out = np.zeros((len(beta), self.shape[0]))
+        """Return the squares (f, b, g) of the sum of the columns, each times beta (f, b, q)."""
+        out = np.zeros((self.shape[0], beta.shape[1], self.shape[1]))
         for groups, columns, values in self.blocks:
-            own = beta[:, columns]
-            out[:, groups] = np.sum((own @ values) * own, axis=2).T
+            own = beta[:, None, :, columns]
+            out[..., groups] = np.sum((own @ values) * own, axis=3).swapaxes(1, 2)
         return out
 
 
@@ -106,10 +107,13 @@ class ColumnProducts:
         p, g, q = self.shape
         return ColumnProducts(tuple(blocks), (p + more.shape[0], g, q))
 
-    def summed(self, points: np.ndarray) -> ColumnSums:
-        """Return the sums over some operating points."""
-        blocks = (each._replace(values=each.values[points].sum(axis=0)) for each in self.blocks)
-        return ColumnSums(tuple(blocks), self.shape[1:])
+    def summed(self, parts: np.ndarray) -> ColumnSums:
+        """Return the sums over the operating points of each part (f, p), a mask."""
+        blocks = (
+            each._replace(values=np.tensordot(parts.astype(float), each.values, axes=1))
+            for each in self.blocks
+        )
+        return ColumnSums(tuple(blocks), (len(parts), *self.shape[1:]))
 
     def select(self, columns: np.ndarray) -> "ColumnProducts":
         """Return the products of some columns."""
@@ -165,11 +169,17 @@ class Products:
         other._sums.update(self._sums)
         return other
 
-    def summed_columns(self, points: np.ndarray) -> ColumnSums:
-        """Return the products of the columns over some operating points."""
-        key = points.tobytes()
+    def part(self, points: np.ndarray) -> np.ndarray:
+        """Return some operating points, by index, as the only part (1, p) of ``sums``."""
+        found = np.zeros((1, len(self.squares)), bool)
+        found[0, points] = True
+        return found
+
+    def summed_columns(self, parts: np.ndarray) -> ColumnSums:
+        """Return the products of the columns over the operating points of each part (f, p)."""
+        key = parts.tobytes()
         if key not in self._sums:
-            self._sums[key] = self.columns.summed(points)
+            self._sums[key] = self.columns.summed(parts)
         return self._sums[key]
 
     @cached_property
@@ -180,61 +190,57 @@ class Products:
     def sums(
         self,
         chosen: Sequence[int],
-        points: np.ndarray,
-        signs: np.ndarray | None,
+        parts: np.ndarray,
+        signs: np.ndarray | None = None,
         groups: np.ndarray | None = None,
     ) -> "Sums":
-        """Return the sums over some operating points for the ``chosen`` columns.
+        """Return the sums for the ``chosen`` columns over the operating points of each part (f, p).
 
-        ``signs`` (b, p) or (b, p, g) are factors on d of b data sets; ``groups`` are indices.
+        Parts are masks. ``signs`` (b, p) or (b, p, g) are factors on d of b data sets; ``groups``
+        are indices.
         """
         if groups is None:
             groups = np.arange(self.squares.shape[1])
         columns = np.array(chosen, dtype=int)
-        at = np.ix_(points, groups)
-        windows, squares = self.windows[at].sum(axis=0), self.squares[at].sum(axis=0)
+        points = np.flatnonzero(parts.any(axis=0))
+        among, at = parts[:, points].astype(float), np.ix_(points, groups)
+        windows, squares = among @ self.windows[at], (among @ self.squares[at])[:, None]
         mixed = self.mixed[np.ix_(points, groups, columns)]
         if signs is None:
-            mixed = mixed.sum(axis=0)[None]
+            mixed = np.tensordot(among, mixed, axes=1)[:, None]
         elif signs.ndim == 2:
-            mixed = np.tensordot(signs[:, points], mixed, axes=1)
+            mixed = np.tensordot(among[:, None] * signs[:, points], mixed, axes=1)
         else:
             turned = signs[np.ix_(np.arange(len(signs)), points, groups)]
-            mixed = np.einsum("bpg,pgj->bgj", turned, mixed)
-            squares = np.einsum("bpg,pg->bg", turned**2, self.squares[at])
+            squares = np.einsum("fp,bpg,pg->fbg", among, turned**2, self.squares[at])
+            mixed = np.einsum("fbpg,pgj->fbgj", among[:, None, :, None] * turned, mixed)
         return Sums(
-            columns=self.summed_columns(points).select(groups, columns),
+            columns=self.summed_columns(parts).select(groups, columns),
             mixed=mixed,
             squares=squares,
-            noise=np.maximum(self.noise[at].sum(axis=0) / np.maximum(windows, 1), 1e-12),
+            noise=np.maximum(among @ self.noise[at] / np.maximum(windows, 1), 1e-12),
             windows=np.maximum(windows, 1),
-            points=(self.windows[at] > 0).sum(axis=0),
+            points=among @ (self.windows[at] > 0),
         )
 
 
 @dataclass(frozen=True)
 class Sums:
-    """Products summed over some operating points."""
+    """Products of b data sets summed over the operating points of each part f."""
 
     columns: ColumnSums
-    mixed: np.ndarray  # (b, g, q)
-    squares: np.ndarray  # (g,) or (b, g)
-    noise: np.ndarray  # (g,) per window
-    windows: np.ndarray  # (g,), at least 1
-    points: np.ndarray  # (g,)
-
-    def select(self, rows: np.ndarray) -> "Sums":
-        """Return the sums of some data sets."""
-        if len(rows) == len(self.mixed):
-            return self
-        squares = self.squares if self.squares.ndim == 1 else self.squares[rows]
-        return replace(self, mixed=self.mixed[rows], squares=squares)
+    mixed: np.ndarray  # (f, b, g, q)
+    squares: np.ndarray  # (f, 1, g) or (f, b, g)
+    noise: np.ndarray  # (f, g) per window
+    windows: np.ndarray  # (f, g), at least 1
+    points: np.ndarray  # (f, g)
 
     def squared_residuals(self, beta: np.ndarray) -> np.ndarray:
-        """Return sums (b, g) of (d - beta c)^2."""
-        crossed = (self.mixed @ beta[:, :, None])[:, :, 0]
+        """Return sums (f, b, g) of (d - beta c)^2 for beta (f, b, q)."""
+        crossed = (self.mixed @ beta[..., None])[..., 0]
         return np.maximum(self.squares - 2 * crossed + self.columns.squares(beta), 0.0)
 
     def variance(self, beta: np.ndarray) -> np.ndarray:
-        """Return the variances v (b, g), at least the noise."""
-        return np.maximum(self.squared_residuals(beta) / self.windows, self.noise)
+        """Return the variances v (f, b, g), at least the noise."""
+        variance = self.squared_residuals(beta) / self.windows[:, None]
+        return np.maximum(variance, self.noise[:, None])

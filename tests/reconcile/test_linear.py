@@ -129,14 +129,15 @@ def test_known_products_of_columns_serve_other_residuals():
     change = rng.standard_normal(12)
     found = replace(found, levels=(RunLevel(slice(0, 12), 0, change, 1.0),))
     other = replace(found, difference=found.difference + 0.3 * columns["one"])
-    known, points = products(found, columns), np.array([0, 2])
-    known.summed_columns(points)
+    known = products(found, columns)
+    part = known.part(np.array([0, 2]))
+    known.summed_columns(part)
     again, anew = products(other, columns, known), products(other, columns)
     for name in ("mixed", "squares", "noise", "windows"):
         np.testing.assert_allclose(getattr(again, name), getattr(anew, name), atol=1e-12)
     np.testing.assert_allclose(all_products(again.columns), all_products(anew.columns))
-    beta = np.array([[0.3, -2.0]])
-    sums = [each.summed_columns(points).squares(beta) for each in (again, anew)]
+    beta = np.array([[[0.3, -2.0]]])
+    sums = [each.summed_columns(part).squares(beta) for each in (again, anew)]
     np.testing.assert_allclose(*sums)
     assert not np.allclose(known.mixed, again.mixed)
 

@@ -21,7 +21,7 @@ def dense():
 
 @pytest.fixture
 def beta():
-    return np.random.default_rng(2).standard_normal((7, COLUMNS))
+    return np.random.default_rng(2).standard_normal((2, 7, COLUMNS))
 
 
 def test_blocks_have_no_columns_that_are_zero_and_all_products(dense):
@@ -36,22 +36,25 @@ def test_blocks_have_no_columns_that_are_zero_and_all_products(dense):
     [(range(GROUPS), range(COLUMNS)), ([4, 0, 3], [3, 1]), ([5], [0, 2]), ([2, 3], [])],
 )
 def test_sums_over_points_are_those_of_all_products(dense, beta, groups, columns):
-    groups, columns, points = np.array(groups), np.array(columns, int), np.array([0, 2, 3])
-    sums = column_products(dense).summed(points).select(groups, columns)
-    whole = dense[points].sum(axis=0)[np.ix_(groups, columns, columns)]
-    own, weight = beta[:, columns], np.random.default_rng(3).random((7, len(groups)))
+    groups, columns = np.array(groups), np.array(columns, int)
+    parts = np.array([[1, 0, 1, 1, 0], [0, 1, 0, 0, 0]], bool)
+    sums = column_products(dense).summed(parts).select(groups, columns)
+    whole = np.array([dense[part].sum(axis=0)[np.ix_(groups, columns, columns)] for part in parts])
+    own, weight = beta[..., columns], np.random.default_rng(3).random((2, 7, len(groups)))
     close = {"rtol": 1e-12, "atol": 1e-12}
-    np.testing.assert_allclose(sums.diagonal(), np.einsum("gjj->gj", whole), **close)
-    np.testing.assert_allclose(sums.weighted(weight), np.tensordot(weight, whole, axes=1), **close)
-    np.testing.assert_allclose(sums.times(own), np.einsum("gij,bj->bgi", whole, own), **close)
-    curved = np.einsum("bi,gij,bj->bg", own, whole, own)
+    np.testing.assert_allclose(sums.diagonal(), np.einsum("fgjj->fgj", whole), **close)
+    expected = np.einsum("fbg,fgij->fbij", weight, whole)
+    np.testing.assert_allclose(sums.weighted(weight), expected, **close)
+    expected = np.einsum("fgij,bj->fbgi", whole, own[0])
+    np.testing.assert_allclose(sums.times(own[0]), expected, **close)
+    curved = np.einsum("fbi,fgij,fbj->fbg", own, whole, own)
     np.testing.assert_allclose(sums.squares(own), curved, **close)
 
 
 def test_some_columns_times_their_factors(dense, beta):
     chosen = np.array([3, 1])
-    found = column_products(dense).select(chosen).times(beta[0, chosen])
-    expected = dense[..., chosen, :][..., chosen] @ beta[0, chosen]
+    found = column_products(dense).select(chosen).times(beta[0, 0, chosen])
+    expected = dense[..., chosen, :][..., chosen] @ beta[0, 0, chosen]
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
 
 

@@ -216,7 +216,8 @@ class CandidateEvaluator(Refits):
         for which, value in values.items():
             if which in effect_coefficients(which[0]):
                 beta[0, model.column(which)] = value / typical_size(which)
-        return model.data.summed_columns(self.train).squares(beta)[0]
+        whole = model.data.part(self.train)
+        return model.data.summed_columns(whole).squares(beta[None])[0, 0]
 
     def _candidate(
         self,
