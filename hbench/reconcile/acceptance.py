@@ -102,9 +102,10 @@ def score_to_exceed(
 
     ``scores_on_nulls`` returns the scores (b,) of each candidate for random signs (b, ``points``).
     """
-    signs = random_signs(NULLS, points, seed=1)
-    for few in (signs[:_FEW_NULLS], signs):
-        largest = np.max(scores_on_nulls(few), axis=0, initial=0.0)
+    largest = np.empty(0)
+    for signs in np.split(random_signs(NULLS, points, seed=1), [_FEW_NULLS]):
+        of_these = np.max(scores_on_nulls(signs), axis=0, initial=0.0)
+        largest = np.append(largest, of_these)
         threshold = CRITERIA.threshold(largest, families)
         if score > _FAR * threshold:
             break
