@@ -162,7 +162,7 @@ def test_values_are_replaced_in_place():
 
 
 @pytest.mark.parametrize(
-    "size", [(25, 12, 100, 160), (50, 45, 250, 100), (300, 210, 2000, 350)], ids=str
+    "size", [(300, 210, 2000, 350), *slow([(25, 12, 100, 160), (50, 45, 250, 100)])], ids=str
 )
 def test_sized_schedules_can_be_planned_and_the_demo_runs_and_every_run_is_accepted(tmp_path, size):
     options = zip(("--bore", "--rod", "--stroke", "--supply"), size, strict=True)

@@ -97,6 +97,7 @@ def test_a_worker_killed_in_the_middle_leaves_a_table_identical_to_the_local_one
     assert [name for name, row in found.items() if row["failed"]] == ["slow-01", "slow-02"]
 
 
+@pytest.mark.slow
 def test_a_campaign_that_kills_its_worker_each_time_is_a_failed_row_and_no_other_is(
     loopback, line, tmp_path, one_process
 ):

@@ -65,7 +65,9 @@ KNOWN = {
 @pytest.mark.parametrize(
     ("name", "start"),
     [
-        ("internal_leakage-clear-1", "friction x 5, valve x 0.8"),
+        pytest.param(
+            "internal_leakage-clear-1", "friction x 5, valve x 0.8", marks=pytest.mark.slow
+        ),
         ("none-5", ALMOST_NONE),
         ("none-5", "Stribeck exponent x 2"),
         *(

@@ -36,6 +36,7 @@ def foreign(imported):
     return workflow.reconcile(imported, MODEL, lambda done, of: None)
 
 
+@pytest.mark.slow
 def test_a_leak_is_named_in_imported_logs_with_the_coefficients_of_the_original(foreign):
     """The truth follows another law, so only the two diagnoses are compared."""
     own = stored_outcome(LEAKING)
@@ -81,6 +82,7 @@ def test_the_series_of_strokes_is_not_asked_for(imported):
         workflow.reconcile(imported, MODEL, lambda done, of: None, series="a")
 
 
+@pytest.mark.slow
 def test_gaps_have_units_and_limits(foreign):
     flows = [gap for gap in foreign.where if gap.name.startswith("flow")]
     assert len(flows) == 4

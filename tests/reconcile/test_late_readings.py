@@ -87,6 +87,7 @@ def test_a_late_position_is_no_lag_of_the_valves():
     assert "The position is late by " in verdict_words(found)
 
 
+@pytest.mark.slow
 def test_a_leak_is_named_behind_a_filter_of_the_load_cell():
     found = diagnosed("internal_leakage-clear-1", lambda run: filtered(run, "f_applied_n"))
     assert [each.name for each in found.effects] == ["internal_leakage"]

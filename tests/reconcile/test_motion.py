@@ -136,7 +136,8 @@ def test_twice_the_mass_in_addition_is_named_with_its_size():
     assert mass == pytest.approx(3 * axis.MASS_KG, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=SLOW) for seed in (2, 3))])
+@SLOW
+@pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_better_force_with_a_motion_that_is_no_better_is_reported(seed):
     """A constant force that differs from run to run decides how far the motion drifts."""
     found = diagnosis(axis.axis_runs(axis.shear, seed=seed, wander_n=4.0))
@@ -290,9 +291,8 @@ def test_the_command_writes_both_errors_into_text_page_and_document(imported, un
 @pytest.mark.skipif(
     not DATA.is_dir(), reason="the TU Delft measurements are not beside the checkout"
 )
-@pytest.mark.parametrize(
-    ("seal", "offset_n_bar"), [("O-ring", 0.36), pytest.param("NAPN", 0.51, marks=SLOW)]
-)
+@SLOW
+@pytest.mark.parametrize(("seal", "offset_n_bar"), [("O-ring", 0.36), ("NAPN", 0.51)])
 def test_the_strokes_of_real_cylinders_are_a_motion_with_drive_force_too(
     tmp_path, seal, offset_n_bar
 ):

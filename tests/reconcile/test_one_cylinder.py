@@ -33,6 +33,7 @@ def found(leaking):
     return reconciled(leaking)
 
 
+@pytest.mark.slow
 def test_the_test_valves_command_and_pressures_show_a_leak(found):
     effects = {effect.name: effect.parameters for effect in found.effects}
     assert found.verdict == "named" and set(effects) == {"internal_leakage"}
