@@ -18,7 +18,7 @@ from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.identification.figures import draw_identification
 from hbench.report.identification.page import identification_page
-from hbench.report.render.document import Document, Section, page
+from hbench.report.render.document import Document, Section, document, page
 from hbench.report.render.word_tables import Cell, Table
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
@@ -417,6 +417,13 @@ def test_the_keyboard_walks_the_points_of_a_figure(browser, pages, small):
     browser.key("Escape")
     assert browser.run("document.querySelector('.tip').hidden")
     assert browser.run("document.activeElement.matches('svg.plot')")
+
+
+def test_the_footer_explains_pointing_where_a_figure_has_points(browser, pages, tmp_path):
+    (tmp_path / "words.html").write_text(document("Words", "", (Section("Some", ("text",)),)))
+    for each, explained in ((pages["campaign"], True), (tmp_path / "words.html", False)):
+        browser.open(each)
+        assert ("Point at a mark" in browser.run("document.body.innerText")) is explained
 
 
 def test_figures_and_page_are_light_or_dark_as_the_reader_wants(browser, pages):

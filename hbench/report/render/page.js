@@ -62,6 +62,7 @@
       show(next[event.key]);
     });
   }
+  document.querySelector(".pointing").hidden = !document.querySelector("svg.plot .point");
 
   const value = (cell, numeric) => {
     const text = cell.textContent.trim();
