@@ -167,22 +167,24 @@ def _weighted_fit(
     weight = (sums.points / sums.windows)[:, None] / variance
     curved = sums.columns.weighted(weight)[moving]
     driven = (weight[:, :, None] @ sums.mixed)[:, :, 0][moving]
+    information = priors.sigma**-2.0
+    np.einsum("rjj->rj", curved)[...] += information
+    driven += information * priors.centre
     beta = np.zeros_like(driven)
     fixed = np.zeros_like(driven, bool)
-    rows = np.arange(len(driven))
+    rows, matrix = np.arange(len(driven)), curved
     for _ in range(_BOUND_ITERATIONS):  # fix parameters beyond a bound, solve for the others
-        matrix, held = curved[rows], fixed[rows]
-        diagonal = np.einsum("bjj->bj", matrix)
-        stiff = np.where(held, _FIXED_WEIGHT * (1 + diagonal), priors.sigma**-2.0)
-        aim = np.where(held, beta[rows], priors.centre)
+        held, diagonal = fixed[rows], np.einsum("rjj->rj", matrix)
+        stiff = np.where(held, _FIXED_WEIGHT * (1 + diagonal), 0.0)
         diagonal += stiff
-        solved = np.linalg.solve(matrix, (driven[rows] + stiff * aim)[..., None])[..., 0]
+        solved = np.linalg.solve(matrix, (driven[rows] + stiff * beta[rows])[..., None])[..., 0]
         beta[rows] = np.clip(solved, priors.low, priors.high)
         beyond = ((solved < priors.low) | (solved > priors.high)) & ~held
         fixed[rows] |= beyond
         rows = rows[beyond.any(axis=1)]
         if not len(rows):
             break
+        matrix = curved[rows]
     return beta
 
 

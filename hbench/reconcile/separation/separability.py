@@ -39,6 +39,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.parallel.process_pool import usable_cores
+from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, ambiguity_margin
 from hbench.reconcile.hypothesis import CoefficientKey, effect_coefficients
 from hbench.reconcile.likelihood import Priors, expected_loss, information
@@ -165,7 +167,11 @@ class Separation:
         names = (*self.added, *effects)
         priors, chosen = self.model.priors(names), self.model.index(names)
         centred = Priors(np.zeros_like(priors.centre), priors.sigma, priors.low, priors.high)
-        return expected_loss(self.model.data, centred, chosen, causes, self.points)
+
+        def loss(some: np.ndarray) -> np.ndarray:
+            return expected_loss(self.model.data, centred, chosen, some, self.points)
+
+        return np.concatenate(map_on_threads(loss, np.array_split(causes, usable_cores())))
 
     @cached_property
     def _information(self) -> np.ndarray:
