@@ -7,7 +7,7 @@ are parabolas with the record's mean, so that means of products such as u sqrt(d
 """
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 from math import ceil
 from typing import NamedTuple
 
@@ -49,7 +49,14 @@ class AlongLog(NamedTuple):
     friction_load: np.ndarray  # (n,) N
 
 
-def acts(row: Effect, coefficients: Sequence[float]) -> bool:
+@lru_cache(maxsize=64)
+def acting(effects: tuple[tuple[float, ...], ...]) -> tuple[str, ...]:
+    """Return the effects that act, from the coefficients of all in the catalogue's order."""
+    rows = zip(EFFECTS.items(), effects, strict=False)
+    return tuple(name for (name, row), coefficients in rows if _acts(row, coefficients))
+
+
+def _acts(row: Effect, coefficients: Sequence[float]) -> bool:
     """Return whether an effect's coefficients switch it on."""
     own = zip(row.coefficients.values(), coefficients, strict=True)
     return any(value != key.to_si(key.default) for key, value in own if key.typical)
@@ -68,20 +75,15 @@ def states_act(par: PlantParameters, parts: Parts) -> bool:
 
 def supply_sags(par: PlantParameters, parts: Parts) -> bool:
     """Return whether the flow drawn changes the supply pressure of a source without pump."""
-    rows = [EFFECTS[name] for name in _acting(par)]
+    rows = [EFFECTS[name] for name in acting(par.effects or ())]
     of_supply = any("supply" in row.balances and "flows" in row.laws for row in rows)
     return parts.flows and (of_supply or len(par.learned) > 0)
 
 
-def _acting(par: PlantParameters) -> list[str]:
-    """Return the effects that act."""
-    coefficients = zip(EFFECTS, par.effects or (), strict=False)
-    return [name for name, own in coefficients if acts(EFFECTS[name], own)]
-
-
 def _laws_with_states(par: PlantParameters) -> list[set[str]]:
     """Return the places where each effect that acts and has states changes the plant."""
-    return [set(EFFECTS[name].laws) for name in _acting(par) if EFFECTS[name].states]
+    names = acting(par.effects or ())
+    return [set(EFFECTS[name].laws) for name in names if EFFECTS[name].states]
 
 
 def single_start(records: int, par: PlantParameters) -> Starts:

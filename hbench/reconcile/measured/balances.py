@@ -47,7 +47,7 @@ from hbench.model.sensors import (
     sensor_parameters,
 )
 from hbench.model.states import P_TP, P_TR
-from hbench.reconcile.measured.along import ALL_PARTS, STEP_S, AlongLog, acts, along
+from hbench.reconcile.measured.along import ALL_PARTS, STEP_S, AlongLog, acting, along
 from hbench.reconcile.measured.disturbances import ALL_COMMANDS, POSITION, Ripples
 from hbench.reconcile.measured.integration import Parts, Starts
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, VELOCITY, Session, sessions
@@ -268,21 +268,20 @@ def starts(
     session: Session, signals: np.ndarray, model: BalanceModel, forces: tuple[np.ndarray, ...]
 ) -> Starts:
     """Return what all logs start with; ``forces`` are the measured frictions of both cylinders."""
-    friction = np.array(
-        [
-            [_at_start(force[start:stop]) for force in forces]
-            for start, stop in zip(session.edges[:-1], session.edges[1:], strict=True)
-        ]
-    )
-    share = _share_of_static(friction[:, 0], signals[:, session.edges[:-1]], model.par)
-    on = [acts(*each) for each in zip(EFFECTS.values(), model.par.effects or (), strict=True)]
-    builds_up = _BUILDS_UP & np.repeat(on, _STATES)
-    return Starts(session.edges, friction, share[:, None] * _DEFLECTS, builds_up)
+    friction = np.column_stack([_at_start(force, session.edges) for force in forces])
+    on = acting(model.par.effects or ())
+    states = np.zeros((len(friction), len(_DEFLECTS)))
+    if any(EFFECTS[name].deflects for name in on):
+        share = _share_of_static(friction[:, 0], signals[:, session.edges[:-1]], model.par)
+        states = share[:, None] * _DEFLECTS
+    builds_up = _BUILDS_UP & np.repeat([name in on for name in EFFECTS], _STATES)
+    return Starts(session.edges, friction, states, builds_up)
 
 
-def _at_start(records: np.ndarray) -> float:
-    """Return a signal at the start of its first record, by a line through the first two means."""
-    return float(records[0] - 0.5 * (records[1] - records[0])) if len(records) > 1 else records[0]
+def _at_start(signal: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return a signal at the start of each log (r,), by a line through its first two means."""
+    first, second = edges[:-1], np.minimum(edges[:-1] + 1, edges[1:] - 1)
+    return signal[first] - 0.5 * (signal[second] - signal[first])
 
 
 def _share_of_static(force: np.ndarray, signals: np.ndarray, par: PlantParameters) -> np.ndarray:

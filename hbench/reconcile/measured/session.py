@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from hbench.errors import DataError
 from hbench.motion.local_polynomials import local_polynomials, odd_samples
@@ -142,15 +143,28 @@ class Session:
 
     def mean(self, y: np.ndarray) -> np.ndarray:
         """Return <y> (..., w) of the samples (..., n)."""
-        return y[..., self._samples] @ self.window.value
+        return _times(self._weights["value"], y)
 
     def rate(self, y: np.ndarray) -> np.ndarray:
         """Return <y'> (..., w)."""
-        return y[..., self._samples] @ self.window.slope
+        return _times(self._weights["slope"], y)
 
     def second(self, y: np.ndarray) -> np.ndarray:
         """Return <y''> (..., w)."""
-        return y[..., self._samples] @ self.window.bend
+        return _times(self._weights["bend"], y)
+
+    @cached_property
+    def _weights(self) -> dict[str, csr_array]:
+        """Weights (w, n) of all samples in the windows, by field of ``Window``."""
+        w, k = self._samples.shape
+        first = np.arange(0, w * k + 1, k)
+        shape = w, int(self.edges[-1])
+        return {
+            name: csr_array(
+                (np.tile(getattr(self.window, name), w), self._samples.ravel(), first), shape
+            )
+            for name in ("value", "slope", "bend")
+        }
 
     def smoothed(self) -> "Session":
         """Return the session with smoothed pressures, for the derivatives of its balances.
@@ -276,3 +290,9 @@ def _sustained(found: np.ndarray) -> np.ndarray:
     for start, stop in edges.reshape(-1, 2):
         kept[start:stop] = stop - start >= _SUSTAINED
     return kept
+
+
+def _times(weights: csr_array, y: np.ndarray) -> np.ndarray:
+    """Return the weighted sums (..., w) of samples (..., n)."""
+    rows = y.reshape(-1, y.shape[-1])
+    return np.array([weights @ row for row in rows]).reshape(*y.shape[:-1], -1)
