@@ -87,6 +87,7 @@ def sizes(planned):
 # ---- who looks like whom, by physics
 
 
+@pytest.mark.slow
 def test_at_one_acceleration_a_lag_of_friction_is_like_a_mass(poor, bench):
     """Both act while the speed changes. Slow reversals separate them; more loads do not."""
     assert pair(poor, *INERTIAS).distinguishable is False

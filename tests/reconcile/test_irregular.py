@@ -33,12 +33,14 @@ def found():
     return diagnose(replace(task, bench=None, runs=runs, plant_data=read_yaml(MODEL)))
 
 
+@pytest.mark.slow
 def test_a_spool_that_sticks_is_unknown_and_not_nothing(found):
     assert found.verdict == "unknown"
     assert {gap.name for gap in found.rest} == {"flow_tp", "flow_tr"}
     assert all(gap.p_value > 0.01 and gap.deviation > 3 * gap.material for gap in found.rest)
 
 
+@pytest.mark.slow
 def test_the_page_tells_that_the_runs_differ_and_asks_for_no_more_steady_ones(found):
     words = verdict_words(found)
     assert "The deviations differ between runs of the same plan" in words
