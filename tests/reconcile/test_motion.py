@@ -23,6 +23,7 @@ from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.error import errors_in_words, one_sided_words
 from tests.support import driven_axis as axis
 from tests.support.commands import hbench
+from tests.support.shared import once
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data" / "tudelft-cylinder"
 PROVENANCE = Provenance("axis", "imported", "axis", "", "2026-01-01", "2026-01-01")
@@ -57,7 +58,10 @@ def diagnosis(runs, sections=axis.MODEL):
 @cache
 def hidden(effect, seed=1, friction=1.0, size=1.0):
     """The diagnosis of runs with an effect that is not in the first guess."""
-    return diagnosis(axis.axis_runs(effect, seed=seed, scale=size), model(friction, size))
+    return once(
+        f"motion-{effect.__name__}-{seed}-{friction}-{size}",
+        lambda: diagnosis(axis.axis_runs(effect, seed=seed, scale=size), model(friction, size)),
+    )
 
 
 def errors_of(found):
