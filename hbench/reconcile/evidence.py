@@ -123,7 +123,7 @@ def _cross_validated(
     held_out = np.zeros((min(FOLDS, len(points)), len(data.squares)), bool)
     held_out[np.arange(len(points)) % FOLDS, points] = True
     selected, total = priors.select(chosen), np.zeros(1)
-    # All folds at once, or of many data sets, which need memory, one fold after the other.
+    # All folds at once; those of null data sets, which need far more memory, one after the other.
     for folds in held_out[None] if signs is None else held_out[:, None]:
         others = held_out.any(axis=0) & ~folds
         beta = most_likely(data.sums(chosen, others, signs, groups), selected)
