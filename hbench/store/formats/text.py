@@ -106,7 +106,7 @@ class TextTable:
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: found {cell[:60]!r}; "
                     "expected a number",
-                    header_row.cell_hint(cell),
+                    header_row.cell_hint(cell, self.layout),
                 )
         return values
 
