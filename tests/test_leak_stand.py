@@ -42,6 +42,8 @@ CHAMBERS = (
 )
 SLOW, CREEPS = "screening: {max_gap: 0.3 s}\n", "screening: {max_gap: 0.3 s, rest_travel: 20 mm}\n"
 LOGGED, OPEN = "p_tr_pa: {column: pB, unit: bar}", ""
+PORT = "temp_port_k: {column: T, unit: degC}"
+EXPANSION_1_K = 7.2e-4  # of mineral oil
 
 
 def decay(start_bar, *, locked, is_open=False):
@@ -63,23 +65,44 @@ def decay(start_bar, *, locked, is_open=False):
 
 
 def campaign(
-    folder, *, more=CHAMBERS + SLOW, stroke=", stroke: 400 mm", locked=True, is_open=False
+    folder,
+    *,
+    more=CHAMBERS + SLOW,
+    stroke=", stroke: 400 mm",
+    locked=True,
+    is_open=False,
+    warming_k_min=0.0,
+    port=None,
 ):
+    """Write and import the holds; ``port`` returns the logged temperature [degC] of the oil's."""
     rng = np.random.default_rng(4)
     (folder / "logs").mkdir()
     for number, start in enumerate(STARTS_BAR, start=1):
         t, (p, r, x) = decay(start, locked=locked, is_open=is_open)
         noise = rng.normal(0, (0.02, 0.02, 0.002), (len(t), 3)).T
-        columns = t, 1e3 * x + noise[2], p / 1e5 + noise[0], r / 1e5 + noise[1]
+        degc = 45 + warming_k_min * t / 60
+        p, r = (pressure + BETA * EXPANSION_1_K * (degc - 45) for pressure in (p, r))
+        columns = [t, 1e3 * x + noise[2], p / 1e5 + noise[0], r / 1e5 + noise[1], degc]
+        columns[4] = degc if port is None else port(degc)
         path = folder / "logs" / f"hold_{number}.csv"
-        np.savetxt(path, np.column_stack(columns), "%.3f", ",", header="t,x,pA,pB", comments="")
-    text = MAP.format(rod_side=OPEN if is_open else LOGGED, stroke=stroke, more=more)
+        np.savetxt(path, np.column_stack(columns), "%.3f", ",", header="t,x,pA,pB,T", comments="")
+    channels = [OPEN if is_open else LOGGED, *[PORT] * (port is not None)]
+    text = MAP.format(rod_side="\n  ".join(channels), stroke=stroke, more=more)
     if is_open:
         text += "constants: {p_tr_pa: 0 bar}\n"
     (folder / "map.yaml").write_text(text)
     words = "import", folder / "logs", "--map", folder / "map.yaml", "-o", folder / "campaign"
     assert hbench(*words).returncode == 0
     return derive(load_campaign(folder / "campaign"))
+
+
+LEAKS = ("across_piston", "rod_side_out", "piston_side_out")
+
+
+def folders(path):
+    for name in ("a", "b"):
+        (path / name).mkdir()
+        yield path / name
 
 
 def flow_ml_min(results, leak, pressure_bar):
@@ -95,6 +118,36 @@ def test_the_leaks_of_imported_holds_are_those_that_made_the_logs(tmp_path, lock
     for leak, truth in (("across_piston", 5.0), ("rod_side_out", 0.5), ("piston_side_out", 0.0)):
         flow, half = flow_ml_min(results, leak, 100)
         assert flow == pytest.approx(truth, abs=0.02) and abs(flow - truth) < half
+
+
+@pytest.mark.parametrize("warming_k_min", [-0.8, 0.6])
+def test_an_oil_that_was_measured_to_cool_or_warm_widens_u(tmp_path, warming_k_min):
+    """Without the temperature U assumes 0.2 K/min, and 2 of the 3 leaks are outside."""
+    found = campaign(tmp_path, warming_k_min=warming_k_min, port=lambda degc: degc)
+    for leak, truth in (("across_piston", 5.0), ("rod_side_out", 0.5), ("piston_side_out", 0.0)):
+        flow, half = flow_ml_min(found, leak, 100)
+        assert abs(flow - truth) < half
+    (leakage,) = found.motions.leakages
+    words = f"a change of the oil temperature at {abs(warming_k_min):g} K/min, the largest measured"
+    assert words in leakage.message
+
+
+@pytest.mark.parametrize(
+    "port",
+    [
+        lambda degc: degc + np.random.default_rng(1).normal(0, 1.0, len(degc)),
+        lambda degc: np.where(np.arange(len(degc)) < len(degc) / 2, 45.0, 46.0),
+    ],
+    ids=["noise", "one step of a coarse sensor"],
+)
+def test_noise_and_steps_of_a_temperature_are_no_warming(tmp_path, port):
+    found, usual = (
+        campaign(folder, port=each)
+        for folder, each in zip(folders(tmp_path), (port, None), strict=True)
+    )
+    assert [flow_ml_min(found, name, 100) for name in LEAKS] == [
+        flow_ml_min(usual, name, 100) for name in LEAKS
+    ]
 
 
 def test_a_limit_in_litres_per_minute_is_decided_by_imported_holds(tmp_path):

@@ -106,6 +106,11 @@ class Drift:
         return not (self.significant and self.of_unknown_size)
 
     @property
+    def has_temp_change(self) -> bool:
+        """Whether the oil's change is that over the campaign, and not over an order of names."""
+        return not self.of_unknown_size
+
+    @property
     def possible_percent(self) -> float:
         """The farther end of the interval of the change, as a magnitude."""
         return abs(self.change_percent) + self.change_percent_ci95

@@ -80,7 +80,7 @@ def drift_reserve(drift: Drift | None) -> str:
     if drift.hidden:
         most = possible_words(drift)
         return f"A drift of up to {most} cannot be excluded, and U does not contain it."
-    return "U does not contain this drift." if drift.significant else ""
+    return "U does not contain the drift between the trials." if drift.significant else ""
 
 
 def drift_outside_u(drift: Drift | None) -> str:
@@ -94,18 +94,25 @@ def drift_outside_u(drift: Drift | None) -> str:
 
 
 def drift_with_oil(drift: Drift) -> str:
-    """Return the oil's change of temperature as a sentence; empty if it was not measured."""
+    """Return the oil's change of temperature, and how friction goes with it, as a sentence.
+
+    Empty if it was not measured. A change over an order that may be that of names is not stated.
+    """
     if drift.temp_change_k is None:
         return ""
     rose = "rose" if drift.temp_change_k >= 0 else "fell"
     change = f"Meanwhile the oil temperature {rose} by {number(abs(drift.temp_change_k), 1)} K"
+    known = drift.has_temp_change
     if drift.temp_correlation is None or drift.temp_p is None:
-        return f"{change}."
+        return f"{change}." if known else ""
+    beginning = f"{change}; within" if known else "Within"
     which = f"correlation {number(drift.temp_correlation, 2)}, {p_equation(drift.temp_p)}"
+    oil = "it" if known else "the oil temperature"
     if drift.temp_p >= SIGNIFICANCE:
-        return f"{change}; within the points, friction does not correlate with it ({which})."
-    way = "falls as it rises" if drift.temp_correlation < 0 else "rises with it"
-    return f"{change}; within the points, friction {way} ({which})."
+        way = f"does not correlate with {oil}"
+    else:
+        way = f"falls as {oil} rises" if drift.temp_correlation < 0 else f"rises with {oil}"
+    return f"{beginning} the points, friction {way} ({which})."
 
 
 def drift_advice(drift: Drift) -> str:

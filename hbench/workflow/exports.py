@@ -1,5 +1,6 @@
 """Export of a campaign's runs and curves for other programs."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from hbench.errors import ConfigError
@@ -17,6 +18,13 @@ from hbench.store.exporting.spreadsheets import (
 )
 from hbench.store.files.atomic import write_atomic
 from hbench.workflow.results import derive, result_tables, screened_runs
+
+# What an export of runs contains beside YAML files: folders and files.
+_WRITTEN = {
+    "csv": ("runs", "runs.csv"),
+    "parquet": ("runs", "runs.parquet"),
+    "mat": ("campaign.mat", "curves.mat"),
+}
 
 
 def export(
@@ -61,12 +69,13 @@ def export(
     if kind == "modelica":
         write_atomic(destination / "friction.txt", modelica_tables(derive(campaign).curves))
         return 1
+    files = {"bench.yaml": campaign.bench_content, "settings.yaml": exported_settings(campaign)}
+    beside = {name: content for name, content in files.items() if content}
+    _refuse_replacing(destination, (*_WRITTEN[kind], *beside))
     if kind == "mat":
         results = derive(campaign)
         write_atomic(destination / "curves.mat", mat_curves(results.curves, results.joint_fits))
     runs = ((screened.run, "; ".join(screened.reasons)) for screened in screened_runs(campaign))
-    files = {"bench.yaml": campaign.bench_content, "settings.yaml": exported_settings(campaign)}
-    beside = {name: content for name, content in files.items() if content}
     count = int(kind == "mat")
     for name, data in FORMATS[kind](runs, beside):
         if changes and name.endswith(".csv"):
@@ -74,3 +83,13 @@ def export(
         write_atomic(destination / name, data)
         count += 1
     return count
+
+
+def _refuse_replacing(destination: Path, names: Sequence[str]) -> None:
+    """Raise ``ConfigError`` if a file of the export exists: it may be a log or a bench file."""
+    taken = next((name for name in names if (destination / name).exists()), None)
+    if taken is not None:
+        raise ConfigError(
+            f"{destination / taken}: exists already, and an export of runs replaces no file",
+            "Choose another folder, or delete the earlier export.",
+        )

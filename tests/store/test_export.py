@@ -284,6 +284,28 @@ def test_an_export_into_a_campaign_is_refused_and_no_log_is_replaced(tmp_path, e
     assert log.read_bytes() == before
 
 
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("csv", "runs/0001.csv"),
+        ("csv", "runs.csv"),
+        ("csv", "bench.yaml"),
+        ("parquet", "bench.yaml"),
+        ("mat", "bench.yaml"),
+        ("mat", "curves.mat"),
+    ],
+)
+def test_an_export_of_runs_replaces_no_log_and_no_bench_file(tmp_path, kind, name):
+    """Such as raw logs in the layout of an export, or the bench file that a user has edited."""
+    own = tmp_path / name
+    own.parent.mkdir(exist_ok=True)
+    own.write_text("mine\n")
+    with pytest.raises(ConfigError, match=r"exists already, and an export of runs replaces no"):
+        workflow.export(SAMPLES / "stribeck-small", tmp_path, kind)
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == [own]
+    assert own.read_text() == "mine\n"
+
+
 def test_an_import_into_the_imported_folder_replaces_none_of_its_logs(tmp_path, exported, clock):
     logs = tmp_path / "logs"
     shutil.copytree(exported("csv"), logs)

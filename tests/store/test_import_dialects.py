@@ -449,6 +449,25 @@ def test_the_hint_fits_the_cell_that_is_no_number(cell, hint):
     assert hint in error.value.hint if hint else not error.value.hint
 
 
+@pytest.mark.parametrize(
+    ("cell", "decimal", "hint"),
+    [
+        ("1.000,488", ",", 'format.thousands: "."'),
+        ("1'000.488", ".", """format.thousands: "'"."""),
+        ("-1 234 567", ".", 'format.thousands: " "'),
+        ("1.000,488", ".", "decimal comma"),
+        ("0,5", ".", "decimal comma"),
+        ("1,000", ".", "whether the comma is the decimal mark, format.decimal, or the mark of"),
+        ("1,000.488", ",", ""),
+        ("1,5,5", ",", ""),
+    ],
+)
+def test_the_hint_names_the_mark_of_the_map_that_a_number_needs(cell, decimal, hint):
+    with pytest.raises(DataError, match=r"line 3: column x: ") as error:
+        column(f"t;x\n0;1\n1;{cell}\n", separator="semicolon", decimal=decimal)
+    assert hint in error.value.hint if hint else not error.value.hint
+
+
 def test_a_quote_that_is_not_closed_is_refused_with_its_line():
     """The rows after it would be one cell, and left out as a short row at the end."""
     text = "t,x\n0,1\n1,2\n" + '2,"3\n' + "3,4\n" * 9

@@ -21,8 +21,9 @@ q V / (beta I(p)). The half-width of an interval is at least this error, since a
 alike. q is the smallest step of a logged channel, which is finer than a code of the converter where
 conversions are averaged; for a constant channel nothing is added.
 
-Two assumed errors are added as squares. Oil that warms or cools at ``TEMPERATURE_RATE_K_S`` acts
-as a drift of the pressures by beta times its expansion. Pressures determine only C beta / V: a bulk
+Two assumed errors are added as squares. Oil that warms or cools at ``TEMPERATURE_RATE_K_S``, or at
+the largest rate that was measured in the holds if it is larger, acts as a drift of the pressures by
+beta times its expansion. Pressures determine only C beta / V: a bulk
 modulus with a relative error ``BULK_MODULUS_ERROR`` gives C that error. The dead volumes of the
 bench file or map are taken as exact.
 
@@ -37,6 +38,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hbench.analysis.curves.hold_temperature import measured_rate_k_s
 from hbench.analysis.rounding import ROUNDING, distinct
 from hbench.analysis.statistics.intervals import covariance_over_runs, has_effect, parts_in
 from hbench.analysis.statistics.student import student_factor
@@ -88,7 +90,7 @@ def _leakage(label: str, runs: Sequence[Run], chambers: Chambers) -> Leakage:
         f"conditional on the stated effective bulk modulus ({chambers.bulk_modulus / 1e5:.0f} bar) "
         "and dead volumes: pressures determine only the leaks times beta / V. U contains an error "
         f"of {100 * BULK_MODULUS_ERROR:.0f} % of this modulus and a change of the oil temperature "
-        f"at {60 * TEMPERATURE_RATE_K_S:g} K/min, both assumed"
+        f"at {_rate_words(measured_rate_k_s(runs))}"
     )
     return Leakage(
         label=label,
@@ -102,6 +104,12 @@ def _leakage(label: str, runs: Sequence[Run], chambers: Chambers) -> Leakage:
         reference_pa=p_0,
         step_pa=max(_steps(runs, chambers)) or None,
     )
+
+
+def _rate_words(measured_k_s: float) -> str:
+    if measured_k_s <= TEMPERATURE_RATE_K_S:
+        return f"{60 * TEMPERATURE_RATE_K_S:g} K/min, both assumed"
+    return f"{60 * measured_k_s:.2g} K/min, the largest measured in a hold; the first is assumed"
 
 
 class _Solution(NamedTuple):
@@ -181,7 +189,8 @@ def _solved(
     t = np.array([student_factor(each) if each > 0 else np.nan for each in dof.tolist()])
     se = np.sqrt(np.diag(covariance)) / scale
     rounding = _drift_error(inverse, runs, chambers, _steps(runs, chambers), 0.0) / scale
-    rate_pa_s = chambers.bulk_modulus * OIL_EXPANSION_1_K * TEMPERATURE_RATE_K_S
+    rate_k_s = max(TEMPERATURE_RATE_K_S, measured_rate_k_s(runs))
+    rate_pa_s = chambers.bulk_modulus * OIL_EXPANSION_1_K * rate_k_s
     warming = _drift_error(inverse, runs, chambers, (0.0, 0.0), rate_pa_s) / scale
     value = solution / scale
     assumed = np.hypot(warming, BULK_MODULUS_ERROR * value)

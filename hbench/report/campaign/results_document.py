@@ -111,7 +111,8 @@ LAYOUTS: Layouts = {
     EfficiencyCurve: keys(*SERIES_FIELDS, "points", "mean"),
     EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
     ViscosityEffect: all_fields(ViscosityEffect, determined="determined"),
-    Drift: all_fields(Drift) | {name: NullIfNot(name, "has_size") for name in _CHANGES},
+    Drift: all_fields(Drift, temp_change_k=NullIfNot("temp_change_k", "has_temp_change"))
+    | {name: NullIfNot(name, "has_size") for name in _CHANGES},
     QualityCheck: all_fields(QualityCheck, without=("drift",)),
     Band: all_fields(Band, without=("extend", "retract", "factors")),
     BandTrend: {

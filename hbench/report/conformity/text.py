@@ -48,7 +48,8 @@ _OF_FORCE: tuple[LimitQuantity, ...] = ("friction", "breakaway")
 U_OF_LEAKAGE = (
     "the root sum of squares of three parts: the 95 % interval of the fit to all holds, but at "
     "least the leak that changes a pressure by the smallest step of its logged values{step} during "
-    f"a hold; an assumed change of the oil temperature at {60 * TEMPERATURE_RATE_K_S:g} K/min; "
+    f"a hold; an assumed change of the oil temperature at {60 * TEMPERATURE_RATE_K_S:g} K/min, or "
+    "at the largest rate measured in a hold if it is larger; "
     f"an assumed error of {100 * BULK_MODULUS_ERROR:.0f} % of the effective bulk modulus"
 )
 NOT_IN_U_OF_LEAKAGE = "Not in U: errors of dead volumes, drift of transducers, leakage of valves"

@@ -16,6 +16,10 @@ _MISSING = (
     *("ovl", "ol", "o.l", "ovf", "over", "overload", "overflow", "open", "bad", "error", "invalid"),
 )
 _FILLERS = "-*#?+ "  # cells of these alone
+# Digits in groups of three: 1.234.567 or 1'234.5.
+_GROUPED = re.compile(
+    r"[+-]?\d{1,3}(?P<mark>[.,' ])\d{3}(?:(?P=mark)\d{3})*(?:(?P<decimal>[.,])\d+)?"
+)
 _MOST_ROWS = 60
 _MOST_BETWEEN = 3  # rows between header and data, such as units
 _NUMERIC = 0.5  # of the cells of a row of data
@@ -82,13 +86,22 @@ def sheets_hint(others: Sequence[str]) -> str:
     )
 
 
-def cell_hint(cell: str) -> str:
+def cell_hint(cell: str, layout: Format) -> str:
     """Return the hint for a cell that is no number."""
     if cell.startswith("="):
         return (
             "The formula has no stored value: open the file in a spreadsheet program, and save it."
         )
-    if "," in cell:
+    if grouped := _GROUPED.fullmatch(cell.strip()):
+        mark = grouped["mark"]
+        if mark == "," and not grouped["decimal"] and layout.decimal == ".":
+            return (
+                "State in the map whether the comma is the decimal mark, format.decimal, or the "
+                "mark of thousands, format.thousands."
+            )
+        if layout.decimal == (grouped["decimal"] or layout.decimal) != mark:
+            return f'Specify the mark of thousands in the map: format.thousands: "{mark}".'
+    if "," in cell and layout.decimal != ",":
         return "Specify a decimal comma in the map: format.decimal."
     if cell.strip().lower().strip("+-") in _MISSING or not cell.strip(_FILLERS):
         return "Leave the cell empty, or write nan, if there is no value."

@@ -13,6 +13,7 @@ import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
+from hbench.sentences import plural
 from hbench.store.files.bounded_read import LARGEST_TEXT, read_whole
 from hbench.store.formats import header_row
 from hbench.store.formats.date_times import parse_date_time
@@ -106,7 +107,7 @@ class TextTable:
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: found {cell[:60]!r}; "
                     "expected a number",
-                    header_row.cell_hint(cell),
+                    header_row.cell_hint(cell, self.layout),
                 )
         return values
 
@@ -225,7 +226,8 @@ def _table(
     units = tuple(top[layout.header]) if layout.units_row and len(top) > layout.header else ()
     if not len(rows):
         skipped = layout.preamble + _rows_above(layout)
-        raise DataError(f"{source}: no rows of data after the first {skipped} lines")
+        below = f" below the first {plural(skipped, 'line', f'{skipped} lines')}" if lines else ""
+        raise DataError(f"{source}: no rows of data{below}")
     width = len(names) or len(rows[0])
     all_lines, lines = lines, lines[len(top) :]
     whole = rows.whole() if isinstance(rows, PlainRows) else rows

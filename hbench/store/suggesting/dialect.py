@@ -83,7 +83,6 @@ def rows_dialect(
         first = full.index(True, first + 1)  # below a header of numbers
     above = list(rows[:first])
     sign = _comment_sign([line for number, line in lines if number < rows[first][0]])
-    last_above = above[-1] if above else None
     if sign:
         above = [row for row in above if not row[1] or not row[1][0].lstrip().startswith(sign)]
     header, units, skipped = _head(above, {width, len(rows[first][1])})
@@ -93,7 +92,7 @@ def rows_dialect(
     if sign:
         layout["comment"] = sign
     if header is None:
-        names = _names_in_line(last_above, dict(lines), sign, width)
+        names = _names_in_comments(rows[:first], dict(lines), sign, width)
         before = [number for number, _ in above]
         layout |= {"header": False, "preamble": before[-1] if before else 0}
     else:
@@ -204,12 +203,21 @@ def _comment_sign(above: Sequence[str]) -> str:
     return ""
 
 
-def _names_in_line(
-    row: Row | None, lines: dict[int, str], sign: str, width: int
+def _names_in_comments(
+    above: Sequence[Row], lines: dict[int, str], sign: str, width: int
 ) -> tuple[str, ...]:
+    """Return the names in the last row above the data, or in that above a row of units."""
+    last = _names_in_line(above[-1], lines, sign, width) if above else ()
+    if len(above) < 2 or not last or not _are_units(last):
+        return last
+    names = _names_in_line(above[-2], lines, sign, width)
+    if not names or _are_units(names):
+        return last
+    return tuple(f"{name} [{unit}]" for name, unit in zip(names, last, strict=True))
+
+
+def _names_in_line(row: Row, lines: dict[int, str], sign: str, width: int) -> tuple[str, ...]:
     """Return the names of the columns in a comment, or between two blanks or more."""
-    if row is None:
-        return ()
     number, cells = row
     line = lines.get(number, "").strip()
     if sign and line.startswith(sign):
@@ -238,7 +246,7 @@ def _head(above: Sequence[Row], widths: Container[int]) -> tuple[Row | None, boo
     return last[-1], False, 0
 
 
-def _are_units(cells: list[str]) -> bool:
+def _are_units(cells: Sequence[str]) -> bool:
     """Return whether half of the cells are units, and none is a longer text."""
     filled = [cell.strip() for cell in cells if cell.strip()]
     known = sum(unit_in(cell) is not None for cell in filled)

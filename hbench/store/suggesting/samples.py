@@ -130,6 +130,8 @@ def _sample(
         if (times := table.own_times(key)) is not None:
             own_times[key] = times
     if not columns:
+        if fault := next(iter(unread.values()), ""):
+            raise DataError(f"{table.source}: {fault}")
         return None
     names = {key: names.get(key, str(key) if isinstance(key, str) else "") for key in columns}
     return SampleFile(

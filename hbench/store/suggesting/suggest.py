@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -82,7 +83,11 @@ def suggest_map(folder: Path) -> Suggestion:
     for pattern, sample in samples.items():
         by_signature[sample.signature].append(pattern)
     alike = max(by_signature.values(), key=lambda group: sum(len(p.names) for p in group))
-    files = {name: file for p in alike for name, file in _more_of(folder, p, samples[p], alike)}
+    files = {
+        name: file
+        for p in alike
+        for name, file in _more_of(folder, p, samples[p], len(alike), faults)
+    }
     suggested = _suggested_map(folder, list(files.values()), alike, len(names))
     if suggested.motion is None:
         joined = joined_holds(alike, names)
@@ -130,8 +135,7 @@ def _samples(
         try:
             sample = read_sample(folder, name)
         except HbenchError as error:
-            message = error.message.removeprefix(f"{folder / name}: ")
-            faults[name] = f"{message}. {error.hint}" if error.hint else message
+            faults[name] = _fault_of(error, folder / name)
             continue
         if sample is None:
             faults[name] = "contains no table of numbers"
@@ -141,23 +145,42 @@ def _samples(
 
 
 def _more_of(
-    folder: Path, pattern: NamePattern, first: SampleFile, alike: Sequence[NamePattern]
+    folder: Path,
+    pattern: NamePattern,
+    first: SampleFile,
+    patterns: int,
+    faults: dict[str, str],
 ) -> Iterator[tuple[str, SampleFile]]:
-    """Yield some files of a pattern, spread over all of them."""
-    share = max(1, _MOST_FILES // len(alike))
+    """Yield some files of a pattern, spread over all of them.
+
+    The first of those that cannot be read as the ``first`` file is added to ``faults``.
+    """
+    share = max(1, _MOST_FILES // patterns)
+    unlike: dict[str, str] = {}
     spread = np.linspace(0, len(pattern.names) - 1, min(share, len(pattern.names)))
     size = 0
     for name in dict.fromkeys([pattern.names[int(i)] for i in np.rint(spread)]):
         size += (folder / name).stat().st_size
         if name == first.name:
             yield name, first
-        elif size < _MOST_BYTES / len(alike):
+        elif size < _MOST_BYTES / patterns:
             try:
                 sample = read_sample(folder, name, first.dialect)
-            except HbenchError:
+            except HbenchError as error:
+                unlike[name] = _fault_of(error, folder / name)
                 continue
             if sample is not None and sample.signature == first.signature:
                 yield name, sample
+            else:
+                unread = {} if sample is None else sample.unread
+                new = (fault for key, fault in unread.items() if key not in first.unread)
+                unlike[name] = next(new, f"its columns are not those of {first.name}")
+    faults |= dict(islice(unlike.items(), 1))
+
+
+def _fault_of(error: HbenchError, path: Path) -> str:
+    message = error.message.removeprefix(f"{path}: ")
+    return f"{message}. {error.hint}" if error.hint else message
 
 
 def _suggested_map(

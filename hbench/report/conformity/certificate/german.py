@@ -164,7 +164,8 @@ GERMAN = {
     "leak_interval": "U der Leckage ist die Wurzel der Quadratsumme dreier Anteile: des "
     "95-%-Intervalls der Anpassung an alle Halteversuche, mindestens aber der Leckage, die einen "
     "Druck während des Haltens um die kleinste Stufe seiner aufgezeichneten Werte{step} ändert; "
-    f"einer angenommenen Änderung der Öltemperatur um {_RATE} K/min; eines "
+    f"einer angenommenen Änderung der Öltemperatur um {_RATE} K/min, oder der größten in einem "
+    "Halteversuch gemessenen, falls sie größer ist; eines "
     f"angenommenen Fehlers des effektiven Kompressionsmoduls von {100 * BULK_MODULUS_ERROR:.0f} %. "
     "U hat keinen Faktor k, weil die angenommenen Anteile Fehlergrenzen sind. Nicht enthalten: "
     "Fehler der Totvolumina, Drift der Druckaufnehmer, Leckage der geschlossenen Ventile.",
