@@ -1,6 +1,6 @@
 """Export of a campaign's runs and curves for other programs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from hbench.errors import ConfigError
@@ -8,6 +8,7 @@ from hbench.report.first_sheet import about_rows
 from hbench.store.campaign.folder import NOT_INTO_A_CAMPAIGN, load_campaign, refuse_existing
 from hbench.store.exporting.mat_curves import mat_curves
 from hbench.store.exporting.modelica import modelica_tables
+from hbench.store.exporting.replaced import refuse_replacing
 from hbench.store.exporting.runs import FORMATS
 from hbench.store.exporting.settings import exported_settings
 from hbench.store.exporting.spreadsheets import (
@@ -18,13 +19,6 @@ from hbench.store.exporting.spreadsheets import (
 )
 from hbench.store.files.atomic import write_atomic
 from hbench.workflow.results import derive, result_tables, screened_runs
-
-# What an export of runs contains beside YAML files: folders and files.
-_WRITTEN = {
-    "csv": ("runs", "runs.csv"),
-    "parquet": ("runs", "runs.parquet"),
-    "mat": ("campaign.mat", "curves.mat"),
-}
 
 
 def export(
@@ -69,27 +63,23 @@ def export(
     if kind == "modelica":
         write_atomic(destination / "friction.txt", modelica_tables(derive(campaign).curves))
         return 1
-    files = {"bench.yaml": campaign.bench_content, "settings.yaml": exported_settings(campaign)}
-    beside = {name: content for name, content in files.items() if content}
-    _refuse_replacing(destination, (*_WRITTEN[kind], *beside))
-    if kind == "mat":
-        results = derive(campaign)
-        write_atomic(destination / "curves.mat", mat_curves(results.curves, results.joint_fits))
-    runs = ((screened.run, "; ".join(screened.reasons)) for screened in screened_runs(campaign))
-    count = int(kind == "mat")
-    for name, data in FORMATS[kind](runs, beside):
-        if changes and name.endswith(".csv"):
-            data = changed(data.decode()).encode()
+    known = {"bench.yaml": campaign.bench_content, "settings.yaml": exported_settings(campaign)}
+    beside = {name: content for name, content in known.items() if content}
+
+    def files() -> Iterator[tuple[str, bytes]]:
+        if kind == "mat":
+            results = derive(campaign)
+            yield "curves.mat", mat_curves(results.curves, results.joint_fits)
+        runs = ((screened.run, "; ".join(screened.reasons)) for screened in screened_runs(campaign))
+        for name, data in FORMATS[kind](runs, beside):
+            is_text = changes and name.endswith(".csv")
+            yield name, changed(data.decode()).encode() if is_text else data
+
+    if destination.is_dir() and any(destination.iterdir()):
+        for name, data in files():
+            refuse_replacing(destination / name, data)
+    count = 0
+    for name, data in files():
         write_atomic(destination / name, data)
         count += 1
     return count
-
-
-def _refuse_replacing(destination: Path, names: Sequence[str]) -> None:
-    """Raise ``ConfigError`` if a file of the export exists: it may be a log or a bench file."""
-    taken = next((name for name in names if (destination / name).exists()), None)
-    if taken is not None:
-        raise ConfigError(
-            f"{destination / taken}: exists already, and an export of runs replaces no file",
-            "Choose another folder, or delete the earlier export.",
-        )

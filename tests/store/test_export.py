@@ -3,6 +3,7 @@
 import re
 import shutil
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -300,10 +301,22 @@ def test_an_export_of_runs_replaces_no_log_and_no_bench_file(tmp_path, kind, nam
     own = tmp_path / name
     own.parent.mkdir(exist_ok=True)
     own.write_text("mine\n")
-    with pytest.raises(ConfigError, match=r"exists already, and an export of runs replaces no"):
+    with pytest.raises(ConfigError, match="exists already with other content, and"):
         workflow.export(SAMPLES / "stribeck-small", tmp_path, kind)
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == [own]
     assert own.read_text() == "mine\n"
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
+def test_an_export_can_be_repeated_and_writes_the_same_bytes(tmp_path, kind):
+    def content():
+        return {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+
+    count = workflow.export(SAMPLES / "stribeck-small", tmp_path, kind)
+    first = content()
+    with mock.patch("time.asctime", lambda: "another time"):  # scipy writes it into a MATLAB file
+        assert workflow.export(SAMPLES / "stribeck-small", tmp_path, kind) == count
+    assert content() == first
 
 
 def test_an_import_into_the_imported_folder_replaces_none_of_its_logs(tmp_path, exported, clock):

@@ -1,12 +1,12 @@
 """Friction curves with their fits as a MATLAB file (version 5)."""
 
-import io
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from hbench.records import Curve, Fit, JointFit
+from hbench.store.exporting.mat_file import mat_file
 
 _SERIES = "kind direction label f_load_n p_lr_ref_pa a_ref_m_s2".split()
 _POINTS = "v_m_s friction_n ci95_n u95_n sigma_instruments_n n".split()
@@ -19,15 +19,11 @@ def mat_curves(curves: Iterable[Curve], joint_fits: Iterable[JointFit]) -> bytes
     A fit's ``parameters`` is a struct of structs: value, se, ci95, at_bound, unit. Missing numbers
     are NaN.
     """
-    from scipy.io import savemat
-
     structs = {
         "curves": _structs([_curve(curve) for curve in curves], [*_SERIES, *_POINTS, "fits"]),
         "joint_fits": _structs([_fit(fit) for joint in joint_fits for fit in joint.fits], _FIT),
     }
-    data = io.BytesIO()
-    savemat(data, structs, long_field_names=True, oned_as="column")
-    return data.getvalue()
+    return mat_file(structs)
 
 
 def _curve(curve: Curve) -> dict[str, Any]:

@@ -7,7 +7,6 @@ bench file, the instruments. ``hbench import`` reads each of them back without a
 Sample times are unchanged, and a channel that the bench does not have is left out.
 """
 
-import io
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -17,6 +16,7 @@ import yaml
 
 from hbench.records import RUN_FLAGS, Run
 from hbench.store.campaign.run_csv import RUN_CHANNELS, format_run
+from hbench.store.exporting.mat_file import mat_file
 from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import as_cell
 
@@ -69,8 +69,6 @@ def parquet_files(runs: Iterable[tuple[Run, str]], beside: Beside) -> Files:
 
 def mat_files(runs: Iterable[tuple[Run, str]], beside: Beside) -> Files:
     """Yield ``campaign.mat`` (version 5) with the struct array ``runs``: plan, verdict, log."""
-    from scipy.io import savemat
-
     names = [name for name in _INDEX if name != "file"]
     kind = [(name, object) for name in (*names, "log")]
     rows = []
@@ -78,9 +76,7 @@ def mat_files(runs: Iterable[tuple[Run, str]], beside: Beside) -> Files:
         row = _row(run, "", reason)
         values = [np.nan if row[name] is None else row[name] for name in names]
         rows.append((*values, channels(run)))
-    data = io.BytesIO()
-    savemat(data, {"runs": np.array(rows, dtype=kind)}, do_compression=True, oned_as="column")
-    yield "campaign.mat", data.getvalue()
+    yield "campaign.mat", mat_file({"runs": np.array(rows, dtype=kind)}, compressed=True)
     yield from _files_beside(beside)
 
 
