@@ -85,7 +85,8 @@ class Drift:
     several_speeds: bool = True  # whether a curve has more than one, so that they can be mixed
     # Of the oil over the same runs, by a straight line from the first run to the last. The
     # correlation is that of a trial's deviations from its point: friction with temperature. None
-    # where the temperature was not measured, or did not change within the points.
+    # where the temperature was not measured, or did not change within the points; the change also
+    # where only the order of the runs is known and it mixes drift with speed.
     temp_change_k: float | None = None
     temp_correlation: float | None = None
     temp_p: float | None = None  # of no correlation, two-sided
