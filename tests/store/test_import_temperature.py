@@ -73,10 +73,11 @@ def test_the_report_shows_the_temperatures_and_the_reduced_friction(bring_in, un
         "Oil temperature in the tank: 34",
         "is reduced to 40.0 °C",
         "HLP 100",
-        "within the points, friction falls as it rises",
+        "Within the points, friction falls as the oil temperature rises",
         "Friction over Hersey number",
     ):
         assert words in text
+    assert "Meanwhile the oil temperature" not in text  # the order is that of the files' names
     table = (folder / "results" / "curves_reduced.csv").read_text().splitlines()
     assert len(table) == 1 + 2 * len(FEW) and table[0].endswith("temp_ref_k,sigma_temperature_n")
     data = json.loads((folder / "results" / "results.json").read_text())
