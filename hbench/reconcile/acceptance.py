@@ -12,8 +12,8 @@ from hbench.records.reconcile.diagnosis import LEAST_EXPLAINED, LEAST_SIZE
 
 TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogue's order
 NULLS = 50  # random null data sets
-_FEW_NULLS = 10  # suffice where a score is far above the threshold that they give
-_FAR = 3.0  # times this threshold
+_FEW_NULLS = 10  # suffice where a score is far from the threshold that they alone give
+_FAR = 3.0  # times as large or as small
 _FALSE = 0.05  # probability that a round of a search accepts an effect where none is missing
 _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger one counts
 ALIKE = 2.0  # times this margin, for effects that the runs are not expected to distinguish
@@ -26,22 +26,6 @@ class AcceptanceCriteria:
     score: float  # nats: least threshold
     explained: float  # share of the excess gap in the balances that the effect touches
     size: float  # largest coefficient, in typical sizes
-
-    def threshold(self, null_scores: np.ndarray, families: int) -> float:
-        """Return the score to exceed.
-
-        ``null_scores`` (n,) are the largest scores of a family of candidates on null data sets. A
-        further one exceeds the threshold with a probability of 5 % divided by the number of
-        ``families`` in a round (Bonferroni). The tail above the median is taken as exponential, as
-        that of a gain in ln L is (Wilks); with k scores above it the predictive distribution is
-        P(excess > t) = (1 + t / (k mean))^-k.
-        """
-        median = float(np.median(null_scores))
-        above = null_scores[null_scores > median] - median
-        if not len(above):
-            return self.score
-        odds = (0.5 * families / _FALSE) ** (1 / len(above))
-        return max(self.score, median + float(above.sum()) * (odds - 1))
 
     def accepts(self, candidate: Candidate) -> bool:
         """Return whether a candidate exceeds its own threshold and meets the other criteria."""
@@ -88,6 +72,21 @@ def indistinguishable(
     )
 
 
+def threshold_of(null_scores: np.ndarray, families: int) -> float:
+    """Return the threshold of null data sets alone.
+
+    ``null_scores`` (n,) are the largest scores of a family of candidates on them. A further one
+    exceeds the threshold with a probability of 5 % divided by the number of ``families`` in a round
+    (Bonferroni). The tail above the median is taken as exponential, as that of a gain in ln L is
+    (Wilks); with k scores above it the predictive distribution is
+    P(excess > t) = (1 + t / (k mean))^-k.
+    """
+    median = float(np.median(null_scores))
+    above = null_scores[null_scores > median] - median
+    odds = (0.5 * families / _FALSE) ** (1 / max(len(above), 1))
+    return median + float(above.sum()) * (odds - 1)
+
+
 def _is_within(count: float, candidate: Candidate, best: Candidate) -> bool:
     return candidate.score >= best.score - count * ambiguity_margin(best.score)
 
@@ -98,7 +97,7 @@ def score_to_exceed(
     points: int,
     families: int,
 ) -> float:
-    """Return what a ``score`` must exceed: the threshold of a family of candidates.
+    """Return what a ``score`` must exceed: the threshold of a family of candidates, 5 nats or more.
 
     ``scores_on_nulls`` returns the scores (b,) of each candidate for random signs (b, ``points``).
     """
@@ -106,7 +105,7 @@ def score_to_exceed(
     for signs in np.split(random_signs(NULLS, points, seed=1), [_FEW_NULLS]):
         of_these = np.max(scores_on_nulls(signs), axis=0, initial=0.0)
         largest = np.append(largest, of_these)
-        threshold = CRITERIA.threshold(largest, families)
-        if score > _FAR * threshold:
+        threshold = threshold_of(largest, families)
+        if not threshold / _FAR < score < threshold * _FAR:
             break
-    return threshold
+    return max(CRITERIA.score, threshold)

@@ -10,7 +10,7 @@ from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.acceptance import CRITERIA
+from hbench.reconcile.acceptance import CRITERIA, score_to_exceed, threshold_of
 from hbench.reconcile.added_effects import small_effects
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
 from hbench.reconcile.evidence import CrossValidation
@@ -546,25 +546,36 @@ def test_one_in_twenty_rounds_of_nulls_exceeds_the_threshold_in_any_family(famil
     above = 0
     for _ in range(rounds):
         drawn = 10 * rng.exponential(size=(families, 51))
-        above += any(one[0] > CRITERIA.threshold(one[1:], families) for one in drawn)
+        above += any(one[0] > threshold_of(one[1:], families) for one in drawn)
     assert above / rounds == pytest.approx(0.05, abs=0.02)
 
 
-def test_a_score_far_above_few_nulls_needs_no_more(monkeypatch):
-    """Fifty in all where a score is near the threshold, ten where it is three times as large."""
-    after, _ = lacking(np.random.default_rng(4).standard_normal(40))
-    search, counts = search_of(("end_cushion",)), []
-    score_of = CampaignSearch.score_of
+@pytest.mark.parametrize("score, drawn", [(100.0, 10), (20.0, 50), (8.0, 50), (1.0, 10)])
+def test_a_score_far_from_few_nulls_needs_no_more(score, drawn):
+    """Fifty in all where a score is near their threshold, ten where it is three times off."""
+    rng, counts = np.random.default_rng(4), []
 
-    def counted(self, model, added, name, signs):
+    def scores(signs):
         counts.append(len(signs))
-        return score_of(self, model, added, name, signs)
+        return [2 * rng.exponential(size=len(signs))]
 
-    monkeypatch.setattr(CampaignSearch, "score_of", counted)
-    few = search.null_threshold(after, (), ["end_cushion"], 100.0, families=2)
-    all_of_them = search.null_threshold(after, (), ["end_cushion"], 6.0, families=2)
-    assert counts == [10, 10, 40]
-    assert few < 100 / 3 and all_of_them < 100 / 3
+    score_to_exceed(score, scores, points=40, families=8)
+    assert sum(counts) == drawn
+
+
+@pytest.mark.parametrize("scale", [0.5, 1.0, 2.0, 4.0])
+def test_nulls_exceed_a_threshold_of_few_of_them_no_more_often(scale):
+    """Exponential scores of 8 families, in a round that draws on only where it matters."""
+    rng, rounds, above = np.random.default_rng(5), 500, 0
+    for _ in range(rounds):
+        for one in scale * rng.exponential(size=(8, 51)):
+            drawn = iter(one[1:])
+
+            def scores(signs, drawn=drawn):
+                return [np.array([next(drawn) for _ in signs])]
+
+            above += one[0] > 5 and one[0] > score_to_exceed(one[0], scores, 40, 8)
+    assert above / rounds < 0.08
 
 
 def test_an_effect_that_few_points_hold_is_judged_by_what_it_leaves():

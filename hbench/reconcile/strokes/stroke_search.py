@@ -20,7 +20,13 @@ import numpy as np
 from hbench.analysis.rounding import ranked
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.acceptance import NULLS, TIE, AcceptanceCriteria, indistinguishable
+from hbench.reconcile.acceptance import (
+    NULLS,
+    TIE,
+    AcceptanceCriteria,
+    indistinguishable,
+    threshold_of,
+)
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, times, whole_dof
 from hbench.reconcile.evidence import rotated
 from hbench.reconcile.gaps.gap_map import GapMap
@@ -158,18 +164,18 @@ def _step(
     evaluated = [
         search.evaluate(model, added, names) for search, model in zip(searches, models, strict=True)
     ]
-    threshold = _CRITERIA.threshold(
-        _largest_null_scores(searches, models, added, names),
-        families=2,  # band and middle
-    )
-    summed = (
+    summed = [
         replace(
             evaluated[0][name].candidate,
             score=sum(of_series[name].candidate.score for of_series in evaluated),
-            threshold=threshold,
+            threshold=_CRITERIA.score,
         )
         for name in names
-    )
+    ]
+    if any(_CRITERIA.accepts(candidate) for candidate in summed):
+        nulls = _largest_null_scores(searches, models, added, names)
+        threshold = max(_CRITERIA.score, threshold_of(nulls, families=2))  # band and middle
+        summed = [replace(candidate, threshold=threshold) for candidate in summed]
     candidates = tuple(ranked(tuple(summed), lambda candidate: candidate.score, TIE))
     with_effect = {name: [_model_of(of_series[name]) for of_series in evaluated] for name in names}
     accepted = [candidate for candidate in candidates if _CRITERIA.accepts(candidate)]
