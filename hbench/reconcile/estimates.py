@@ -11,6 +11,7 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.evidence.likelihood import maximum_likelihood, spread
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
@@ -18,7 +19,6 @@ from hbench.reconcile.hypothesis import (
     effect_coefficients,
     typical_size,
 )
-from hbench.reconcile.likelihood import maximum_likelihood, spread
 from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
 from hbench.reconcile.measured.disturbances import DELAY_S, delayed_channel
 from hbench.reconcile.nuisance import nuisances
@@ -40,7 +40,9 @@ class ParameterEstimates:
     chosen: tuple[int, ...]  # (q,) indices of the model's columns
     beta: np.ndarray  # (q,)
     covariance: np.ndarray  # (q, q)
-    sandwich: np.ndarray  # (q, q) covariance from the residuals alone; see ``likelihood.py``
+    sandwich: (
+        np.ndarray
+    )  # (q, q) covariance from the residuals alone; see ``evidence/likelihood.py``
     dof: np.ndarray  # (q,)
     low: np.ndarray  # (q,)
     high: np.ndarray  # (q,)

@@ -1,6 +1,7 @@
 """Linearised model about a hypothesis: residuals of the balances and their columns.
 
-The columns (see ``likelihood.py``) are the derivatives of the measured residuals by the parameters.
+The columns (see ``evidence/likelihood.py``) are the derivatives of the measured residuals by the
+parameters.
 Units: factors in standard deviations of their priors (of the logarithm), coefficients in typical
 sizes, disturbances and modes of learned laws in standard deviations of their priors.
 """
@@ -12,14 +13,14 @@ from typing import Any, Protocol
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.evidence.likelihood import Priors
+from hbench.reconcile.evidence.products import Products
+from hbench.reconcile.evidence.window_sums import products
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.learned.table import is_mode, mode_of
-from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.measured.disturbances import is_disturbance, limits
 from hbench.reconcile.nuisance import BOUND, REPLACED, nuisances, standard_deviation
-from hbench.reconcile.products import Products
-from hbench.reconcile.window_sums import products
 
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default

@@ -8,13 +8,13 @@ from scipy.optimize import minimize
 
 from hbench.analysis.statistics.permutations import random_signs
 from hbench.analysis.statistics.student import student_factor
-from hbench.reconcile.evidence import (
+from hbench.reconcile.evidence.cross_validation import (
     Comparison,
     cross_validate,
     touched,
 )
-from hbench.reconcile.likelihood import Fit, Priors, cost, maximum_likelihood, spread
-from hbench.reconcile.products import Products
+from hbench.reconcile.evidence.likelihood import Fit, Priors, cost, maximum_likelihood, spread
+from hbench.reconcile.evidence.products import Products
 from tests.support.reconcile.products import all_products, column_products
 
 NOISE = 1e-3  # variance of d, in squares of the scatter

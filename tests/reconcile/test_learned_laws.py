@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import parse_plant
+from hbench.reconcile.evidence.likelihood import Priors
+from hbench.reconcile.evidence.window_sums import products
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.learned.balance_products import BalanceProducts
@@ -17,11 +19,9 @@ from hbench.reconcile.learned.law_search import (
     table_threshold,
 )
 from hbench.reconcile.learned.table import Table, empty_table
-from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.measured.balances import BALANCES, balance_model
 from hbench.reconcile.measured.session import Session
 from hbench.reconcile.measured.weak import window
-from hbench.reconcile.window_sums import products
 
 POINTS, TRIALS, SAMPLES, DT_S = 24, 2, 400, 5e-3
 BALANCES_OF_ONE = ("force_test",)

@@ -10,6 +10,14 @@ from hbench.config.bench import Plant, parse_plant
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.evidence.window_sums import (
+    GROUPS,
+    MOTIONS,
+    _take_out,
+    is_change,
+    products,
+    window_motions,
+)
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import (
@@ -20,14 +28,6 @@ from hbench.reconcile.hypothesis import (
 )
 from hbench.reconcile.linearised import hypothesis_at, linearise, linearise_residuals
 from hbench.reconcile.nuisance import BOUND, nuisances
-from hbench.reconcile.window_sums import (
-    GROUPS,
-    MOTIONS,
-    _take_out,
-    is_change,
-    products,
-    window_motions,
-)
 from tests.support.reconcile.products import all_products
 from tests.support.reconcile.rounds import plant_of
 

@@ -12,6 +12,7 @@ import pytest
 from hbench.config.bench import parse_plant
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.estimates import fit_coefficients
+from hbench.reconcile.evidence.window_sums import window_motions
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
 from hbench.reconcile.linearised import linearise
 from hbench.reconcile.measured.balances import balance_model
@@ -19,7 +20,6 @@ from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.practice.changes import _less, in_practice
 from hbench.reconcile.practice.working_point import working_point
-from hbench.reconcile.window_sums import window_motions
 from tests.support.reconcile.exact_logs import INSTRUMENTS, logged_points
 
 BAR, L_MIN = 1e5, 1e-3 / 60

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from hbench.analysis.rounding import ranked
 from hbench.reconcile.acceptance import TIE
 from hbench.reconcile.estimates import whole_dof
-from hbench.reconcile.evidence import Comparison
+from hbench.reconcile.evidence.cross_validation import Comparison
+from hbench.reconcile.evidence.likelihood import Fit, Priors, spread
+from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.gaps.regions import regions
-from hbench.reconcile.likelihood import Fit, Priors, spread
 from hbench.reconcile.measured.balances import WindowedRun
-from hbench.reconcile.products import Products
 from hbench.reconcile.strokes.series import MeasuredStrokes, Stroke, StrokePair
 from hbench.records import RunPlan, Specimen
 from tests.support.analysis.shaking import shaken

@@ -13,14 +13,14 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA, score_to_exceed, threshold_of
 from hbench.reconcile.added_effects import small_effects
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.evidence import CrossValidation
+from hbench.reconcile.evidence.cross_validation import CrossValidation
+from hbench.reconcile.evidence.likelihood import Priors
+from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.gaps.model_gaps import ranked_by
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.likelihood import Priors
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.products import Products
 from hbench.reconcile.search.campaign_search import CampaignSearch, _promising
 from hbench.reconcile.search.candidates import (
     EvaluatedCandidate,

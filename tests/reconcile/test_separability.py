@@ -9,9 +9,9 @@ from scipy.linalg import subspace_angles
 from scipy.optimize import minimize
 
 from hbench.reconcile.acceptance import CRITERIA
-from hbench.reconcile.likelihood import Priors
+from hbench.reconcile.evidence.likelihood import Priors
+from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.products import Products
 from hbench.reconcile.separation.separability import (
     Separation,
     principal_angle_deg,

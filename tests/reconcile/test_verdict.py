@@ -16,12 +16,12 @@ from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.diagnosis_fields import added_effect
 from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.comparable_runs import comparable_runs
 from hbench.reconcile.nuisance import nuisances
-from hbench.reconcile.products import Products
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search_result import SearchResult, SearchStep

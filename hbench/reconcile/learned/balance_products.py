@@ -7,7 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from hbench.config.effects import Target
-from hbench.reconcile.evidence import predicted, touched
+from hbench.reconcile.evidence.cross_validation import predicted, touched
+from hbench.reconcile.evidence.likelihood import Fit, Priors, least_cost, maximum_likelihood
+from hbench.reconcile.evidence.products import ColumnProducts, Products
+from hbench.reconcile.evidence.window_sums import products
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.learned.columns import (
     knots_of,
@@ -16,12 +19,9 @@ from hbench.reconcile.learned.columns import (
     table_columns,
 )
 from hbench.reconcile.learned.table import Table, empty_table
-from hbench.reconcile.likelihood import Fit, Priors, least_cost, maximum_likelihood
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.products import ColumnProducts, Products
-from hbench.reconcile.window_sums import products
 
 _KNOTS, _KNOTS_OF_TWO = 6, 4
 ALONG_STROKE = 8  # knots of the position, over which a bore changes most

@@ -1,9 +1,10 @@
 """Search for learned laws where structured, material residuals remain that no effect explains.
 
 For each balance that remains, tables over one and over two quantities are compared by their
-cross-validated likelihood over the training points, as candidates are (``evidence.py``): a table
-over two quantities must be better by 5 nats; where it is not kept, the best over one is tried. In a
-flow they compete with an error of the position sensor, which changes all four flows by one table.
+cross-validated likelihood over the training points, as candidates are (folder ``evidence``): a
+table over two quantities must be better by 5 nats; where it is not kept, the best over one is
+tried. In a flow they compete with an error of the position sensor, which changes all four flows by
+one table.
 It may repeat with the sensor's pitch, so it has 8, 16 or 32 knots along the stroke, the number with
 the best score. The first of these that meets all of the following is kept, best score first:
 

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hbench.reconcile.evidence.window_sums import MOTIONS, window_motions
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.measured.along import along, single_start
 from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, BalanceModel
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session
-from hbench.reconcile.window_sums import MOTIONS, window_motions
 from hbench.records import WorkingPoint
 from hbench.records.reconcile.diagnosis import REST_M_S
 

@@ -13,17 +13,17 @@ import numpy as np
 from hbench.model.effects.catalogue import EFFECTS, lookalikes
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, AcceptanceCriteria, score_to_exceed
-from hbench.reconcile.evidence import Comparison, CrossValidation
+from hbench.reconcile.evidence.cross_validation import Comparison, CrossValidation
+from hbench.reconcile.evidence.likelihood import Fit
+from hbench.reconcile.evidence.window_sums import STEADY, is_change, is_level
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
     effect_coefficients,
     shape_coefficients,
     typical_size,
 )
-from hbench.reconcile.likelihood import Fit
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search.refits import SHORTER, Refits
-from hbench.reconcile.window_sums import STEADY, is_change, is_level
 from hbench.records import Candidate
 
 _FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it

@@ -6,9 +6,9 @@ from functools import cache
 
 import numpy as np
 
-from hbench.reconcile.evidence import CrossValidation, cross_validate
+from hbench.reconcile.evidence.cross_validation import CrossValidation, cross_validate
+from hbench.reconcile.evidence.likelihood import cost, maximum_likelihood
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.likelihood import cost, maximum_likelihood
 from hbench.reconcile.linearised import (
     LinearisedModel,
     Measured,

@@ -23,14 +23,14 @@ from hbench.config.schedule import parse_schedule
 from hbench.config.sensors import Instruments
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
+from hbench.reconcile.evidence.products import Products
+from hbench.reconcile.evidence.window_sums import GROUPS, LEVEL
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, typical_size
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.products import Products
 from hbench.reconcile.separation.planned_runs import simulated_runs
 from hbench.reconcile.separation.separability import Lead, Separation
-from hbench.reconcile.window_sums import GROUPS, LEVEL
 from hbench.records import Run
 from hbench.records.reconcile.diagnosis import MATERIAL
 from hbench.sentences import listed
@@ -266,7 +266,7 @@ def _squared_units(planned: LinearisedModel, campaign: LinearisedModel) -> np.nd
     """Return the squares (p, g) of planned rows' units in those of the campaign.
 
     Units are the scatters, but a level's is sqrt(s^2 + |c|^2) with its change c by one standard
-    deviation in the balance's unit (``window_sums.py``).
+    deviation in the balance's unit (``evidence/window_sums.py``).
     """
     scatters = (planned.gap_map.scatter[0] / campaign.gap_map.scatter[0]) ** 2
     square = np.tile(np.repeat(scatters, len(GROUPS)), (len(planned.data.squares), 1))

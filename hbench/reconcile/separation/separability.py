@@ -1,8 +1,8 @@
 """Separability of effects by some runs: smallest detectable sizes and signatures that look alike.
 
 About a linearised model (see ``linearised.py``) an effect with coefficients b causes the
-differences d = C b. The search's likelihood (``likelihood.py``) gives its expected score, without
-chance:
+differences d = C b. The search's likelihood (``evidence/likelihood.py``) gives its expected score,
+without chance:
 
     gain(A) = loss(nuisances) - loss(nuisances and A)      loss: of the best fit, in nats
 
@@ -20,7 +20,7 @@ better than in a search.
 - **Angle** of two signatures: the smallest principal angle of the spaces that their columns span in
   the metric of the noise, S = sum w_g C_g' C_g, after the nuisances n are projected out:
 
-    S_ee - S_en (S_nn + prior^-2)^-1 S_ne,    w_g = n_g / (m_g v_g), as in ``likelihood.py``
+    S_ee - S_en (S_nn + prior^-2)^-1 S_ne,    w_g = n_g / (m_g v_g), as in the likelihood
 
   0 degrees: some coefficients of the two effects have the same signature. The angle does not depend
   on sizes and bounds; the lead does.
@@ -42,8 +42,8 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import usable_cores
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, ambiguity_margin
+from hbench.reconcile.evidence.likelihood import Priors, expected_loss, information
 from hbench.reconcile.hypothesis import CoefficientKey, effect_coefficients
-from hbench.reconcile.likelihood import Priors, expected_loss, information
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.records import DetectableSize, EffectPair, Separability
 

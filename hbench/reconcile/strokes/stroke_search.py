@@ -3,7 +3,7 @@
 The band and the middle are searched one after the other, so that effects that change sign with the
 direction are separated from those that do not. Where several candidates explain the band equally
 well, the middle is searched with the best of them, since part of a friction effect may appear in
-it. Operating points are few, so null data sets are drawn by rotation (``evidence.rotated``).
+it. Operating points are few, so null data sets are drawn by rotation (``rotated``).
 
 Series of one cylinder on one bench differ only in the seal, so they share the verdict: scores and
 null scores are summed. Effects that do not depend on the seal must have one coefficient in all
@@ -28,7 +28,7 @@ from hbench.reconcile.acceptance import (
     threshold_of,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, times, whole_dof
-from hbench.reconcile.evidence import rotated
+from hbench.reconcile.evidence.cross_validation import rotated
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel, linearise

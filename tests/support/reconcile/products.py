@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hbench.reconcile.products import Block, ColumnProducts
+from hbench.reconcile.evidence.products import Block, ColumnProducts
 
 
 def column_products(dense: np.ndarray) -> ColumnProducts:

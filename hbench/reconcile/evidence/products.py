@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hbench.reconcile.evidence.reweighted import Entries
+
 
 class Block(NamedTuple):
     """Products of the columns that are not 0 in some groups, such as those of a balance."""
@@ -28,6 +30,21 @@ class ColumnSums:
         f, g, q = self.shape
         blocks = _selected(self.blocks, (g, q), groups, columns)
         return ColumnSums(tuple(blocks), (f, len(groups), len(columns)))
+
+    @cached_property
+    def entries(self) -> Entries:
+        """The products, end to end."""
+        sizes = [(len(block.groups), len(block.columns)) for block in self.blocks]
+        widths = np.concatenate([[0], *(np.full(k, u) for k, u in sizes)]).astype(int)
+        columns = [np.tile(block.columns, len(block.groups)) for block in self.blocks]
+        values = [block.values.reshape(self.shape[0], -1) for block in self.blocks]
+        return Entries(
+            np.concatenate([np.zeros(0, int), *(block.groups for block in self.blocks)]),
+            np.cumsum(widths),
+            np.concatenate([np.zeros(0, int), *columns]),
+            np.cumsum(widths[:-1] ** 2),
+            np.concatenate([np.zeros((self.shape[0], 0)), *values], axis=1),
+        )
 
     def diagonal(self) -> np.ndarray:
         """Return the squares (f, g, q) of the columns."""

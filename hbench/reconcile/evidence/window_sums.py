@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hbench.reconcile.evidence.products import Block, ColumnProducts, Products
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.gaps.log_map import between_runs, like_runs
-from hbench.reconcile.products import Block, ColumnProducts, Products
 from hbench.records.reconcile.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady", "reversing")

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.reconcile.likelihood import Fit, Priors, most_likely
-from hbench.reconcile.products import Products
+from hbench.reconcile.evidence.likelihood import Fit, Priors, most_likely
+from hbench.reconcile.evidence.products import Products
 
 FOLDS = 5
 

@@ -20,12 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.reconcile.products import Products, Sums
-
-_REWEIGHTINGS = 6  # at most
-_CONVERGED = 1e-4  # standard deviations of priors and typical sizes; no further reweighting below
-_BOUND_ITERATIONS = 3  # each may fix further parameters at their bounds
-_FIXED_WEIGHT = 1e9  # fixes a parameter at its bound
+from hbench.reconcile.evidence.products import Products, Sums
+from hbench.reconcile.evidence.reweighted import Given, reweighted_fits
 
 
 @dataclass(frozen=True)
@@ -68,7 +64,12 @@ def maximum_likelihood(
 
 
 def most_likely(sums: Sums, priors: Priors) -> np.ndarray:
-    """Return the most likely beta (f, b, q) for each part and data set of the sums.
+    """Return the most likely beta (f, b, q) for each part and data set of the sums."""
+    return _best_fit(sums, priors)[0]
+
+
+def _best_fit(sums: Sums, priors: Priors) -> tuple[np.ndarray, np.ndarray]:
+    """Return the most likely beta (f, b, q), and - ln L (f, b) there, less a constant.
 
     ln L has several maxima: a group that one beta fits well outweighs the others. Of two fits the
     better counts. One starts at the centre of the priors, the other with the noise as variance,
@@ -77,16 +78,23 @@ def most_likely(sums: Sums, priors: Priors) -> np.ndarray:
     f, b, g, q = sums.mixed.shape
     centre = np.broadcast_to(np.clip(priors.centre, priors.low, priors.high), (f, b, q))
     noise = np.broadcast_to(sums.noise[:, None], (f, b, g))
-    squares = np.broadcast_to(sums.squares, (f, b, g))
-    twice = replace(
-        sums,
-        mixed=np.concatenate([sums.mixed, sums.mixed], axis=1),
-        squares=np.concatenate([squares, squares], axis=1),
+    given = Given(
+        sums.columns.entries,
+        np.ascontiguousarray(sums.mixed),
+        np.array(np.broadcast_to(sums.squares, (f, b, g))),
+        sums.noise,
+        sums.windows,
+        sums.points,
+        priors.centre,
+        priors.sigma**-2.0,
+        priors.low,
+        priors.high,
     )
-    beta = _reweighted_fit(twice, priors, np.concatenate([noise, sums.variance(centre)], axis=1))
-    cost = _cost(twice, priors, beta)
-    better = cost[:, b:] < cost[:, :b]
-    return np.where(better[..., None], beta[:, b:], beta[:, :b])
+    variance = np.stack([sums.variance(centre), noise])
+    beta = reweighted_fits(given, variance)
+    cost = np.array([_cost(sums, priors, *each) for each in zip(beta, variance, strict=True)])
+    better = cost[1] < cost[0]
+    return np.where(better[..., None], beta[1], beta[0]), np.minimum(cost[0], cost[1])
 
 
 def expected_loss(
@@ -108,8 +116,7 @@ def expected_loss(
         mixed=columns.times(causes)[..., list(chosen)],
         squares=columns.squares(causes[None]),
     )
-    selected = priors.select(chosen)
-    fitted = _cost(sums, selected, most_likely(sums, selected))[0]
+    fitted = _best_fit(sums, priors.select(chosen))[1][0]
     return fitted - 0.5 * float(np.log(sums.noise[0]) @ sums.points[0])
 
 
@@ -124,68 +131,22 @@ def information(data: Products, points: np.ndarray) -> np.ndarray:
 def cost(data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarray) -> float:
     """Return - ln L of a model as it is, less a constant: at beta = 0 of the ``chosen`` columns."""
     sums = data.sums(chosen, data.part(points))
-    return float(_cost(sums, priors.select(chosen), np.zeros((1, 1, len(chosen))))[0, 0])
+    unchanged = np.zeros((1, 1, len(chosen)))
+    return float(_cost(sums, priors.select(chosen), unchanged, sums.variance(unchanged))[0, 0])
 
 
 def least_cost(data: Products, fit: "Fit", points: np.ndarray, groups: np.ndarray) -> float:
     """Return - ln L of the best fit to some ``points`` and ``groups``, less a constant."""
     chosen = fit.changing(data, groups)
     sums = data.sums(chosen, data.part(points), groups=groups)
-    priors = fit.priors.select(chosen)
-    return float(_cost(sums, priors, most_likely(sums, priors))[0, 0])
+    return float(_best_fit(sums, fit.priors.select(chosen))[1][0, 0])
 
 
-def _cost(sums: Sums, priors: Priors, beta: np.ndarray) -> np.ndarray:
-    """Return - ln L (f, b) of beta (f, b, q), less a constant."""
+def _cost(sums: Sums, priors: Priors, beta: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """Return - ln L (f, b) of beta (f, b, q) with its variances (f, b, g), less a constant."""
     off = (beta - priors.centre) / priors.sigma
-    of_data = (np.log(sums.variance(beta)) @ sums.points[..., None])[..., 0]
+    of_data = (np.log(variance) @ sums.points[..., None])[..., 0]
     return 0.5 * (of_data + np.sum(off**2, axis=2))
-
-
-def _reweighted_fit(sums: Sums, priors: Priors, variance: np.ndarray) -> np.ndarray:
-    """Return beta (f, b, q) of a reweighted fit that starts with variances (f, b, g)."""
-    beta = np.full((*variance.shape[:2], len(priors.centre)), np.inf)
-    moving = np.ones(beta.shape[:2], bool)
-    for _ in range(_REWEIGHTINGS):
-        step = _weighted_fit(sums, priors, variance, moving)
-        moves = np.any(np.abs(step - beta[moving]) > _CONVERGED, axis=1)
-        beta[moving] = step
-        moving[moving] = moves
-        if not moves.any():
-            break
-        variance = sums.variance(beta)
-    return beta
-
-
-def _weighted_fit(
-    sums: Sums, priors: Priors, variance: np.ndarray, moving: np.ndarray
-) -> np.ndarray:
-    """Return beta (r, q) within its bounds for known variances (f, b, g), of the ``moving`` only.
-
-    ``moving`` (f, b) is true at r places.
-    """
-    weight = (sums.points / sums.windows)[:, None] / variance
-    curved = sums.columns.weighted(weight)[moving]
-    driven = (weight[:, :, None] @ sums.mixed)[:, :, 0][moving]
-    information = priors.sigma**-2.0
-    np.einsum("rjj->rj", curved)[...] += information
-    driven += information * priors.centre
-    beta = np.zeros_like(driven)
-    fixed = np.zeros_like(driven, bool)
-    rows, matrix = np.arange(len(driven)), curved
-    for _ in range(_BOUND_ITERATIONS):  # fix parameters beyond a bound, solve for the others
-        held, diagonal = fixed[rows], np.einsum("rjj->rj", matrix)
-        stiff = np.where(held, _FIXED_WEIGHT * (1 + diagonal), 0.0)
-        diagonal += stiff
-        solved = np.linalg.solve(matrix, (driven[rows] + stiff * beta[rows])[..., None])[..., 0]
-        beta[rows] = np.clip(solved, priors.low, priors.high)
-        beyond = ((solved < priors.low) | (solved > priors.high)) & ~held
-        fixed[rows] |= beyond
-        rows = rows[beyond.any(axis=1)]
-        if not len(rows):
-            break
-        matrix = curved[rows]
-    return beta
 
 
 class Spread(NamedTuple):
