@@ -311,16 +311,17 @@ def _verification(
     hypotheses = [model.hypothesis for model in (result.given, result.refitted, result.final)]
     different = [each for i, each in enumerate(hypotheses) if each not in hypotheses[:i]]
     made_with = task.simulate(different, [run.plan for run in runs])
-    results = [made_with[different.index(each)] for each in hypotheses]
-    simulated, ended = [], []
-    for model, made in zip(("given", "refitted", "final"), results, strict=True):
-        if isinstance(made, str):
-            ended.append(_STOPPED.format(model, made))
-        else:
-            simulated.append(made)
+    stages = [different.index(each) for each in hypotheses]
+    ended = [
+        _STOPPED.format(model, made_with[i])
+        for model, i in zip(("given", "refitted", "final"), stages, strict=True)
+        if isinstance(made_with[i], str)
+    ]
     if ended:
         return None, (), tuple(ended)
-    models = [balance_model(task.bench, each.plant(task.plant)) for each in hypotheses]
-    stages = SimulatedStages(runs, list(zip(simulated, models, strict=True)), held_out)
-    shown = overlays(runs, simulated[1], simulated[2], models[1], held_out)
-    return stages, shown, ()
+    simulated = [made for made in made_with if not isinstance(made, str)]
+    models = [balance_model(task.bench, each.plant(task.plant)) for each in different]
+    pairs = list(zip(simulated, models, strict=True))
+    _, refitted, final = stages
+    shown = overlays(runs, simulated[refitted], simulated[final], models[refitted], held_out)
+    return SimulatedStages(runs, pairs, stages, held_out), shown, ()

@@ -201,7 +201,8 @@ def test_experiments_that_crawl_cost_a_bounded_time_and_are_reported(bench, camp
             "triangle",
         ]
         assert all("the simulation was ended after" in note for note in proposal.notes)
-    for took_s, most_s in zip(Counted.ended_s, 2 * expected_s, strict=True):
+    # They are simulated side by side, so the shorter one ends first.
+    for took_s, most_s in zip(sorted(Counted.ended_s), sorted(2 * expected_s), strict=True):
         assert took_s < closed_loop.LONGEST * most_s + 0.5
 
 

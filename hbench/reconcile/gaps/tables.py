@@ -34,13 +34,15 @@ class BalanceStages:
 class SimulatedStages:
     """Signals of measured runs and of those of the models before, refitted and after.
 
-    The open loop, which takes long, is that of the runs at ``held_out`` points.
+    ``stages`` are their indices in ``simulated``, whose models differ. The open loop, which takes
+    long, is that of the runs at ``held_out`` points.
     """
 
     def __init__(
         self,
         measured: Sequence[Run],
         simulated: Sequence[tuple[Sequence[Run], BalanceModel]],
+        stages: Sequence[int],
         held_out: frozenset[Hashable],
     ):
         self._maps: dict[str, list[GapMap]] = {}
@@ -57,8 +59,8 @@ class SimulatedStages:
                 )
                 for runs, model in simulated
             ]
-            self._maps[name] = [gap_map(*pair) for pair in pairs]
-            self._runs[name] = [run_gaps(*pair) for pair in pairs]
+            self._maps[name] = [gap_map(*pairs[i]) for i in stages]
+            self._runs[name] = [run_gaps(*pairs[i]) for i in stages]
 
     @property
     def points(self) -> frozenset[Hashable]:

@@ -11,6 +11,7 @@ which effects of a typical size become detectable that the campaign's runs do no
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ from hbench.config.schedule import parse_schedule
 from hbench.config.sensors import Instruments
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
+from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.evidence.window_sums import GROUPS, LEVEL
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, typical_size
@@ -129,14 +131,18 @@ class ExperimentLibrary:
 
         Those whose simulation ended early are in notes instead.
         """
-        simulated, notes = [], []
+        experiments, planned = [], []
         for experiment in _experiments():
-            try:
-                schedule = {"name": "next", "experiments": [{**experiment, "trials": 1}]}
+            schedule = {"name": "next", "experiments": [{**experiment, "trials": 1}]}
+            with suppress(ConfigError):
                 plans = plan_runs(parse_schedule(schedule, "next"), self.bench, "next").runs
-            except ConfigError:
-                continue
-            runs = simulated_runs(self.bench, self.plant, plans, at)
+                experiments.append(experiment)
+                planned.append(plans)
+        made = map_on_threads(
+            lambda plans: simulated_runs(self.bench, self.plant, plans, at), planned
+        )
+        simulated, notes = [], []
+        for experiment, runs in zip(experiments, made, strict=True):
             if isinstance(runs, str):
                 notes.append(_NOT_COMPARED.format(described(experiment), runs))
             else:

@@ -61,7 +61,7 @@ def diagnosis(hidden=LEAK, found=FOUND) -> Diagnosis:
     balances = BalanceStages(tuple(maps), np.full(maps[0].difference.shape, 1.04))
     models = [own.balance_model(hypothesis) for hypothesis in hypotheses]
     simulated = list(zip((before, refitted, after), models, strict=True))
-    stages = SimulatedStages(measured, simulated, held)
+    stages = SimulatedStages(measured, simulated, (0, 1, 2), held)
     allowed = np.full(len(BALANCES), 1e-7)
     where, rest = (ranked_gaps(each, allowed) for each in maps[1:])
     lacked, lacks = maps[1:]
