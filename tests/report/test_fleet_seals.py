@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from hbench.analysis.curves.band_trends import band_trends
+from hbench.analysis.curves.bands import friction_bands
 from hbench.analysis.summary.fleet_numbers import fleet_numbers
 from hbench.analysis.summary.headline import at_working_speed, planned_speed_m_s
 from hbench.records import FleetRow
@@ -91,6 +93,25 @@ def test_several_seals_of_one_campaign_give_their_mean(seals):
     found = row_of("/a", both).numbers["half_band_n", None].value
     assert found == pytest.approx((first.bands[1].half_n + second.bands[1].half_n) / 2)
     assert row_of("/a", both).label == "A, B"
+
+
+def test_the_band_of_two_speeds_is_that_at_the_working_speed(seals):
+    """The strokes at the working speed and faster ones, whose friction is larger."""
+    slow, fast = seals[0], drawn_seal(30, "A", level=9.0, slope=1.5, speeds=(24e-3, 24e-3))
+    curves = [
+        replace(one, points=(*one.points, *other.points))
+        for one, other in zip(slow.curves, fast.curves, strict=True)
+    ]
+    bands = friction_bands(curves)
+    runs, trends = (*slow.runs, *fast.runs), band_trends(bands)
+    both = replace(slow, runs=runs, curves=tuple(curves), bands=bands, band_trends=trends)
+    for speed_m_s, seal in ((8.3e-3, slow), (24e-3, fast)):
+        results = at_working_speed(both, speed_m_s)
+        numbers = fleet_numbers(results)
+        for name in ("half_band_n", "middle_n", "cycle_energy_j", "half_band_slope_n_pa"):
+            alone = row_of("/a", seal).numbers[name, None]
+            assert numbers[name, None].value == pytest.approx(alone.value)
+            assert numbers[name, None].se == pytest.approx(alone.se)
 
 
 def test_campaigns_that_differ_in_a_single_label_and_in_unset_speeds_are_one_kind(seals, fleet):

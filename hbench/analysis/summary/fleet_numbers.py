@@ -1,7 +1,7 @@
 """Means of a campaign's headline numbers, fitted parameters and friction bands, for a fleet."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from operator import attrgetter
 from statistics import fmean, harmonic_mean, stdev
@@ -57,8 +57,11 @@ def fleet_numbers(results: Results) -> dict[tuple[str, Side], FleetNumber]:
 
 
 def _of_bands(results: Results) -> Iterator[tuple[tuple[str, Side], FleetNumber]]:
-    """Yield half band, middle and energy at the median of the planned loads, and the slope."""
-    series = band_series(results.bands)
+    """Yield half band, middle and energy at the median of the planned loads, and the slope.
+
+    Where a load has bands at two speeds, they are those at the working speed.
+    """
+    series = band_series(_at_working_speed(results))
     columns: dict[str, list[FleetNumber]] = {}
     for bands in series:
         loads = _loads_of_both(results, bands[0])
@@ -87,6 +90,20 @@ def _of_bands(results: Results) -> Iterator[tuple[tuple[str, Side], FleetNumber]
     for name, column in columns.items():
         if len(column) == len(series):
             yield (name, None), _mean(column)
+
+
+def _at_working_speed(results: Results) -> Iterable[Band]:
+    """Return of the bands of each load the one nearest to the working speed, if it is known."""
+    speed = results.headline.v_m_s
+    if speed is None:
+        return results.bands
+    nearest: dict[tuple, Band] = {}
+    for band in results.bands:
+        key = band.kind, band.label, band.specimen, band.f_load_n, band.p_lr_ref_pa
+        other = nearest.setdefault(key, band)
+        if abs(band.v_m_s - speed) < abs(other.v_m_s - speed):
+            nearest[key] = band
+    return nearest.values()
 
 
 def _loads_of_both(results: Results, band: Band) -> set[float | None]:
