@@ -1,7 +1,7 @@
 """Means of a campaign's headline numbers, fitted parameters and friction bands, for a fleet."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from operator import attrgetter
 from statistics import fmean, harmonic_mean, stdev
@@ -61,7 +61,7 @@ def _of_bands(results: Results) -> Iterator[tuple[tuple[str, Side], FleetNumber]
 
     Where a load has bands at two speeds, they are those at the working speed.
     """
-    series = band_series(_at_working_speed(results))
+    series = _at_working_speed(results)
     columns: dict[str, list[FleetNumber]] = {}
     for bands in series:
         loads = _loads_of_both(results, bands[0])
@@ -92,18 +92,21 @@ def _of_bands(results: Results) -> Iterator[tuple[tuple[str, Side], FleetNumber]
             yield (name, None), _mean(column)
 
 
-def _at_working_speed(results: Results) -> Iterable[Band]:
-    """Return of the bands of each load the one nearest to the working speed, if it is known."""
+def _at_working_speed(results: Results) -> tuple[list[Band], ...]:
+    """Return of series that differ in their speed the one nearest to the working speed."""
     speed = results.headline.v_m_s
+    all_series = band_series(results.bands)
     if speed is None:
-        return results.bands
-    nearest: dict[tuple, Band] = {}
-    for band in results.bands:
-        key = band.kind, band.label, band.specimen, band.f_load_n, band.p_lr_ref_pa
-        other = nearest.setdefault(key, band)
-        if abs(band.v_m_s - speed) < abs(other.v_m_s - speed):
-            nearest[key] = band
-    return nearest.values()
+        return all_series
+
+    def distance(bands: list[Band]) -> float:
+        return abs(fmean(band.v_m_s for band in bands) - speed)
+
+    nearest: dict[tuple, list[Band]] = {}
+    for bands in all_series:
+        key = bands[0].kind, bands[0].label, bands[0].specimen, bands[0].p_lr_ref_pa
+        nearest[key] = min(nearest.get(key, bands), bands, key=distance)
+    return tuple(nearest.values())
 
 
 def _loads_of_both(results: Results, band: Band) -> set[float | None]:
