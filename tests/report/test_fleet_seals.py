@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.curves.band_trends import band_trends
-from hbench.analysis.curves.bands import friction_bands
 from hbench.analysis.summary.fleet_numbers import fleet_numbers
 from hbench.analysis.summary.headline import at_working_speed, planned_speed_m_s
 from hbench.records import FleetRow
@@ -18,7 +16,7 @@ from hbench.report.fleet.row import fleet_row
 from hbench.report.fleet.terminal import fleet_text
 from hbench.report.fleet.text import campaign_table, fleet_json
 from hbench.store.fleet.table import TABLE, cells_of, write_table
-from tests.support.analysis.drawn_seal import LARGE, MIDDLE_N_BAR, drawn_seal
+from tests.support.analysis.drawn_seal import LARGE, MIDDLE_N_BAR, drawn_seal, of_two_speeds
 from tests.support.report.made_fleet import summary_of
 from tests.support.report.spaces import ordinary_spaces
 
@@ -98,13 +96,7 @@ def test_several_seals_of_one_campaign_give_their_mean(seals):
 def test_the_band_of_two_speeds_is_that_at_the_working_speed(seals):
     """The strokes at the working speed and faster ones, whose friction is larger."""
     slow, fast = seals[0], drawn_seal(30, "A", level=9.0, slope=1.5, speeds=(24e-3, 24e-3))
-    curves = [
-        replace(one, points=(*one.points, *other.points))
-        for one, other in zip(slow.curves, fast.curves, strict=True)
-    ]
-    bands = friction_bands(curves)
-    runs, trends = (*slow.runs, *fast.runs), band_trends(bands)
-    both = replace(slow, runs=runs, curves=tuple(curves), bands=bands, band_trends=trends)
+    both = of_two_speeds(slow, fast)
     for speed_m_s, seal in ((8.3e-3, slow), (24e-3, fast)):
         results = at_working_speed(both, speed_m_s)
         numbers = fleet_numbers(results)
