@@ -41,6 +41,17 @@ def test_a_line_without_repeated_trials_is_scipys_regression():
     assert line.intercept_ci95 == pytest.approx(t * peer.intercept_stderr)
 
 
+def test_a_pressure_without_the_slow_strokes_is_not_on_their_line():
+    """2 N/bar and 3 N + 2 N/bar; speeds that nobody set rise a little with the pressure."""
+    slow = [made_band(p, [2 * p / BAR] * 2, [0.0] * 2, v_m_s=0.01 + p / 1e9) for p in PRESSURES]
+    fast = [made_band(p, [3 + 2 * p / BAR] * 2, [0.0] * 2, v_m_s=0.03 + p / 1e9) for p in PRESSURES]
+    trends = band_trends([*slow[:1], *slow[2:], *fast])
+    assert [len(trend.bands) for trend in trends] == [3, 4]
+    for trend, level_n in zip(trends, (0.0, 3.0), strict=True):
+        assert trend.half.slope_n_pa * BAR == pytest.approx(2.0)
+        assert trend.half.intercept_n == pytest.approx(level_n, abs=1e-9)
+
+
 def test_trials_that_turn_the_line_give_the_interval_of_their_slopes():
     """Slopes 1, 2, 3 N/bar: mean 2, S = 1, so 4.303 / sqrt(3) = 2.484 N/bar; no residual."""
     trials = [{k: k * p / BAR for k in (1, 2, 3)} for p in PRESSURES]

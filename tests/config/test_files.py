@@ -382,3 +382,15 @@ def test_a_serial_that_yaml_reads_as_a_truth_value_is_no_number():
     with pytest.raises(ConfigError, match=r"specimen\.serial = False: yes and no") as caught:
         parse_import_map(changed(data, "specimen", {"serial": False}), "map.yaml")
     assert "number" not in caught.value.message
+
+
+@pytest.mark.parametrize("text", ["31.01.2026", "2026-01-31 10:00:00", "20260131", "2026", "yes"])
+def test_a_day_in_another_notation_is_refused_with_the_right_one(text):
+    certificate = read_yaml(CONFIGS / "certificate.yaml")
+    certificate |= parse_yaml(f"issued: {text}\nreceived: '{text}'")
+    with pytest.raises(ConfigError) as error:
+        parse_certificate(certificate, "certificate.yaml")
+    assert (
+        len(re.findall(r"\b(issued|received) = .*: must be a date\b.*2026-01-31", str(error.value)))
+        == 2
+    )

@@ -16,7 +16,7 @@ from hbench.report.fleet.row import fleet_row
 from hbench.report.fleet.terminal import fleet_text
 from hbench.report.fleet.text import campaign_table, fleet_json
 from hbench.store.fleet.table import TABLE, cells_of, write_table
-from tests.support.analysis.drawn_seal import LARGE, MIDDLE_N_BAR, drawn_seal
+from tests.support.analysis.drawn_seal import LARGE, MIDDLE_N_BAR, drawn_seal, of_two_speeds
 from tests.support.report.made_fleet import summary_of
 from tests.support.report.spaces import ordinary_spaces
 
@@ -91,6 +91,19 @@ def test_several_seals_of_one_campaign_give_their_mean(seals):
     found = row_of("/a", both).numbers["half_band_n", None].value
     assert found == pytest.approx((first.bands[1].half_n + second.bands[1].half_n) / 2)
     assert row_of("/a", both).label == "A, B"
+
+
+def test_the_band_of_two_speeds_is_that_at_the_working_speed(seals):
+    """The strokes at the working speed and faster ones, whose friction is larger."""
+    slow, fast = seals[0], drawn_seal(30, "A", level=9.0, slope=1.5, speeds=(24e-3, 24e-3))
+    both = of_two_speeds(slow, fast)
+    for speed_m_s, seal in ((8.3e-3, slow), (24e-3, fast)):
+        results = at_working_speed(both, speed_m_s)
+        numbers = fleet_numbers(results)
+        for name in ("half_band_n", "middle_n", "cycle_energy_j", "half_band_slope_n_pa"):
+            alone = row_of("/a", seal).numbers[name, None]
+            assert numbers[name, None].value == pytest.approx(alone.value)
+            assert numbers[name, None].se == pytest.approx(alone.se)
 
 
 def test_campaigns_that_differ_in_a_single_label_and_in_unset_speeds_are_one_kind(seals, fleet):

@@ -1,6 +1,7 @@
 """The rows of a fleet while it is made, where they come from, and its table."""
 
 import os
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -10,11 +11,15 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from hbench import workflow
 from hbench.errors import ConfigError, DataError
 from hbench.records import QUANTITIES, FleetNumber, FleetRow
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
 from hbench.store.fleet.rows import ROWS, FleetRows
 from hbench.store.fleet.table import FleetTable, cells_of, shown_path, write_table
+from tests.support import ROOT
+
+SAMPLE = ROOT / "data_samples" / "stribeck-small"
 
 
 def campaign(folder):
@@ -52,6 +57,13 @@ def test_logs_without_a_journal_are_a_campaign_and_links_to_folders_are_not_foll
     (tmp_path / "fleet" / "circle").symlink_to(tmp_path / "fleet")
     found = list(find_campaigns([str(tmp_path / "fleet")], print))
     assert found == [str(tmp_path / "fleet" / "lost")]
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mat", "excel", "modelica"])
+def test_an_export_beside_its_campaign_is_no_campaign(tmp_path, kind):
+    made = shutil.copytree(SAMPLE, tmp_path / "line" / "1")
+    workflow.export(made, tmp_path / "line" / "1-exported", kind)
+    assert list(find_campaigns([str(tmp_path / "line")], print)) == [str(made)]
 
 
 def test_a_fingerprint_changes_with_a_file_and_with_who_made_the_row(tmp_path):

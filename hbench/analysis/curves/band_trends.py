@@ -30,15 +30,23 @@ def band_series(bands: Iterable[Band]) -> tuple[list[Band], ...]:
     """Return the bands of each series, in their order.
 
     Bands of a series have the same kind, label, cylinder and rod-side pressure. Where a load has
-    bands at two speeds, slow and fast ones are a series each.
+    bands at two speeds, slow and fast ones are a series each. A load with one of them belongs to
+    the series whose mean speed is the nearest.
     """
     bands = tuple(bands)
-    speeds: dict[tuple, list[float]] = defaultdict(list)
+    speeds: dict[tuple, dict[float | None, list[float]]] = defaultdict(lambda: defaultdict(list))
     for band in bands:
-        speeds[*_key(band), band.f_load_n].append(band.v_m_s)
+        speeds[_key(band)][band.f_load_n].append(band.v_m_s)
     series: dict[tuple, list[Band]] = defaultdict(list)
     for band in bands:
-        rank = sorted(speeds[*_key(band), band.f_load_n]).index(band.v_m_s)
+        of_loads = speeds[_key(band)]
+        most = max(map(len, of_loads.values()))
+        own = sorted(of_loads[band.f_load_n])
+        if len(own) == most:
+            rank = own.index(band.v_m_s)
+        else:
+            complete = [sorted(each) for each in of_loads.values() if len(each) == most]
+            rank = int(np.argmin(np.abs(np.mean(complete, axis=0) - band.v_m_s)))
         series[*_key(band), rank].append(band)
     return tuple(series.values())
 

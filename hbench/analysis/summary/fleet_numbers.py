@@ -57,8 +57,11 @@ def fleet_numbers(results: Results) -> dict[tuple[str, Side], FleetNumber]:
 
 
 def _of_bands(results: Results) -> Iterator[tuple[tuple[str, Side], FleetNumber]]:
-    """Yield half band, middle and energy at the median of the planned loads, and the slope."""
-    series = band_series(results.bands)
+    """Yield half band, middle and energy at the median of the planned loads, and the slope.
+
+    Where a load has bands at two speeds, they are those at the working speed.
+    """
+    series = _at_working_speed(results)
     columns: dict[str, list[FleetNumber]] = {}
     for bands in series:
         loads = _loads_of_both(results, bands[0])
@@ -87,6 +90,23 @@ def _of_bands(results: Results) -> Iterator[tuple[tuple[str, Side], FleetNumber]
     for name, column in columns.items():
         if len(column) == len(series):
             yield (name, None), _mean(column)
+
+
+def _at_working_speed(results: Results) -> tuple[list[Band], ...]:
+    """Return of series that differ in their speed the one nearest to the working speed."""
+    speed = results.headline.v_m_s
+    all_series = band_series(results.bands)
+    if speed is None:
+        return all_series
+
+    def distance(bands: list[Band]) -> float:
+        return abs(fmean(band.v_m_s for band in bands) - speed)
+
+    nearest: dict[tuple, list[Band]] = {}
+    for bands in all_series:
+        key = bands[0].kind, bands[0].label, bands[0].specimen, bands[0].p_lr_ref_pa
+        nearest[key] = min(nearest.get(key, bands), bands, key=distance)
+    return tuple(nearest.values())
 
 
 def _loads_of_both(results: Results, band: Band) -> set[float | None]:

@@ -1,8 +1,9 @@
 """Tables of the page: records as rows of text, in display units."""
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from math import copysign, hypot, sqrt
-from statistics import stdev
+from statistics import fmean, stdev
 
 from hbench.records import (
     EfficiencyCurve,
@@ -219,18 +220,21 @@ def band_table(results: Results) -> Table:
 
 def trend_table(results: Results) -> Table:
     """Return slope and intercept of half band and middle over pressure."""
+    lines = Counter((t.label, t.specimen, t.p_lr_ref_pa) for t in results.band_trends)
+    two_speeds = max(lines.values(), default=0) > 1
     rows = [
         (
             trend.label,
             rod_side(trend.p_lr_ref_pa),
             span([from_si(p, "bar") for p in trend.pressures_pa]),
+            number(1e3 * fmean(band.v_m_s for band in trend.bands)) if two_speeds else "",
             *_line(trend.half),
             *_line(trend.middle),
         )
         for trend in without_common_rod_pressure(results.band_trends)
     ]
     head = (
-        *("Label", ROD_SIDE, "Pressures (bar)"),
+        *("Label", ROD_SIDE, "Pressures (bar)", "Speed (mm/s)"),
         *("Half band, slope (N/bar)", "at 0 bar (N)"),
         *("Middle, slope (N/bar)", "at 0 bar (N)"),
     )

@@ -80,8 +80,10 @@ def _where(band: BandDifference) -> str:
 
 def _of_trend(trend: BandTrendDifference) -> str:
     bars = span([_bar(p) for p in trend.a.pressures_pa])
+    speeds = span([1e3 * band.v_m_s for band in trend.a.bands])
     rod_side = load_words(None, trend.a.p_lr_ref_pa)
-    return ", ".join(filter(None, (label_of(trend), rod_side, f"{bars} bar")))
+    words = (label_of(trend), rod_side, f"{bars} bar", f"{speeds} mm/s")
+    return ", ".join(filter(None, words))
 
 
 def _bar(pressure_pa: float) -> float:

@@ -8,14 +8,16 @@ from contextlib import suppress
 
 from hbench.store.campaign.folder import JOURNAL
 
+_INDICES = ("runs.csv", "runs.parquet")  # of exported logs, which are in runs/ too
+
 
 def find_campaigns(patterns: Iterable[str], note: Callable[[str], None]) -> Iterator[str]:
     """Yield the paths of all campaign folders.
 
     Each of ``patterns`` is a campaign, a folder that contains campaigns, or a glob pattern.
-    Folders are searched to any depth; links in them are not followed. An unreadable folder is
-    yielded too, so that reading it reports the reason. ``note`` gets a message for each pattern
-    without a campaign.
+    Folders are searched to any depth; links in them are not followed. Exported logs are no
+    campaign. An unreadable folder is yielded too, so that reading it reports the reason. ``note``
+    gets a message for each pattern without a campaign.
     """
     for pattern in patterns:
         count = 0
@@ -79,6 +81,10 @@ def _folders_in(folder: str) -> Iterator[str]:
 
 def _is_campaign(folder: str) -> bool:
     """Return whether the folder has a journal, or logs whose journal is missing."""
-    return os.path.lexists(os.path.join(folder, JOURNAL)) or os.path.isdir(
-        os.path.join(folder, "runs")
-    )
+
+    def has(name: str) -> bool:
+        return os.path.lexists(os.path.join(folder, name))
+
+    if has(JOURNAL):
+        return True
+    return os.path.isdir(os.path.join(folder, "runs")) and not any(map(has, _INDICES))

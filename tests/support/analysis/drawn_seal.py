@@ -1,5 +1,7 @@
 """Made-up results of a seal's strokes at several pressures, drawn around known lines."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from hbench.analysis.curves.band_trends import band_trends
@@ -80,3 +82,13 @@ def drawn_seal(
         headline=headline(curves, ()),
         quality=quality(runs, curves),
     )
+
+
+def of_two_speeds(slow, fast):
+    """Results of one campaign with the strokes of both, whose pressures are the same."""
+    curves = tuple(
+        replace(one, points=(*one.points, *other.points))
+        for one, other in zip(slow.curves, fast.curves, strict=True)
+    )
+    bands, runs = friction_bands(curves), (*slow.runs, *fast.runs)
+    return replace(slow, runs=runs, curves=curves, bands=bands, band_trends=band_trends(bands))
