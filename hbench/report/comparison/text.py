@@ -174,7 +174,13 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
                 Section(drawings=of_section(drawings, "comparison")),
             ),
         ),
-        Section("Breakaway", tables=(breakaway_table(differences),)),
+        Section(
+            "Breakaway",
+            (_BREAKAWAY,),
+            drawings=of_section(drawings, "breakaway"),
+            tables=(breakaway_table(differences),),
+            facts=() if differences.curves else read_facts(differences),
+        ),
         Section(
             "Settings that differ",
             (_MAY_CAUSE,),
@@ -279,6 +285,11 @@ def _folded(title: str, table: WordTable) -> tuple[Section, ...]:
     return (Section(f"{title} ({count})", tables=(table,), folded=long, printed=not long),)
 
 
+_BREAKAWAY = (
+    "Breakaway is the largest friction while a rising force pushes the piston, which has rested "
+    "under load. Each case is a direction, load, time at rest and rate of the force that both "
+    "campaigns have."
+)
 _MAY_CAUSE = (
     "A difference above may come from these settings, not from the cylinders: make them equal and "
     "measure again where that matters."
