@@ -181,7 +181,7 @@ def _friction_difference(
     error = welch([*((-w, trials) for w, trials in terms_a), *terms_b])
     if error is None:
         return untested(value_a.value, value_b.value, NO_SCATTER)
-    return tested(value_a, value_b, *error, same_instruments)
+    return tested(value_a, value_b, *error, same_instruments, instruments)
 
 
 def _friction_value(
