@@ -275,7 +275,7 @@ def test_curves_without_a_rival_are_named(campaign):
     found, notes = compared(a, b)
     assert len(found) == 1
     (note,) = notes
-    assert note.startswith("steady retract -2000 N: ") and note.endswith(" A")
+    assert note.startswith("steady retracting -2000 N: ") and note.endswith(" A")
 
 
 def _at_rod_pressure(results, bar):
@@ -304,8 +304,8 @@ def test_other_rod_pressures_are_named(campaign):
     found, notes = compared(_at_rod_pressure(campaign(1), 20.0), _at_rod_pressure(campaign(2), 25))
     assert not found
     assert [note.split(": ")[0] for note in notes] == [
-        "steady extend 2000 N at 20 bar",
-        "steady extend 2000 N at 25 bar",
+        "steady extending 2000 N at 20 bar",
+        "steady extending 2000 N at 25 bar",
     ]
 
 

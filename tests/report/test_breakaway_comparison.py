@@ -47,10 +47,10 @@ def test_the_verdict_states_direction_and_size_of_what_is_significant(made):
     assert "In 2 of 3 cases, breakaway of &lt;after&gt; is lower than that of before by" in (
         verdict_of(made(-40.0, -60.0, -8.0))
     )
-    assert "40.0–60.0 N, or 6.7–10 % (U up to 15 N)" in verdict_of(made(-40.0, -60.0, -8.0))
+    assert "40–60 N, or 6.7–10 % (U up to 15 N)" in verdict_of(made(-40.0, -60.0, -8.0))
     both = verdict_of(made(-40.0, 60.0))
-    assert "is higher than that of before by 60.0 N" in both
-    assert "and in the others lower than that of before by 40.0 N" in both
+    assert "is higher than that of before by 60 N" in both
+    assert "and in the others lower than that of before by 40 N" in both
 
 
 def test_without_a_significant_difference_the_largest_is_stated(made):
@@ -66,6 +66,8 @@ def test_page_terminal_and_json_have_a_row_for_each_case(made):
     assert "Breakaway of two campaigns" in page and "efficiency" not in page.partition("<h2")[0]
     assert "−60 ± 15" in page and "same time at rest" in page
     assert "Speeds within 2 %" not in page, "no curve is compared"
+    noted = replace(differences, notes=("breakaway retracting -500 N after 1 s: only in A",))
+    assert "retracting −500 N after 1 s: only in A" in ordinary_spaces(differences_page(noted, ()))
     text = differences_text(differences)
     assert "In 2 of 2 cases" in text and "Breakaway (N)" in text
     (first, second) = json.loads(differences_json(differences))["breakaways"]

@@ -21,6 +21,7 @@ from hbench.analysis.comparison.difference_tests import (
 from hbench.analysis.uncertainty.budget import friction_contributions
 from hbench.config.sensors import Instruments
 from hbench.records import (
+    DIRECTION_WORDS,
     SIGNS,
     Breakaway,
     BreakawayDifference,
@@ -131,7 +132,7 @@ def _name(each: Breakaway) -> str:
 def _words(each: Breakaway) -> Iterator[str]:
     if each.series.label:
         yield each.series.label
-    yield f"breakaway {each.direction}"
+    yield f"breakaway {DIRECTION_WORDS[each.direction]}"
     if each.series.f_load_n is not None:
         yield f"{each.series.f_load_n:.5g} N"
     if each.dwell_s is not None:

@@ -12,8 +12,8 @@ from hbench.records import (
 )
 from hbench.report.campaign.series_words import load_words
 from hbench.report.comparison.cells import cells, difference_table, numbers
-from hbench.report.comparison.difference_words import by_chance, widest, with_uncertainty
-from hbench.report.render.numbers import alike, percent_span, short
+from hbench.report.comparison.difference_words import by_chance, sizes, widest, with_uncertainty
+from hbench.report.render.numbers import percent_span, short
 from hbench.report.render.word_tables import with_columns
 
 
@@ -47,7 +47,7 @@ def _sizes(real: list[Difference]) -> str:
     """Write the sizes of differences with the largest of their uncertainties."""
     shares = [100 * abs(each.value / each.a) for each in real if each.a]
     share = f", or {percent_span(shares)}" if shares else ""
-    return f"{alike([abs(each.value) for each in real])} N{share} ({widest(real)})"
+    return f"{sizes(real)} N{share} ({widest(real)})"
 
 
 def breakaway_table(differences: CampaignDifferences) -> WordTable:

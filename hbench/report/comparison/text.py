@@ -1,5 +1,6 @@
 """A comparison in words and numbers: for the terminal, as JSON, and its page."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 
@@ -51,6 +52,7 @@ from hbench.report.render.terminal_text import plain, wrapped
 from hbench.sentences import plural
 
 SCHEMA = "hbench.comparison/1"
+_NEGATIVE = re.compile(r"(?<= )-(?=\d)")
 _OIL = ("sensor", "mean_k", "low_k", "high_k", "runs")
 
 
@@ -197,7 +199,8 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section("How it was computed", facts=method_facts(differences), folded=True),
     ]
     if differences.notes:
-        sections.append(Section("Not compared", items=differences.notes))
+        notes = (_NEGATIVE.sub("\N{MINUS SIGN}", note) for note in differences.notes)
+        sections.append(Section("Not compared", items=tuple(notes)))
     kept = tuple(
         replace(section, tables=tuple(table for table in section.tables if table.rows))
         for section in sections

@@ -33,7 +33,7 @@ def pieces(text: str) -> Iterator[tuple[str, bool]]:
     yield text[end:], False
 
 
-def unbroken(text: str) -> str:
+def numbers_kept(text: str) -> str:
     """Return a text that is not broken within a number, its interval and its unit."""
     text = _NUMBERED.sub("\\g<1>\N{NO-BREAK SPACE}\\g<2>", text)
     text = _RANGE.sub("(\\g<1>\N{NO-BREAK SPACE}to\N{NO-BREAK SPACE}\\g<2>)", text)
@@ -45,6 +45,6 @@ def subscripts(text: str) -> Markup:
 
     A number is kept on one line with its unit and interval, and so are options, names and dates.
     """
-    parts = pieces(unbroken(text))
+    parts = pieces(numbers_kept(text))
     words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
     return Markup(_ON_ONE_LINE.sub(r'<span class="whole">\g<0></span>', "".join(words)))

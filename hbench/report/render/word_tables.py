@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from hbench.records import WordTable
-from hbench.report.render.symbols import unbroken
+from hbench.report.render.symbols import numbers_kept
 
 _NUMBER = re.compile(
     r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?( \((\d[\d.]*|none)\))?"
@@ -78,7 +78,7 @@ def numeric(table: WordTable | Table) -> set[int]:
 def cell_classes(cell: tuple[bool, str, str]) -> str:
     """Return the classes of a cell by its kind, its text and its flag."""
     number, text, flag = cell
-    long = len(flag) > _LONG_FLAG or len(text) > _LONG and (flag or " " in unbroken(text))
+    long = len(flag) > _LONG_FLAG or len(text) > _LONG and (flag or " " in numbers_kept(text))
     kinds = ["n"] if number else ["long"] if long else []
     kinds += ["short"] if not number and len(text) <= _SHORT else []
     return " ".join((*kinds, *(["flagged"] if flag else []), *_endless(f"{text} {flag}")))
