@@ -263,6 +263,22 @@ def test_short_tables_are_lists_on_a_phone_where_they_would_need_scrolling(brows
     assert browser.errors == []
 
 
+def test_a_screen_reader_gets_the_name_of_a_table_and_the_heads_of_a_list(browser, pages):
+    """On a phone too, where the row of heads is not shown."""
+    browser.open(pages["comparison"], width=400)
+    settled = "new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))"
+    browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
+    nodes = browser.ask("Accessibility.getFullAXTree")["nodes"]
+
+    def names(role):
+        return [n["name"]["value"] for n in nodes if n.get("role", {}).get("value") == role]
+
+    tables = names("table")
+    assert tables and all(name.startswith("Table ") for name in tables)
+    heads = browser.run("[...document.querySelectorAll('.listed .head')].map(h => h.innerText)")
+    assert heads and set(heads) <= set(names("StaticText"))
+
+
 def test_a_list_names_the_number_that_its_rows_begin_with(browser, tmp_path):
     head = ("Speed (mm/s)", *(f"Column number {i}" for i in range(6)))
     table = WordTable("Numbers", head, (("8.0", *["12.5 ± 1.5"] * 6), ("24.8", *["3.0 ± 1.5"] * 6)))
