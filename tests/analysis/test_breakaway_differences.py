@@ -92,8 +92,8 @@ def test_only_pushes_alike_in_direction_load_rest_and_rate_are_compared():
     found, notes = compared(a, b)
     assert [(each.a.dwell_s, each.b.dwell_s) for each in found] == [(10.0, 10.2)]
     assert notes == (
-        f"breakaway extend {LOAD:.0f} N after 1 s at 500 N/s: only in A",
-        f"breakaway extend {LOAD:.0f} N after 60 s at 500 N/s: only in B",
+        f"breakaway extending {LOAD:.0f} N after 1 s at 500 N/s: only in A",
+        f"breakaway extending {LOAD:.0f} N after 60 s at 500 N/s: only in B",
     )
     assert not compared(a, campaign(2, 560.0, (1.0, 10.0), sign=-1.0))[0]
     for change in ({"rate_n_s": 1000.0}, {"dwell_s": None}):

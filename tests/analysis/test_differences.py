@@ -225,6 +225,30 @@ def test_few_degrees_of_freedom_of_an_instrument_widen_the_interval_as_g2b_says(
     assert same or found.efficiency.u95 > known[0].efficiency.u95
 
 
+@pytest.mark.parametrize("both", [True, False])
+def test_a_stated_coverage_factor_of_two_is_that_of_each_u_and_of_a_difference_if_both_state_it(
+    campaign, both
+):
+    """By hand, from the trials and the parts of three points: U = 2 u, or Student's factor."""
+    k_2 = INSTRUMENTS.model_copy(update={"expansion": "k_2"})
+    a, b = campaign(1), campaign(2, 1.05)
+    (found,), _ = compared(a, b, same=False, known=(k_2, k_2 if both else INSTRUMENTS))
+    curves = a.curves[0].points, b.curves[0].points
+    for point, *measured in zip(found.points, *curves, strict=True):
+        variances = [
+            stats.sem(each.trials_n) ** 2 + sum(part**2 for part in each.parts_n.values())
+            for each in measured
+        ]
+        d = point.friction_n
+        assert d.u95_a == pytest.approx(2 * np.sqrt(variances[0]))
+        assert both == (d.u95 == pytest.approx(2 * np.sqrt(sum(variances))))
+        assert both == (d.u95_b == pytest.approx(2 * np.sqrt(variances[1])))
+    (student,), _ = compared(a, b, same=False)
+    assert both or found.mean_n.u95 == student.mean_n.u95
+    assert found.mean_n.u95_a == pytest.approx(2 / 1.96 * student.mean_n.u95_a, rel=0.005)
+    assert found.efficiency.u95_a == pytest.approx(2 / 1.96 * student.efficiency.u95_a, rel=0.005)
+
+
 def test_unknown_instruments_leave_the_trials_alone(campaign):
     (found,), _ = compared(campaign(1), campaign(2, 1.2), known=(None, INSTRUMENTS))
     assert found.mean_n.u95 is None and found.mean_n.real
@@ -251,7 +275,7 @@ def test_curves_without_a_rival_are_named(campaign):
     found, notes = compared(a, b)
     assert len(found) == 1
     (note,) = notes
-    assert note.startswith("steady retract -2000 N: ") and note.endswith(" A")
+    assert note.startswith("steady retracting -2000 N: ") and note.endswith(" A")
 
 
 def _at_rod_pressure(results, bar):
@@ -280,8 +304,8 @@ def test_other_rod_pressures_are_named(campaign):
     found, notes = compared(_at_rod_pressure(campaign(1), 20.0), _at_rod_pressure(campaign(2), 25))
     assert not found
     assert [note.split(": ")[0] for note in notes] == [
-        "steady extend 2000 N at 20 bar",
-        "steady extend 2000 N at 25 bar",
+        "steady extending 2000 N at 20 bar",
+        "steady extending 2000 N at 25 bar",
     ]
 
 

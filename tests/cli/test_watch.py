@@ -458,7 +458,7 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert 'aria-label="Control chart of 13 cylinders: breakaway' in dom and "+3 σ" in dom
     assert dom.count('class="value signal"') == 1 and dom.count('class="value"') == 12
     assert re.search(r'id="decision"[^>]*>PASS<span[^>]*>, unusual: check<', dom)
-    assert "<li>Unusual: breakaway. The charts below have the reason.</li>" in dom
+    assert "<li>Unusual: breakaway. The charts below show why.</li>" in dom
     assert (
         ordinary_spaces(chart["title"]) == "breakaway at 50.1 mm/s, extending"
         and chart["unit"] == "bar"

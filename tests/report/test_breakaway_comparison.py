@@ -1,12 +1,16 @@
 """Breakaway in a comparison: verdict, table and JSON, alone and beside curves."""
 
+import csv
 import json
 from dataclasses import replace
+from io import StringIO
 
 import pytest
 
 from hbench.analysis.curves.breakaway import breakaways
 from hbench.records import BreakawayDifference, CampaignDifferences, Difference
+from hbench.report.comparison.breakaways import breakaway_names
+from hbench.report.comparison.figures import draw_differences
 from hbench.report.comparison.text import differences_json, differences_page, differences_text
 from tests.support.analysis.pushes import accepted, push
 from tests.support.report.spaces import ordinary_spaces
@@ -43,10 +47,10 @@ def test_the_verdict_states_direction_and_size_of_what_is_significant(made):
     assert "In 2 of 3 cases, breakaway of &lt;after&gt; is lower than that of before by" in (
         verdict_of(made(-40.0, -60.0, -8.0))
     )
-    assert "40.0–60.0 N, or 6.7–10 % (U up to 15 N)" in verdict_of(made(-40.0, -60.0, -8.0))
+    assert "40–60 N, or 6.7–10 % (U up to 15 N)" in verdict_of(made(-40.0, -60.0, -8.0))
     both = verdict_of(made(-40.0, 60.0))
-    assert "is higher than that of before by 60.0 N" in both
-    assert "and in the others lower than that of before by 40.0 N" in both
+    assert "is higher than that of before by 60 N" in both
+    assert "and in the others lower than that of before by 40 N" in both
 
 
 def test_without_a_significant_difference_the_largest_is_stated(made):
@@ -62,6 +66,8 @@ def test_page_terminal_and_json_have_a_row_for_each_case(made):
     assert "Breakaway of two campaigns" in page and "efficiency" not in page.partition("<h2")[0]
     assert "−60 ± 15" in page and "same time at rest" in page
     assert "Speeds within 2 %" not in page, "no curve is compared"
+    noted = replace(differences, notes=("breakaway retracting -500 N after 1 s: only in A",))
+    assert "retracting −500 N after 1 s: only in A" in ordinary_spaces(differences_page(noted, ()))
     text = differences_text(differences)
     assert "In 2 of 2 cases" in text and "Breakaway (N)" in text
     (first, second) = json.loads(differences_json(differences))["breakaways"]
@@ -76,3 +82,33 @@ def test_columns_that_no_row_knows_are_left_out(made):
     unknown = replace(row.a, dwell_s=None, rate_n_s=None)
     page = differences_page(replace(differences, breakaways=(replace(row, a=unknown),)), ())
     assert "At rest" not in page and "Rate" not in page
+
+
+def test_the_figure_has_both_campaigns_and_their_difference_in_a_row_for_each_case(made):
+    differences = made(-40.0, 20.0, -8.0, p=1e-3)
+    (drawing,) = draw_differences(differences)
+    page = ordinary_spaces(differences_page(differences, (drawing,)))
+    section = page[page.index('<h2 id="breakaway"') : page.index("<h2", page.index("Table 1."))]
+    assert "Figure 1. Breakaway." in section and "largest friction while a rising force" in section
+    assert "U of A and of B also contains" in section
+    rows = list(csv.DictReader(StringIO(drawing.csv.decode())))
+    cases = ["extending, 1 s", "extending, 10 s", "extending, 60 s"]
+    for series, name in (("A: before", "Breakaway (N)"), ("B: <after>", "Breakaway (N)")):
+        own = [row for row in rows if row["series"] == series]
+        assert [row["item"] for row in own] == cases
+        assert [float(row[name]) for row in own] == pytest.approx([600.0] * 3, rel=0.02)
+    found = {row["item"]: row for row in rows if row["series"].startswith("B − A")}
+    assert [float(found[case]["B − A (N)"]) for case in cases] == [-40.0, 20.0, -8.0]
+    assert all(float(row["U95 (N)"]) == 15.0 for row in found.values())
+    filled = {row["item"] for row in rows if row["series"] == "B − A, real"}
+    assert filled == {"extending, 1 s", "extending, 10 s"}, "8 N is within U"
+
+
+def test_the_name_of_a_case_has_what_distinguishes_it_and_no_more(made):
+    three = made(-40.0, -60.0, -8.0).breakaways
+    assert breakaway_names(three[:1]) == ["extending"]
+    other = replace(three[1], a=replace(three[1].a, direction="retract", dwell_s=1.0))
+    assert breakaway_names((three[0], other)) == ["extending", "retracting"]
+    loaded = replace(three[0].a, series=replace(three[0].a.series, f_load_n=5000.0))
+    cases = (three[0], replace(three[0], a=loaded))
+    assert breakaway_names(cases) == ["extending, 2000 N", "extending, 5000 N"]

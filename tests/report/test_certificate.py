@@ -374,8 +374,11 @@ def test_a_leakage_that_is_decided_at_100_bar_is_not_repeated(certificate):
         )
         check = ConformityCheck(limit, Measurement(pressure * 1e-17, 2e-11), 1.0, "PASS")
         shown = replace(made, acceptance=replace(made.acceptance, checks=(check,)))
-        rows = content(shown).parts["leakage"].tables[0].rows
+        part = content(shown).parts["leakage"]
+        rows = part.tables[0].rows
         assert len(rows) == count and rows[-1][0] == "from the rod side outwards"
+        reference = "The statement of conformity has the other leakages."
+        assert part.paragraphs == (reference,) * (count == 1)
 
 
 @pytest.mark.parametrize("language", sorted(WORDS))
@@ -605,7 +608,7 @@ def test_decided_ripple_has_no_table_of_its_own_but_its_runs_and_factor(certific
         ),
         (
             "de",
-            "Ungleichförmigkeit (je 2 Läufe, k = 4,30).",
+            "Für Ungleichförmigkeit (je 2 Läufe, k = 4,30) enthält",
             "; 1 Lauf, k = 12,71: einfahrend bei 2 mm/s",
         ),
     ):

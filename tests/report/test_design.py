@@ -163,7 +163,7 @@ def test_the_loops_with_the_gains_to_be_used_come_first_and_the_others_are_folde
     ):
         page = design_page(replace(design, proposal=proposal), drawings)
         assert f">Loops with the {first} gains</h2>" in page
-        assert f"<summary>Loops with the {second} gains</summary>" in page
+        assert f"<summary>Loops with the {second} gains <" in page
         assert page.count(f"Those with the {second} gains are folded") == 1
     numbers = json.loads(design_json(design))
     assert [loop["gain"] for loop in numbers["proposal"]["loops"]] == [1500.0]

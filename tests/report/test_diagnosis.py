@@ -193,8 +193,9 @@ def test_a_chambers_edges_are_told_by_the_direction(named):
     ways = {one.label: one.gaps for one in named.regions if one.axis == "direction"}
     rows = {chamber: cells for chamber, *cells in edges_table(named).rows}
     tp, tr = (rows[words.balance(name).title] for name in ("flow_tp", "flow_tr"))
-    assert tp == [f"{ways[way]['flow_tp']:.2f}" for way in ("extend", "retract")]
-    assert tr == [f"{ways[way]['flow_tr']:.2f}" for way in ("retract", "extend")]
+    assert tp == [words.gap_number(ways[way]["flow_tp"]) for way in ("extend", "retract")]
+    assert tr == [words.gap_number(ways[way]["flow_tr"]) for way in ("retract", "extend")]
+    assert (words.gap_number(9.274), words.gap_number(24.42)) == ("9.27", "24.4")
 
 
 @pytest.fixture(scope="module")

@@ -55,6 +55,16 @@ def test_the_verdict_stands_first_with_the_interval_of_trials_and_instruments(fo
     assert NOTE in page
 
 
+def test_the_page_states_the_coverage_of_u(found):
+    k_2 = replace(found.a, settings={"instruments": {"expansion": "k_2"}})
+    for a, b, words in (
+        (found.a, found.b, "Expanded uncertainty for a coverage probability of 95 %: of the"),
+        (k_2, k_2, "uncertainty with the coverage factor k = 2 that the campaigns state: of the"),
+        (found.a, k_2, "of 95 %, that of B with the coverage factor k = 2 that it states: of the"),
+    ):
+        assert words in ordinary_spaces(differences_page(replace(found, a=a, b=b), ()))
+
+
 def test_a_difference_that_is_not_significant_is_not_in_the_verdict(found):
     (one,) = found.curves
     none = replace(one, mean_n=replace(one.mean_n, p_holm=0.3))

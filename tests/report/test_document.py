@@ -111,3 +111,20 @@ def test_names_dates_and_options_are_not_broken_at_hyphens(text, kept):
     paragraph = re.search("<p>(.*)</p>", page)[1]
     assert re.findall('<span class="whole">(.*?)</span>', paragraph) == kept
     assert unescape(re.sub("</?span[^>]*>", "", paragraph)) == text
+
+
+def test_a_folded_part_states_which_figures_and_tables_it_hides():
+    """Else the first table that a reader sees could be the fourth."""
+    table = WordTable("", ("a",), (("1",),))
+    folded = Section("All gaps", tables=(table, table, table), folded=True)
+    words = Section("Terms", facts=(("a", "b"),), folded=True)
+    sections = (
+        Section("Gap", parts=(folded, words)),
+        Section("Effects", tables=(table,)),
+        Section("Appendix", tables=(table,), folded=True),
+    )
+    text = document("Page", "", sections)
+    summaries = [
+        re.sub("<[^>]+>", "", each) for each in re.findall("<summary>(.*?)</summary>", text)
+    ]
+    assert summaries == ["All gaps Tables 1–3", "Terms", "Appendix Table 5"]

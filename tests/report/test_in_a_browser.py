@@ -173,24 +173,31 @@ def test_a_printed_page_says_that_numbers_of_tables_are_missing_where_some_are(b
     browser.ask("Emulation.setEmulatedMedia", media="")
 
 
-def test_figures_are_inside_their_cards_and_scroll_on_a_phone(browser, pages):
-    """A figure keeps its letters legible: it is wider than the screen, its page is not."""
+def test_a_phone_shows_figures_whole_and_scrolls_those_of_a_whole_page(browser, pages):
+    """A figure of half a page fits with legible letters; a wide one scrolls, its page does not."""
     inside = (
         "[...document.querySelectorAll('svg.plot')].every(p => p.getBoundingClientRect().width "
         "<= p.parentElement.clientWidth)"
     )
+    halves = "[...document.querySelectorAll('figure:not(.wide) svg.plot')]"
+    letters = f"Math.min(...{halves}.map(p => 10 * (p.clientWidth - 8) / p.viewBox.baseVal.width))"
     for name, count in (("design", 4), ("identification", 2), ("diagnosis", 8)):
         browser.open(pages[name])
+        browser.run("for (const one of document.querySelectorAll('details')) one.open = true")
         assert browser.run("document.querySelectorAll('svg.plot').length") >= count
         assert browser.run(inside)
-    browser.width(400)
-    for figure, least in (("figure.wide", 900), ("figure:not(.wide)", 450)):
-        canvas = f"document.querySelector('{figure} .canvas')"
-        assert browser.run(f"{canvas}.clientWidth") < 400
-        assert browser.run(f"{canvas}.scrollWidth") >= least
-        hint = f"getComputedStyle({canvas}, '::after').content"
-        browser.run("new Promise(requestAnimationFrame)")
-        assert "Scroll sideways" in browser.run(hint)
+        for width, least in ((360, 8.5), (400, 9.5)):
+            browser.width(width)
+            assert browser.run(
+                f"{halves}.map(p => p.parentElement).every(c => c.scrollWidth <= c.clientWidth)"
+            ), f"{name}, {width} px"
+            assert browser.run(letters) >= least  # pixels, at the axes
+    canvas = "document.querySelector('figure.wide .canvas')"
+    assert browser.run(f"{canvas}.clientWidth") < 400
+    assert browser.run(f"{canvas}.scrollWidth") >= 900
+    hint = f"getComputedStyle({canvas}, '::after').content"
+    browser.run("new Promise(requestAnimationFrame)")
+    assert "Scroll sideways" in browser.run(hint)
     assert browser.run("document.documentElement.scrollWidth") <= 400
 
 
@@ -254,6 +261,22 @@ def test_short_tables_are_lists_on_a_phone_where_they_would_need_scrolling(brows
     assert browser.run(f"getComputedStyle({cell}).display") == "table-cell"
     assert not browser.run(f"{cell}.innerText").startswith(head)
     assert browser.errors == []
+
+
+def test_a_screen_reader_gets_the_name_of_a_table_and_the_heads_of_a_list(browser, pages):
+    """On a phone too, where the row of heads is not shown."""
+    browser.open(pages["comparison"], width=400)
+    settled = "new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))"
+    browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
+    nodes = browser.ask("Accessibility.getFullAXTree")["nodes"]
+
+    def names(role):
+        return [n["name"]["value"] for n in nodes if n.get("role", {}).get("value") == role]
+
+    tables = names("table")
+    assert tables and all(name.startswith("Table ") for name in tables)
+    heads = browser.run("[...document.querySelectorAll('.listed .head')].map(h => h.innerText)")
+    assert heads and set(heads) <= set(names("StaticText"))
 
 
 def test_a_list_names_the_number_that_its_rows_begin_with(browser, tmp_path):

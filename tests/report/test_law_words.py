@@ -17,7 +17,7 @@ def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unname
     )  # fmt: skip
     says = (
         "The revised model contains an unnamed law, fitted as a table: dry friction of −2.0 to "
-        "31 N over position (force of test cylinder; gap of runs outside the fit 9.5 before, 2.1 "
+        "31 N over position (force of test cylinder; gap of runs outside the fit 9.50 before, 2.10 "
         "after). A table reproduces a deviation but does not show its cause."
     )
     text = summary(replace(compared, verdict="unknown", unnamed=(law,)))

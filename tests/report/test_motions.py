@@ -30,6 +30,7 @@ from hbench.records import (
 )
 from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
+from hbench.report.campaign.figures.motions import breakaways
 from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.page_motions import hold_table
@@ -412,6 +413,11 @@ def test_a_report_of_breakaway_alone_explains_what_it_has_and_nothing_else(small
     methods = dict(sections["How each number was computed"].facts)
     assert "averaged over its noise" in methods["Breakaway"] and "Friction" not in methods
     assert "Breakaway ± U (N)" in sections["Breakaway"].tables[0].head
+    apart = tuple(replace(push, dwell_s=1.0 + i) for i, push in enumerate(PUSHES))
+    over_time = replace(none, motions=replace(motions, breakaways=apart))
+    (legend,) = breakaways(over_time)[""].legends
+    names = [text.get_text() for text in legend.get_texts()]
+    assert names and all(name.endswith(", extending") for name in names)
     pushes = tuple(replace(push, u95_n=None) for push in PUSHES)
     bare = replace(none, motions=replace(motions, breakaways=pushes))
     breakaway = next(s for s in report_document(bare, ()).sections if s.title == "Breakaway")

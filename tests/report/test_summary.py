@@ -52,8 +52,8 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
         "0.00300 ± 0.00020 l/min/bar; 95 % interval). At the working point (extending at 80 "
         "mm/s), 0.18 l/min less oil enters the piston side of the test cylinder (Tp) and the "
         "piston is 2.4 mm/s slower at "
-        "the same commands; in 95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it, the "
-        "deviation of the quantities that it changes falls from 16.7 to 1.60 times the "
+        "the same commands; in 95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it in the "
+        "model, the deviation of the quantities that it changes falls from 16.7 to 1.60 times the "
         "repeatability in runs outside the fit. Next, inspect the piston seal."
     )
     assert "oil leaks" not in text  # once on the page is enough
@@ -180,7 +180,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     order = (
         "Internal leakage is found, which the model does not contain: oil leaks (",
         "At the working point (extending at 80 mm/s), 0.18 l/min less oil enters",
-        "With it, the deviation of the quantities that it changes falls from 16.7 to 1.60 times",
+        "With it in the model, the deviation of the quantities that it changes falls from 16.7 to",
         "Next, inspect the piston seal.",
     )
     places = [text.index(part) for part in order]
@@ -201,7 +201,7 @@ def test_the_verdict_of_a_named_effect_has_its_largest_changes_and_what_is_left_
     assert text.startswith("The instruments have an error, load cell gain: oil leaks (test ")
     assert (
         "At the working point (extending at 80 mm/s), the load cell shows 50 N too much and the "
-        "computed friction of the test cylinder is 50 N too low. With it, the deviation"
+        "computed friction of the test cylinder is 50 N too low. With it in the model, the "
     ) in text
     steady = tuple(replace(each, largest=abs(each.at_point)) for each in LEAK.changes[:1])
     assert "(Tp). With it" in verdict(replace(named, practice=(replace(LEAK, changes=steady),)))

@@ -56,7 +56,7 @@ def band_differences(
     ``tolerance`` is the largest relative difference of two speeds that count as the same.
     """
     distinct = distinction(a, b)
-    found = []
+    found, of_both = list[BandDifference](), (same_instruments, instruments)
     for band in a.bands:
         other = _partner(band, b.bands, distinct, tolerance)
         if other is None:
@@ -67,12 +67,12 @@ def band_differences(
             BandDifference(
                 a=band,
                 b=other,
-                half_n=_difference(band, other, "half_n", half, same_instruments),
-                middle_n=_difference(band, other, "middle_n", middle, same_instruments),
+                half_n=_difference(band, other, "half_n", half, *of_both),
+                middle_n=_difference(band, other, "middle_n", middle, *of_both),
                 energy_j=None
                 if band.energy_j is None or other.energy_j is None
                 else _difference(
-                    band, other, "energy_j", _of_energy((band, other), half), same_instruments
+                    band, other, "energy_j", _of_energy((band, other), half), *of_both
                 ),
             )
         )
@@ -98,7 +98,7 @@ def trend_differences(
     same_instruments: bool,
 ) -> tuple[BandTrendDifference, ...]:
     """Compare the slopes over pressure of series with at least three compared ``bands``."""
-    found = []
+    found, of_both = list[BandTrendDifference](), (same_instruments, instruments)
     for trend in a.band_trends:
         for other in b.band_trends:
             common = [d for d in bands if d.a in trend.bands and d.b in other.bands]
@@ -111,8 +111,8 @@ def trend_differences(
                 BandTrendDifference(
                     a=trend,
                     b=other,
-                    half_slope_n_pa=_slope(trend.half, other.half, half, same_instruments),
-                    middle_slope_n_pa=_slope(trend.middle, other.middle, middle, same_instruments),
+                    half_slope_n_pa=_slope(trend.half, other.half, half, *of_both),
+                    middle_slope_n_pa=_slope(trend.middle, other.middle, middle, *of_both),
                 )
             )
     halves = corrected([each.half_slope_n_pa for each in found])
@@ -140,21 +140,25 @@ def _partner(
     return None if number is None else others[number]
 
 
-def _difference(a: Band, b: Band, name: str, both: OfInstruments, same: bool) -> Difference:
+def _difference(
+    a: Band, b: Band, name: str, both: OfInstruments, same: bool, instruments: Pair
+) -> Difference:
     """Return the difference of a number of two bands, such as ``half_n``."""
     error = welch([(-1.0, getattr(a, f"trials_{name}")), (1.0, getattr(b, f"trials_{name}"))])
     if error is None:
         return untested(getattr(a, name), getattr(b, name), NO_SCATTER)
     values = getattr(a, name), getattr(b, name)
-    return tested(*_with_instruments(values, both), *error, same)
+    return tested(*_with_instruments(values, both), *error, same, instruments)
 
 
-def _slope(a: PressureLine, b: PressureLine, both: OfInstruments, same: bool) -> Difference:
+def _slope(
+    a: PressureLine, b: PressureLine, both: OfInstruments, same: bool, instruments: Pair
+) -> Difference:
     se, dof = satterthwaite([a.slope_se_n_pa**2, b.slope_se_n_pa**2], [a.slope_dof, b.slope_dof])
     if se == 0.0:
         return untested(a.slope_n_pa, b.slope_n_pa, "no scatter")
     values = a.slope_n_pa, b.slope_n_pa
-    return tested(*_with_instruments(values, both), se, dof, same)
+    return tested(*_with_instruments(values, both), se, dof, same, instruments)
 
 
 def _with_instruments(

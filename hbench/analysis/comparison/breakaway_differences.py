@@ -21,6 +21,7 @@ from hbench.analysis.comparison.difference_tests import (
 from hbench.analysis.uncertainty.budget import friction_contributions
 from hbench.config.sensors import Instruments
 from hbench.records import (
+    DIRECTION_WORDS,
     SIGNS,
     Breakaway,
     BreakawayDifference,
@@ -46,7 +47,7 @@ def breakaway_differences(
             continue
         left.remove(other)
         values = _value(one, a, instruments[0]), _value(other, b, instruments[1])
-        difference = _difference(one, other, *values, same_instruments)
+        difference = _difference(one, other, *values, same_instruments, instruments)
         found.append(BreakawayDifference(one, other, difference))
     notes += [f"{_name(each)}: only in B" for each in left]
     differences = corrected([each.breakaway_n for each in found])
@@ -76,12 +77,17 @@ def _alike(a: float | None, b: float | None) -> bool:
 
 
 def _difference(
-    a: Breakaway, b: Breakaway, of_a: CampaignValue, of_b: CampaignValue, same: bool
+    a: Breakaway,
+    b: Breakaway,
+    of_a: CampaignValue,
+    of_b: CampaignValue,
+    same: bool,
+    instruments: Pair,
 ) -> Difference:
     error = welch([(-1.0, a.trials_n), (1.0, b.trials_n)])
     if error is None:
         return untested(a.breakaway_n, b.breakaway_n, NO_SCATTER)
-    return tested(of_a, of_b, *error, same)
+    return tested(of_a, of_b, *error, same, instruments)
 
 
 def _value(each: Breakaway, results: Results, instruments: Instruments | None) -> CampaignValue:
@@ -126,7 +132,7 @@ def _name(each: Breakaway) -> str:
 def _words(each: Breakaway) -> Iterator[str]:
     if each.series.label:
         yield each.series.label
-    yield f"breakaway {each.direction}"
+    yield f"breakaway {DIRECTION_WORDS[each.direction]}"
     if each.series.f_load_n is not None:
         yield f"{each.series.f_load_n:.5g} N"
     if each.dwell_s is not None:

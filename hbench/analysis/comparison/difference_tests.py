@@ -65,21 +65,28 @@ class CampaignValue(NamedTuple):
 
 
 def tested(
-    a: CampaignValue, b: CampaignValue, se: float, dof: float, same_instruments: bool
+    a: CampaignValue,
+    b: CampaignValue,
+    se: float,
+    dof: float,
+    same_instruments: bool,
+    instruments: Pair,
 ) -> Difference:
     """Return the difference b - a with its interval and p value.
 
     ``se`` and ``dof`` are standard error and degrees of freedom of the difference by the trials.
     It has an expanded uncertainty if the instruments' contributions to both are known; a and b
-    have one of their own if their ``trials`` are known too.
+    have one of their own if their ``trials`` are known too. The coverage factors are those that
+    the files of the ``instruments`` ask for.
     """
     u95 = u95_a = u95_b = None
     if a.instruments is not None and b.instruments is not None:
         parts = [StandardUncertainty(se, dof), *map(StandardUncertainty, (a.drift, b.drift))]
         parts += _of_instruments(a.instruments, b.instruments, same_instruments)
-        u95 = combined(parts).expanded()
+        u95 = combined(parts).expanded(_factor_of(instruments))
         u95_a, u95_b = (
-            _own_u95(side.trials, side.instruments or {}, side.drift) for side in (a, b)
+            _own_u95(side.trials, side.instruments or {}, side.drift, known)
+            for side, known in zip((a, b), instruments, strict=True)
         )
     return Difference(
         a=a.value,
@@ -95,13 +102,22 @@ def tested(
 
 
 def _own_u95(
-    error: tuple[float, float] | None, contributions: Contributions, drift: float
+    error: tuple[float, float] | None,
+    contributions: Contributions,
+    drift: float,
+    instruments: Instruments | None,
 ) -> float | None:
     """Return the expanded uncertainty of one campaign's number; None without scatter."""
     if error is None:
         return None
     parts = [StandardUncertainty(*error), StandardUncertainty(drift), *contributions.values()]
-    return combined(parts).expanded()
+    return combined(parts).expanded(instruments)
+
+
+def _factor_of(instruments: Pair) -> Instruments | None:
+    """Return the instruments whose coverage factor a difference has: 2 if both ask for it."""
+    a, b = instruments
+    return a if a is not None and b is not None and a.expansion == b.expansion else None
 
 
 class WeightedCurve(NamedTuple):
@@ -144,7 +160,7 @@ def mean_u95(curves: Sequence[WeightedCurve], instruments: Instruments | None) -
     if not all(contributions for _, contributions in errors):
         return None
     drift = sum(c.factor * w * (point.sigma_drift_n or 0.0) for c, w, point in points)
-    return _own_u95(_mean_error(curves), weighted(errors), drift)
+    return _own_u95(_mean_error(curves), weighted(errors), drift, instruments)
 
 
 def _mean_error(curves: Iterable[WeightedCurve]) -> tuple[float, float] | None:

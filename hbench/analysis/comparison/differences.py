@@ -39,6 +39,7 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.uncertainty.budget import friction_contributions
 from hbench.config.sensors import Instruments
 from hbench.records import (
+    DIRECTION_WORDS,
     KINDS,
     Curve,
     CurveDifference,
@@ -139,7 +140,9 @@ def _name(curve: Curve, rod_pressure: bool) -> str:
     load = "" if curve.f_load_n is None else f"{curve.f_load_n:.5g} N"
     p_lr = curve.p_lr_ref_pa if rod_pressure else None
     at = "" if p_lr is None else f"at {p_lr / 1e5:.5g} bar"
-    return " ".join(filter(None, (curve.label, curve.kind, a, curve.direction, load, at)))
+    return " ".join(
+        filter(None, (curve.label, curve.kind, a, DIRECTION_WORDS[curve.direction], load, at))
+    )
 
 
 def _curve_difference(
@@ -181,7 +184,7 @@ def _friction_difference(
     error = welch([*((-w, trials) for w, trials in terms_a), *terms_b])
     if error is None:
         return untested(value_a.value, value_b.value, NO_SCATTER)
-    return tested(value_a, value_b, *error, same_instruments)
+    return tested(value_a, value_b, *error, same_instruments, instruments)
 
 
 def _friction_value(

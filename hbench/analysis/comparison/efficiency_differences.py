@@ -45,7 +45,7 @@ def efficiency_difference(
     se, dof = _error_of_means(points_a + points_b, len(points_a))
     if se <= ROUNDING * max(abs(value_a.value), abs(value_b.value)):
         return untested(value_a.value, value_b.value, "no scatter between the trials")
-    return tested(value_a, value_b, se, dof, same_instruments)
+    return tested(value_a, value_b, se, dof, same_instruments, instruments)
 
 
 def _at_common_speeds(

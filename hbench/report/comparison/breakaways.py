@@ -1,5 +1,6 @@
 """Breakaway of a comparison: table, JSON and verdict."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from hbench.records import (
@@ -11,8 +12,8 @@ from hbench.records import (
 )
 from hbench.report.campaign.series_words import load_words
 from hbench.report.comparison.cells import cells, difference_table, numbers
-from hbench.report.comparison.difference_words import by_chance, widest, with_uncertainty
-from hbench.report.render.numbers import alike, percent_span, short
+from hbench.report.comparison.difference_words import by_chance, sizes, widest, with_uncertainty
+from hbench.report.render.numbers import percent_span, short
 from hbench.report.render.word_tables import with_columns
 
 
@@ -46,7 +47,7 @@ def _sizes(real: list[Difference]) -> str:
     """Write the sizes of differences with the largest of their uncertainties."""
     shares = [100 * abs(each.value / each.a) for each in real if each.a]
     share = f", or {percent_span(shares)}" if shares else ""
-    return f"{alike([abs(each.value) for each in real])} N{share} ({widest(real)})"
+    return f"{sizes(real)} N{share} ({widest(real)})"
 
 
 def breakaway_table(differences: CampaignDifferences) -> WordTable:
@@ -67,6 +68,29 @@ def breakaway_table(differences: CampaignDifferences) -> WordTable:
     )
     known = [i for i in range(len(table.head)) if any(row[i] for row in table.rows)]
     return with_columns(table, known)
+
+
+def breakaway_names(rows: Sequence[BreakawayDifference]) -> list[str]:
+    """Return the direction of each case, with what else distinguishes it from the others."""
+    columns = zip(*map(_set_up, rows), strict=True)
+    kept: list[tuple[str, ...]] = []
+    for number, column in enumerate(columns):
+        finer = len(set(zip(*kept, column, strict=True))) > len(set(zip(*kept, strict=True)))
+        if number == 0 or finer:
+            kept.append(column)
+    return [", ".join(filter(None, name)) for name in zip(*kept, strict=True)]
+
+
+def _set_up(each: BreakawayDifference) -> tuple[str, ...]:
+    a, load = each.a, each.a.series
+    return (
+        DIRECTION_WORDS[a.direction],
+        load_words(load.f_load_n, None),
+        load_words(None, load.p_lr_ref_pa),
+        "" if a.dwell_s is None else f"{short(a.dwell_s)} s",
+        "" if a.rate_n_s is None else f"{short(a.rate_n_s)} N/s",
+        _label(each),
+    )
 
 
 def _label(each: BreakawayDifference) -> str:

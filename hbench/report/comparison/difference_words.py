@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from hbench.records import Difference
-from hbench.report.render.numbers import half_width, p_equation, with_interval
+from hbench.report.render.numbers import half_width, p_equation, span_with_intervals, with_interval
 
 
 def with_uncertainty(mean: Difference) -> str:
@@ -13,6 +13,17 @@ def with_uncertainty(mean: Difference) -> str:
     if half is None:
         return f"{value} N (no interval)"
     return f"{value} N ({widest([mean])})".replace("up to ", "")
+
+
+def sizes(differences: Sequence[Difference], scale: float = 1.0) -> str:
+    """Write the range of the sizes of differences, rounded by their uncertainties."""
+    return span_with_intervals(
+        [
+            (scale * abs(each.value), None if half is None else scale * half)
+            for each in differences
+            for half in (each.u95 or each.ci95,)
+        ]
+    )
 
 
 def by_chance(mean: Difference, count: int) -> str:

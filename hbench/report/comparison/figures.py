@@ -1,6 +1,7 @@
-"""Figures of a comparison: both curves or bands, and B less A below."""
+"""Figures of a comparison: curves, bands or breakaway of both, and B less A."""
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
@@ -18,6 +19,7 @@ from hbench.records import (
 )
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.series_words import kind_words, load_words
+from hbench.report.comparison.breakaways import breakaway_names
 from hbench.report.comparison.cells import label_of, with_names
 from hbench.report.comparison.tables import hidden_curves, single_points
 from hbench.report.render import style
@@ -44,6 +46,10 @@ _SPEEDS_CAPTION = (
     "B minus A of friction at each speed, in the mean over the curves, with the 95 % interval of "
     "the trials."
 )
+_BREAKAWAY_CAPTION = (
+    "Left: breakaway of A and B, means of the trials. Right: B minus A. Filled: the difference is "
+    "significant. Hollow: not significant."
+)
 _BANDS_CAPTION = (
     "Above: half bands of A and B, (F extending − F retracting) / 2. Lines: least squares over "
     "pressure. Below: B minus A. Filled: the difference is significant. Hollow: not significant."
@@ -51,7 +57,7 @@ _BANDS_CAPTION = (
 
 
 def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
-    """Draw the half bands of each series, and each pair of curves with at least two speeds."""
+    """Draw the half bands of each series, each pair of curves with two speeds, and breakaway."""
     differences = with_names(differences)
     sketches = []
     for number, bands in enumerate(_series(differences), start=1):
@@ -67,6 +73,10 @@ def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
             figure = draw_speeds(differences)
         title = "Difference of friction over speed"
         sketches.append(Sketch("speeds", "speeds", title, _SPEEDS_CAPTION, figure))
+    if differences.breakaways:
+        with rc_context(style.RC):
+            figure = draw_breakaways(differences)
+        sketches.append(Sketch("breakaway", "breakaway", "Breakaway", _BREAKAWAY_CAPTION, figure))
     pairs = []
     for number, curve in enumerate(differences.curves):
         if len(curve.points) < 2:
@@ -196,22 +206,66 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
     return figure
 
 
+def draw_breakaways(differences: CampaignDifferences) -> Figure:
+    """Draw breakaway [N] of both in a row for each case, and the differences beside it."""
+    rows = differences.breakaways
+    figure = style.new_figure(height_in=1.9 + 0.32 * len(rows))
+    left, right = figure.subplots(1, 2, sharey=True, width_ratios=(5, 4))
+    at = np.arange(len(rows), dtype=float)
+    for index, side in enumerate("ab"):
+        own = [getattr(row, side) for row in rows]
+        label = f"{side.upper()}: {style.safe(differences.names[index])}"
+        place = left.transData + ScaledTranslation(
+            0, _BESIDE * (1 - 2 * index), figure.dpi_scale_trans
+        )
+        values = [each.breakaway_n for each in own]
+        bars = left.errorbar(
+            *(values, at, None, [_or_nan(each.ci95_n) for each in own]),
+            **{"label": label, **style.series_style(index), **style.POINTS},
+        )
+        for artist in bars.get_children():
+            artist.set_transform(place)
+        behind(bars, {"U95 (N)": [_or_nan(each.u95_n) for each in own]})
+    tested = [row.breakaway_n for row in rows]
+    _draw_differences(right, at, tested, [each.real for each in tested], across=True)
+    left.set_yticks(at, breakaway_names(rows), fontsize=9.5)
+    left.set_ylim(len(rows) - 0.5, -0.5)
+    left.set_xlabel("Breakaway (N)")
+    right.set_xlabel("B − A (N)")
+    for axes in (left, right):
+        axes.grid(visible=False, axis="y")
+        axes.margins(x=0.1)
+        axes.locator_params(axis="x", nbins=4)  # room for numbers of four digits
+    right.tick_params(axis="y", length=0)
+    left.set_title("Breakaway")
+    style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
+    _mark(right, differences)
+    style.legend_above(figure, left, columns=1)
+    return figure
+
+
 def _draw_differences(
-    axes: Axes, x: np.ndarray, differences: Sequence[Difference], significant: Sequence[bool]
+    axes: Axes,
+    at: np.ndarray,
+    differences: Sequence[Difference],
+    significant: Sequence[bool],
+    across: bool = False,
 ) -> None:
-    """Draw B less A over x, the significant differences filled."""
+    """Draw B less A over ``at``, or ``across`` in rows at ``at``; the significant ones filled."""
     u95, ci95 = (
         np.array([_or_nan(getattr(each, name)) for each in differences]) for name in ("u95", "ci95")
     )
     values = np.array([each.value for each in differences])
-    axes.axhline(0, color="#374151", linewidth=0.9)
-    axes.errorbar(x, values, u95, linestyle="none", color="#000000", elinewidth=5, alpha=0.3)
-    axes.errorbar(x, values, ci95, linestyle="none", color="#000000", elinewidth=1.1, capsize=2.5)
+    x, y, bar = (values, at, "xerr") if across else (at, values, "yerr")
+    (axes.axvline if across else axes.axhline)(0, color="#374151", linewidth=0.9)
+    bars: dict[str, Any] = {"linestyle": "none", "color": "#000000"}
+    axes.errorbar(x, y, **{bar: u95}, elinewidth=5, alpha=0.3, **bars)
+    axes.errorbar(x, y, **{bar: ci95}, elinewidth=1.1, capsize=2.5, **bars)
     real = np.array(significant)
     for chosen, face in ((real, "#000000"), (~real, "white")):
         label = "_B − A" if face == "white" else "_B − A, real"
         look = {"color": "#000000", "markerfacecolor": face, "zorder": 4, "label": label}
-        (dots,) = axes.plot(x[chosen], values[chosen], "o", **look)
+        (dots,) = axes.plot(x[chosen], y[chosen], "o", **look)
         behind(dots, {"± B − A (N)": ci95[chosen], "U95 (N)": u95[chosen]})
 
 

@@ -7,12 +7,14 @@ from hbench.report.comparison.tables import has_drift_column, hidden_curves, uns
 from hbench.report.comparison.verdict import drift_words
 from hbench.sentences import capital
 
-_READ_U = (
-    ("U", "Expanded uncertainty for a coverage probability of 95 %: of the trials, the instruments "
-     "and any significant drift within a campaign, without a new mounting of the cylinder. U of A "
-     "and of B also contains the errors of the instruments that cancel in B − A, which is computed "
-     "from unrounded values."),
-)  # fmt: skip
+_U = (
+    "Expanded uncertainty{coverage}: of the trials, the instruments and any significant drift "
+    "within a campaign, without a new mounting of the cylinder. U of A and of B also contains the "
+    "errors of the instruments that cancel in B − A, which is computed from unrounded values."
+)
+_COVERAGE = " for a coverage probability of 95 %"
+_FACTOR = " with the coverage factor k = 2 that the campaigns state"
+_OF_ONE = ", that of {name} with the coverage factor k = 2 that it states"
 _READ_TRIALS = (("± trials", "Half-width of the 95 % interval of the trials alone."),)
 _MEAN = (
     "Its p is that of a single test of independent trials. U of B − A is the mean of those of the "
@@ -43,7 +45,7 @@ _P = (
 )
 _METHOD = (
     ("Friction", "A point is the mean of its trials, as a magnitude. The interval by the trials is "
-     "that of Welch's t; U is the expanded uncertainty for a coverage probability of 95 %."),
+     "that of Welch's t."),
     _P,
     ("Speeds", "Speeds within 2 % count as the same, and within 20 % where no speed was set, as in "
      "strokes cut from a cycle. If a campaign has several labels, curves of equal labels are "
@@ -74,7 +76,19 @@ def read_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     tested = [each for curve in differences.curves for each in (curve.mean_n, curve.efficiency)]
     tested += [each.breakaway_n for each in differences.breakaways]
     known = any(each is not None and each.u95 is not None for each in tested)
-    return _READ_U if known else _READ_TRIALS
+    return (("U", _U.format(coverage=_coverage(differences))),) if known else _READ_TRIALS
+
+
+def _coverage(differences: CampaignDifferences) -> str:
+    """Return the coverage probability of U, or the factor that the instruments' files state."""
+    stated = [
+        name
+        for name, each in (("A", differences.a), ("B", differences.b))
+        if each.settings.get("instruments", {}).get("expansion") == "k_2"
+    ]
+    if len(stated) == 2:
+        return _FACTOR
+    return _COVERAGE + "".join(_OF_ONE.format(name=name) for name in stated)
 
 
 def p_fact() -> tuple[str, str]:

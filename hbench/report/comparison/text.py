@@ -1,5 +1,6 @@
 """A comparison in words and numbers: for the terminal, as JSON, and its page."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 
@@ -51,6 +52,7 @@ from hbench.report.render.terminal_text import plain, wrapped
 from hbench.sentences import plural
 
 SCHEMA = "hbench.comparison/1"
+_NEGATIVE = re.compile(r"(?<= )-(?=\d)")
 _OIL = ("sensor", "mean_k", "low_k", "high_k", "runs")
 
 
@@ -174,7 +176,13 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
                 Section(drawings=of_section(drawings, "comparison")),
             ),
         ),
-        Section("Breakaway", tables=(breakaway_table(differences),)),
+        Section(
+            "Breakaway",
+            (_BREAKAWAY,),
+            drawings=of_section(drawings, "breakaway"),
+            tables=(breakaway_table(differences),),
+            facts=() if differences.curves else read_facts(differences),
+        ),
         Section(
             "Settings that differ",
             (_MAY_CAUSE,),
@@ -191,7 +199,8 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section("How it was computed", facts=method_facts(differences), folded=True),
     ]
     if differences.notes:
-        sections.append(Section("Not compared", items=differences.notes))
+        notes = (_NEGATIVE.sub("\N{MINUS SIGN}", note) for note in differences.notes)
+        sections.append(Section("Not compared", items=tuple(notes)))
     kept = tuple(
         replace(section, tables=tuple(table for table in section.tables if table.rows))
         for section in sections
@@ -279,6 +288,11 @@ def _folded(title: str, table: WordTable) -> tuple[Section, ...]:
     return (Section(f"{title} ({count})", tables=(table,), folded=long, printed=not long),)
 
 
+_BREAKAWAY = (
+    "Breakaway is the largest friction while a rising force pushes the piston, which has rested "
+    "under load. Each case is a direction, load, time at rest and rate of the force that both "
+    "campaigns have."
+)
 _MAY_CAUSE = (
     "A difference above may come from these settings, not from the cylinders: make them equal and "
     "measure again where that matters."

@@ -6,10 +6,9 @@ from hbench.records import CampaignDifferences, Drift, MeanOfCurves
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.breakaways import breakaway_verdict
 from hbench.report.comparison.cells import percent, signed
-from hbench.report.comparison.difference_words import by_chance, widest, with_uncertainty
+from hbench.report.comparison.difference_words import by_chance, sizes, widest, with_uncertainty
 from hbench.report.comparison.tables import hidden_curves, is_beyond_drift, unseparated, who
 from hbench.report.render.numbers import (
-    alike,
     half_width,
     number,
     percent_span,
@@ -87,8 +86,7 @@ def _over_curves(differences: CampaignDifferences) -> str:
     words += _by_speed(mean, drift=False)
     if not real:
         return f"{words} The difference of no single curve is significant."
-    sizes = alike([abs(each.value) for each in real])
-    return f"{words} It is significant in {len(real)} of {len(means)} curves, by {sizes} N."
+    return f"{words} It is significant in {len(real)} of {len(means)} curves, by {sizes(real)} N."
 
 
 def _by_speed(mean: MeanOfCurves, *, drift: bool) -> str:
@@ -218,14 +216,15 @@ def _verdict(differences: CampaignDifferences) -> str:
     hidden = {id(curve) for curve in hidden_curves(differences)}
     drift = _MAY_BE if all(id(curve) in hidden for curve, _ in real) else ""
     count = f"{len(real)} of {len(differences.curves)} curves{drift}"
-    values = [mean.value for _, mean in real]
+    of_means = [mean for _, mean in real]
+    values = [mean.value for mean in of_means]
     if len(real) > _FEW and (min(values) > 0 or max(values) < 0):
-        way, sizes = "higher" if values[0] > 0 else "lower", [abs(value) for value in values]
+        way = "higher" if values[0] > 0 else "lower"
         shares = [100 * abs(mean.value / mean.a) for _, mean in real if mean.a]
         share = f", or {percent_span(shares)}" if shares else ""
         return (
             f"Mean friction of {differences.names[1]} is {way} than that of {differences.names[0]} "
-            f"in {count}, by {alike(sizes)} N{share} ({widest([mean for _, mean in real])})."
+            f"in {count}, by {sizes(of_means)} N{share} ({widest(of_means)})."
         )
     means_text = "; ".join(
         f"{who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real
@@ -246,5 +245,4 @@ def _efficiency_verdict(differences: CampaignDifferences) -> str:
     way = "higher" if values[0] > 0 else "lower"
     halves = [100 * mean.u95 for mean in real if mean.u95]
     widest = f" (U up to {half_width(max(halves))})" if len(halves) == len(real) else ""
-    sizes = alike([abs(value) for value in values])
-    return f"Efficiency is {way} in {count}, by {sizes} percentage points{widest}."
+    return f"Efficiency is {way} in {count}, by {sizes(real, 100)} percentage points{widest}."

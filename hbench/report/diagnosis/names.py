@@ -293,9 +293,9 @@ def deviation_and_limit(gap: Gap) -> tuple[str, str]:
     return deviation, limit
 
 
-def gap_number(value: float) -> str:
-    """Write a gap as the tables do, those from 10 on with one decimal."""
-    return number(value, 2 if abs(value) < 10 else 1)
+def gap_number(value: float | None) -> str:
+    """Write a gap with two decimals, from 10 on with one."""
+    return number(value, 2 if value is None or abs(value) < 10 else 1)
 
 
 def share(value: float) -> str:

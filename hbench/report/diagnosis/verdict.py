@@ -138,7 +138,10 @@ def _force_errors(diagnosis: Diagnosis) -> str:
     given, refitted, after, *_ = load_errors(diagnosis).values()
     worse = sum(load.before**2 - load.refitted**2 for load in diagnosis.held_out_loads) < 0
     before = given if worse else refitted
-    return f"With it, the force error at loads outside the fit is {after} RMS, without it {before}."
+    return (
+        f"With it in the model, the force error at loads outside the fit is {after} RMS, "
+        f"without it {before}."
+    )
 
 
 def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
@@ -184,14 +187,14 @@ def _improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     typical = total.after <= CLEARLY_WORSE * effect.gap_after  # no other quantity dominates
     if alone and typical and total.after < total.refitted:  # the pair that the gaps' section has
         return (
-            f"With it, the deviation in runs outside the fit falls from "
+            f"With it in the model, the deviation in runs outside the fit falls from "
             f"{gap_number(total.refitted)} to {gap_number(total.after)} times the repeatability."
         )
     before, after = gap_number(effect.gap_before), gap_number(effect.gap_after)
     laws = " (without the unnamed law)" if diagnosis.unnamed else ""
     return (
-        f"With it, the deviation of the quantities that it changes falls from {before} to {after} "
-        f"times the repeatability in runs outside the fit{laws}."
+        "With it in the model, the deviation of the quantities that it changes falls from "
+        f"{before} to {after} times the repeatability in runs outside the fit{laws}."
     )
 
 

@@ -10,41 +10,33 @@ from importlib.metadata import version
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from hbench.records import WordTable
 from hbench.report.render.figures import Drawing
 from hbench.report.render.inline_svg import inline
 from hbench.report.render.numbers import unit_kept
 from hbench.report.render.style import DARK
-from hbench.report.render.symbols import pieces
-from hbench.report.render.word_tables import Cell, Table, Tile
+from hbench.report.render.symbols import subscripts
+from hbench.report.render.word_tables import (
+    Cell,
+    Table,
+    Tile,
+    cell_classes,
+    head_classes,
+    numeric,
+)
 from hbench.sentences import sentences
 
-_NUMBER = re.compile(
-    r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?( \((\d[\d.]*|none)\))?"
-    r"|[-–]|none|not significant|cancels|"
-)
-_DIGIT = re.compile(r"\d")
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
 _FIGURE = re.compile(r"Figure (\d+)\. ")
-_INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
-_NUMBERED = re.compile(r"\b(Table) (\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
-_RANGE = re.compile(r"\(([−+]?[\d.]+) to ([−+]?[\d.]+)\)")
-_OPTION = r"(?<![\w-])--[a-z][a-z-]*"  # of a command
-# a name such as HC-0011, unless it is long
-_NAME = r"(?<![\w&#-])(?=[\w-]*[A-Za-z])(?=[\w-]*\d)(?![\w-]{25})\w+(?:-\w+)+(?![\w-])"
-_DATE = r"(?<![\w&#-])\d{4}-\d\d-\d\d(?![\w-])"
-_ON_ONE_LINE = re.compile(f"{_OPTION}|{_NAME}|{_DATE}")
 BANNERS = {
     "simulated": "Simulated. A simulation made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analysed them.",
     "real": "Measured on a bench that hbench ran.",
 }
 _PARAGRAPH = 240  # letters of a verdict that is all emphasised
-_LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
-_LONG_FLAG = 18  # letters of a flag that is not broken
 _NARROW = 3  # columns of a table that fits beside a figure
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
@@ -65,6 +57,7 @@ class Section:
     anchor: str = ""  # by default derived from the title
     folded: bool | None = None  # behind its title: whether it starts folded; None: it never is
     printed: bool = True  # on paper; of folded parts whose numbers are in files beside the page
+    holds: str = ""  # the figures and tables that a folded one hides, by their numbers
 
 
 @dataclass(frozen=True)
@@ -140,6 +133,13 @@ def _dotted(number: str, title: str) -> str:
     return ". ".join(filter(None, (number, title)))
 
 
+def _numbers(kind: str, first: int, last: int) -> str:
+    """Return what figures or tables are called, such as ``Tables 2–5``; empty without any."""
+    if first >= last:
+        return f"{kind} {first}" if first == last else ""
+    return f"{kind}s {first}–{last}"
+
+
 class _Numbers:
     """Numbers of figures and tables so far, and what each anchor is called."""
 
@@ -158,6 +158,7 @@ class _Numbers:
         """
         title = _COUNT.sub("", section.title) or title
         drawings, tables, first = [], [], self.tables + 1
+        first_figure = self.figures + 1
         captions = dict(written or {})
         for drawing in section.drawings:
             self.figures += 1
@@ -180,16 +181,26 @@ class _Numbers:
             if not printed and part.title:
                 name = f"“{_COUNT.sub('', part.title)}” on the page"
                 self.name_of.setdefault(anchor(part), name)
-            first_figure = self.figures + 1
+            next_figure = self.figures + 1
             counted = self.numbered(part, title, captions)
             parts += [counted] if printed else []
             if part.folded is None:
                 for i, drawing in enumerate(part.drawings):
-                    captions.setdefault(drawing.caption, first_figure + i)
+                    captions.setdefault(drawing.caption, next_figure + i)
         if section.title:
             name = f"Table {first}" if self.tables >= first else f"“{section.title}”"
             self.name_of.setdefault(anchor(section), name)
-        return replace(section, drawings=tuple(drawings), tables=tuple(tables), parts=tuple(parts))
+        holds = (
+            _numbers("Table", first, self.tables),
+            _numbers("Figure", first_figure, self.figures),
+        )
+        return replace(
+            section,
+            drawings=tuple(drawings),
+            tables=tuple(tables),
+            parts=tuple(parts),
+            holds=", ".join(filter(None, holds)) if section.folded is not None else "",
+        )
 
     def referred(self, section: Section) -> Section:
         return replace(
@@ -275,14 +286,14 @@ def _environment() -> Environment:
         "csv_link": _csv_link,
         "called": _called,
         "numeric": numeric,
-        "cell_classes": _cell_classes,
-        "head_classes": _head_classes,
+        "cell_classes": cell_classes,
+        "head_classes": head_classes,
         "flag": lambda cell: cell.flag if isinstance(cell, Cell) else "",
         "sortable": lambda table: isinstance(table, Table) and table.sortable,
         "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
         "plain": lambda cell: cell.text if isinstance(cell, Cell) else cell,
         "unit_kept": unit_kept,
-        "subscripts": _subscripts,
+        "subscripts": subscripts,
     }
     environment.filters.update(filters)
     return environment
@@ -297,52 +308,3 @@ def _called(drawing: Drawing) -> str:
     """Return the name of a figure by its number, if it has one."""
     number = _FIGURE.match(drawing.title)
     return f"figure {number[1]}" if number else "this figure"
-
-
-def numeric(table: WordTable | Table) -> set[int]:
-    """Return the columns that hold numbers, or that there are none."""
-    if isinstance(table, Table):
-        return {i for i, name in enumerate(table.head) if name not in table.words}
-    columns = enumerate(zip(*table.rows, strict=True))
-    return {
-        i
-        for i, cells in columns
-        if all(_NUMBER.fullmatch(cell) for cell in cells)
-        and (any(map(_DIGIT.search, cells)) or not any(cells))
-    }
-
-
-def _cell_classes(cell: tuple[bool, str, str]) -> str:
-    """Return the classes of a cell by its kind, its text and its flag."""
-    number, text, flag = cell
-    long = len(flag) > _LONG_FLAG or len(text) > _LONG and (flag or " " in _kept(text))
-    kinds = ["n"] if number else ["long"] if long else []
-    kinds += ["short"] if not number and len(text) <= _SHORT else []
-    return " ".join((*kinds, *(["flagged"] if flag else []), *_endless(f"{text} {flag}")))
-
-
-def _head_classes(cell: tuple[bool, str, str]) -> str:
-    number, text, _ = cell
-    return " ".join((*(["n"] if number else []), *_endless(text)))
-
-
-def _endless(text: str) -> list[str]:
-    """Return the class of a cell that has to be broken within a word."""
-    return ["endless"] if any(len(word) > _ENDLESS for word in text.split()) else []
-
-
-def _kept(text: str) -> str:
-    """Return a text that is not broken within a number, its interval and its unit."""
-    text = _NUMBERED.sub("\\g<1>\N{NO-BREAK SPACE}\\g<2>", text)
-    text = _RANGE.sub("(\\g<1>\N{NO-BREAK SPACE}to\N{NO-BREAK SPACE}\\g<2>)", text)
-    return _INTERVAL.sub("\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}", unit_kept(text))
-
-
-def _subscripts(text: str) -> Markup:
-    """Write the index of a symbol such as F_C below the line; all else is escaped.
-
-    A number is kept on one line with its unit and interval, and so are options, names and dates.
-    """
-    parts = pieces(_kept(text))
-    words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
-    return Markup(_ON_ONE_LINE.sub(r'<span class="whole">\g<0></span>', "".join(words)))

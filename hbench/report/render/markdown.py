@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator
 
 from hbench.records import WordTable
-from hbench.report.render.document import Document, Section, numbered, numeric
-from hbench.report.render.word_tables import Cell, Table
+from hbench.report.render.document import Document, Section, numbered
+from hbench.report.render.word_tables import Cell, Table, numeric
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
 

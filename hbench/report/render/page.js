@@ -110,7 +110,6 @@
       if (!cell.textContent.trim()) continue;
       const head = document.createElement("span");
       head.className = "head";
-      head.setAttribute("aria-hidden", "true");
       head.append(...heads[cell.cellIndex].cloneNode(true).childNodes);
       cell.prepend(head);
     }

@@ -20,7 +20,7 @@ from matplotlib.image import imread
 from PIL import Image
 
 from hbench.records import WordTable
-from hbench.report.render.document import Document, Section, has_unprinted, menu, numbered, numeric
+from hbench.report.render.document import Document, Section, has_unprinted, menu, numbered
 from hbench.report.render.figures import Drawing
 from hbench.report.render.markdown import words
 from hbench.report.render.numbers import unbroken
@@ -38,7 +38,7 @@ from hbench.report.render.pdf_pen import (
 )
 from hbench.report.render.pdf_table import CELLS, QUIET, least_height, set_table
 from hbench.report.render.style import NARROW_IN, RC, WIDTH_IN
-from hbench.report.render.word_tables import Cell, Table
+from hbench.report.render.word_tables import Cell, Table, numeric
 
 _BODY, _SMALL = 8.5, 7.5  # size of letters, points
 _TITLE, _SECTION, _PART = 17.0, 13.0, 10.0

@@ -154,7 +154,7 @@ def breakaways(results: Results) -> dict[str, Figure]:
         friction = [each.breakaway_n for each in points]
         interval = [np.nan if each.ci95_n is None else each.ci95_n for each in points]
         look = style.series_style(rank)
-        name = f"{series_words(of[0])}, {of[1]}" if over_time else "_breakaway"
+        name = f"{series_words(of[0])}, {DIRECTION_WORDS[of[1]]}" if over_time else "_breakaway"
         bars = axes.errorbar(x, friction, interval, label=name, **look, **style.POINTS)
         behind(bars, {"runs": [" ".join(each.runs) for each in points]})
         laws = [law for law in results.motions.dwell_laws if (law.series, law.direction) == of]

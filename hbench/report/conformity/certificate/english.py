@@ -154,6 +154,7 @@ ENGLISH = {
     "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
     "of the instruments are not known and are not part of it, so that it is no complete "
     "uncertainty according to JCGM 100.",
+    "other_leaks": "The statement of conformity has the other leakages.",
     "of_trials": "U of {quantities} is that of the trials alone (95 %).",
     "each_of_runs": "{runs} runs each",
     "of_a_run": "{runs} run",

@@ -153,7 +153,8 @@ GERMAN = {
     "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
     "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
     "vollständige Messunsicherheit nach JCGM 100.",
-    "of_trials": "U ist das der Wiederholungen allein (95 %) für {quantities}.",
+    "other_leaks": "Die übrigen Leckagen enthält die Konformitätsaussage.",
+    "of_trials": "Für {quantities} enthält U nur die Streuung der Wiederholungen (95 %).",
     "each_of_runs": "je {runs} Läufe",
     "of_a_run": "{runs} Lauf",
     "load_cell_zero": "Der Nullpunkt des Kraftaufnehmers wurde nicht geprüft: U enthält seine "

@@ -125,7 +125,8 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
         )
         head = tuple(map(word, ("leak", "series", "n", "leakage_u", "k")))
         table = without_empty(GridTable(head, rows, frozenset({2, 3, 4})))
-        yield Part("leakage", word("leakage"), tables=(table,))
+        others = (word("other_leaks"),) if len(leaks) < len(certificate.of("leakage")) else ()
+        yield Part("leakage", word("leakage"), tables=(table,), paragraphs=others)
 
 
 def _leaks(certificate: Certificate) -> list[Certified]:

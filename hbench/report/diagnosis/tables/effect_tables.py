@@ -1,7 +1,7 @@
 """Tables of effects: named, not distinguishable, and tried."""
 
 from hbench.records import Candidate, Diagnosis, WordTable
-from hbench.report.diagnosis.names import share, value_words
+from hbench.report.diagnosis.names import gap_number, share, value_words
 from hbench.report.diagnosis.words.candidate import too_small
 from hbench.report.diagnosis.words.coefficient import (
     coefficient_text,
@@ -29,7 +29,7 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
         if added.runner_up:
             score = added.score - added.runner_up.margin
             rival = f"{added.runner_up.name}, {number(score + 0.0, 1)}"
-        gaps = (number(added.gap_before, 2), number(added.gap_after, 2))
+        gaps = (gap_number(added.gap_before), gap_number(added.gap_after))
         gains = (
             *(gaps if in_scatters else ()),
             "yes" if added.confirmed else "no",

@@ -10,6 +10,7 @@ from hbench.report.diagnosis.names import (
     balance,
     compared_model,
     deviation_and_limit,
+    gap_number,
     in_unit,
     of_strokes,
     signal,
@@ -75,7 +76,7 @@ def _gaps_table(diagnosis: Diagnosis, title: str, gaps: Sequence[Gap]) -> WordTa
             limit,
             p_words(gap.p_value),
             in_unit(gap, gap.scatter),
-            number(gap.gap, 2) if in_scatters else NONE,
+            gap_number(gap.gap) if in_scatters else NONE,
             in_unit(gap, gap.allowed) if gap.allowed else NONE,
             NONE if in_scatters else str(gap.windows),  # as many windows in all rows, about
         )
@@ -101,7 +102,7 @@ def edges_table(diagnosis: Diagnosis) -> WordTable:
     rows = []
     for name in EDGES:
         gaps = edge_gaps(diagnosis, name)
-        cells = [number(gaps.get(edge), 2) for edge in ("supply", "tank")]
+        cells = [gap_number(gaps.get(edge)) for edge in ("supply", "tank")]
         if any(cell != NONE for cell in cells):
             rows.append((balance(name).title, *cells))
     head = ("chamber", "open to supply", "open to tank")
@@ -120,7 +121,7 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
     ) -> WordTable:
         steps = steps_of(diagnosis, of_balances=kind == "quantity")
         rows = tuple(
-            (display_name(name).title, *(number(getattr(gap, step), 2) for step in steps))
+            (display_name(name).title, *(gap_number(getattr(gap, step)) for step in steps))
             for name, gap in gaps.items()
         )
         return WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows)

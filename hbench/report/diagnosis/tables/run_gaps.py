@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 from hbench.records import KINDS, BeforeAfter, Diagnosis, GapTable, RunPlan, WordTable
 from hbench.report.campaign.series_words import load_words
-from hbench.report.diagnosis.names import STEPS, balance, signal, steps_of
+from hbench.report.diagnosis.names import STEPS, balance, gap_number, signal, steps_of
 from hbench.report.render.csv_text import csv_text
-from hbench.report.render.numbers import NONE, number, short
+from hbench.report.render.numbers import NONE, short
 from hbench.report.render.word_tables import with_columns
 
 _PLAN = ("kind", "label", "direction", "v_ref_m_s", "f_load_n", "p_lr_ref_pa", "trial")
@@ -46,7 +46,7 @@ def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
             run_gap.plan.run,
             plan_words(run_gap.plan),
             "no" if run_gap.held_out else "yes",
-            *(number(getattr(run_gap.gap.total, step), 2) for step in steps),
+            *(gap_number(getattr(run_gap.gap.total, step)) for step in steps),
             *_worst(run_gap.gap),
         )
         for run_gap in chosen
@@ -76,5 +76,5 @@ def _worst(gap: GapTable) -> tuple[str, ...]:
     for group, display_name in zip(_PARTS, (balance, signal, signal), strict=True):
         gaps: Mapping[str, BeforeAfter] = getattr(gap, group)
         name = max(gaps, key=lambda name: gaps[name].after, default=None)
-        cells.append(f"{display_name(name).title} {number(gaps[name].after, 2)}" if name else NONE)
+        cells.append(f"{display_name(name).title} {gap_number(gaps[name].after)}" if name else NONE)
     return tuple(cells)

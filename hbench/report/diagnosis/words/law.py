@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from hbench.records import UnnamedLaw
-from hbench.report.diagnosis.names import balance
+from hbench.report.diagnosis.names import balance, gap_number
 from hbench.report.render.numbers import number, p_equation, significant
 from hbench.sentences import capital, listed, plural
 
@@ -24,7 +24,7 @@ def law_title(law: UnnamedLaw) -> str:
 
 def law_line(law: UnnamedLaw) -> str:
     """Return what a law adds, and what it does to runs outside the fit."""
-    before, after = (number(gap, 2) for gap in (law.gap_before, law.gap_after))
+    before, after = (gap_number(gap) for gap in (law.gap_before, law.gap_after))
     return (
         f"{capital(law_title(law))}, fitted as a table. The gap of runs outside the fit there "
         f"is {before} without and {after} with all unnamed laws ({p_equation(law.p_value)}, score "
@@ -42,7 +42,7 @@ def law_summary(laws: Sequence[UnnamedLaw]) -> str:
     parts = []
     for law in laws:
         low, high = (significant(end(law.values), 2) for end in (min, max))
-        before, after = (number(gap, 1) for gap in (law.gap_before, law.gap_after))
+        before, after = (gap_number(gap) for gap in (law.gap_before, law.gap_after))
         parts.append(
             f"{term(law)} of {low} to {high} {law.unit} over {words(law)} "
             f"({balances_words(law)}; gap of runs outside the fit {before} before, {after} after)"
