@@ -83,12 +83,12 @@ class MeanOfCurves:
     """Mean of the differences of mean friction of all steady curves; equal weights."""
 
     value_n: float
-    half_n: float  # largest half-width: the mean of those of the curves
+    half_n: float  # expanded uncertainty, or half-width by the trials where it is not known
     a_n: float  # the same mean of A's friction
     curves: Count  # in the mean
+    ci95_n: float  # half-width by the trials, which are independent
+    p_value: float  # of no difference, by the trials alone
     drift_n: DriftEffect | None = None  # None where a campaign's drift is not known
-    ci95_n: float | None = None  # half-width by the trials, which are independent
-    p_value: float | None = None  # of no difference, by the trials alone
     speeds: tuple[MeanAtSpeed, ...] = ()  # rising; empty where the curves have different ones
     u95_a: float | None = None  # expanded uncertainty of a_n; None where it is not known
     u95_b: float | None = None  # the same of B's mean

@@ -60,7 +60,9 @@ def compare(
         RunClock.of(results_a.runs, campaign_a.start_times_s(), campaign_a.source_files()),
         RunClock.of(results_b.runs, campaign_b.start_times_s(), campaign_b.source_files()),
     )
-    curves, mean_of_curves = with_drift_effects(curves, both, clocks, instruments, tolerance)
+    curves, mean_of_curves = with_drift_effects(
+        curves, both, clocks, instruments, same_instruments, tolerance
+    )
     bands = band_differences(*both, instruments, same_instruments, tolerance)
     breakaways, others = breakaway_differences(*both, instruments, same_instruments)
     notes = (*notes, *others)

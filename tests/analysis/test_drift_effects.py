@@ -48,7 +48,7 @@ def effects(a, b, drift_a, drift_b):
         SimpleNamespace(curves=curves_b, drift=drift_b),
     )
     changed, mean = with_drift_effects(
-        pairs, results, (clock_a, clock_b), (None, None), SPEED_TOLERANCE
+        pairs, results, (clock_a, clock_b), (None, None), False, SPEED_TOLERANCE
     )
     return [each.drift_n for each in changed], mean, [pair.mean_n.value for pair in pairs]
 
@@ -67,7 +67,7 @@ def test_the_effect_is_what_a_drift_of_known_size_adds_to_the_differences(make_c
     assert [each.value_n for each in found] == pytest.approx(added, abs=1e-9)
     assert mean.value_n == pytest.approx(at_mean_times)
     assert mean.drift_n.largest_n == pytest.approx(0.0, abs=1e-9)
-    assert mean.half_n == 3.0
+    assert mean.half_n == mean.ci95_n
 
 
 def test_a_drift_that_both_campaigns_have_cancels_in_the_same_order_alone(make_curve):

@@ -1,12 +1,18 @@
 """The mean difference over curves against scipy, with independent trials and with common files."""
 
 from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.comparison.difference_tests import WeightedCurve, mean_u95, mean_with_test
+from hbench.analysis.comparison.difference_tests import (
+    WeightedCurve,
+    mean_difference_u95,
+    mean_u95,
+    mean_with_test,
+)
 from hbench.config.sensors import Instruments
 from hbench.records import Curve, CurvePoint, Specimen
 
@@ -86,26 +92,46 @@ def test_a_single_trial_is_not_tested():
     assert mean_test(np.full((2, 1), 400.0), np.full((2, 1), 410.0), {}) is None
 
 
-def test_u_of_a_mean_over_both_directions_is_the_scatter_under_common_errors_of_the_sensors():
-    """Gains that are 1 % wrong for a whole campaign, drawn 200 000 times.
+SIDES = np.array([1.0, -1.0])
+P_TP_PA, P_TR_PA = np.array([40e5, 20e5]), np.array([10e5, 55e5])
+F_APPLIED_N = np.array([3000.0, -900.0])
 
-    U is 29 N; errors that were independent from curve to curve would give 36 N.
-    """
-    area_p, area_r = SPECIMEN.area_piston_m2, SPECIMEN.area_rod_m2
-    p_tp, p_tr, f_applied = np.array([40e5, 20e5]), np.array([10e5, 55e5]), [3000.0, -900.0]
-    sides, limits = np.array([1.0, -1.0]), 0.01
-    trials = np.array([399.9, 400.0, 400.1])
+
+def both_directions(factor):
+    """The curves of a campaign whose trials agree, in the mean over both directions."""
     curves = []
     for i, direction in enumerate(("extend", "retract")):
-        made = curve(direction, trials)
-        point = replace(made.points[0], p_tp_pa=p_tp[i], p_tr_pa=p_tr[i], f_applied_n=f_applied[i])
-        curves.append(WeightedCurve(0.5, replace(made, points=(point,)), {0: 1.0}, {}))
-    u95 = mean_u95(curves, INSTRUMENTS)
+        made = curve(direction, np.array([399.9, 400.0, 400.1]))
+        read = {"p_tp_pa": P_TP_PA[i], "p_tr_pa": P_TR_PA[i], "f_applied_n": F_APPLIED_N[i]}
+        point = replace(made.points[0], **read)
+        curves.append(WeightedCurve(factor, replace(made, points=(point,)), {0: 1.0}, {}))
+    return curves
 
-    gain_tp, gain_tr, gain_f = np.random.default_rng(7).uniform(-limits, limits, (3, 200_000, 1))
-    error = gain_tp * p_tp * area_p - gain_tr * p_tr * area_r - gain_f * f_applied
-    scatter = np.std((sides * error).mean(axis=1))
-    independent = np.hypot.reduce(np.std(error, axis=0)) / 2
+
+def drawn_errors():
+    """Errors of |F| (200 000, 2) in each direction, of gains 1 % wrong for a whole campaign."""
+    gain_tp, gain_tr, gain_f = np.random.default_rng(7).uniform(-0.01, 0.01, (3, 200_000, 1))
+    of_pressures = gain_tp * P_TP_PA * SPECIMEN.area_piston_m2
+    of_pressures -= gain_tr * P_TR_PA * SPECIMEN.area_rod_m2
+    return SIDES * (of_pressures - gain_f * F_APPLIED_N)
+
+
+def test_u_of_a_mean_over_both_directions_is_the_scatter_under_common_errors_of_the_sensors():
+    """U is 29 N; errors that were independent from curve to curve would give 36 N."""
+    u95 = mean_u95(both_directions(0.5), INSTRUMENTS)
+    scatter = np.std(drawn_errors().mean(axis=1))
+    independent = np.hypot.reduce(np.std(drawn_errors(), axis=0)) / 2
     assert u95 == pytest.approx(1.96 * scatter, rel=0.01)
     assert abs(independent / scatter - 1) > 0.2
-    assert mean_u95(curves, None) is None
+    assert mean_u95(both_directions(0.5), None) is None
+
+
+def test_u_of_a_difference_of_means_has_the_errors_of_both_benches_or_of_none():
+    """Both campaigns have the same forces: errors of the same instruments cancel."""
+    both = [*both_directions(-0.5), *both_directions(0.5)]
+    scatter = sqrt(2) * np.std(drawn_errors().mean(axis=1))
+    pair = INSTRUMENTS, INSTRUMENTS
+    assert mean_difference_u95(both, pair, False) == pytest.approx(1.96 * scatter, rel=0.01)
+    of_trials, _ = mean_with_test(0.0, both)
+    assert mean_difference_u95(both, pair, True) == pytest.approx(of_trials)
+    assert mean_difference_u95(both, (INSTRUMENTS, None), False) is None

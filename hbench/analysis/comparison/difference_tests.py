@@ -147,6 +147,35 @@ def mean_u95(curves: Sequence[WeightedCurve], instruments: Instruments | None) -
     An instrument's error is the same in all curves: its contributions are added with their signs,
     which differ between the directions, before they are squared. None where a part is not known.
     """
+    common = _common_errors(curves, instruments)
+    return None if common is None else _own_u95(_mean_error(curves), *common, instruments)
+
+
+def mean_difference_u95(
+    curves: Sequence[WeightedCurve], instruments: Pair, same_instruments: bool
+) -> float | None:
+    """Return the expanded uncertainty of a mean difference over curves of both campaigns.
+
+    Errors are added as in ``mean_u95``; those of the same instruments have opposite signs in A and
+    B. None where a part is not known.
+    """
+    error = _mean_error(curves)
+    a, b = (
+        _common_errors([each for each in curves if sign * each.factor > 0], known)
+        for sign, known in zip((-1, 1), instruments, strict=True)
+    )
+    if error is None or a is None or b is None:
+        return None
+    parts = [StandardUncertainty(*error), *(StandardUncertainty(drift) for _, drift in (a, b))]
+    of_a = weighted([(-1.0, a[0])])  # whose curves have negative factors
+    parts += _of_instruments(of_a, b[0], same_instruments)
+    return combined(parts).expanded(_factor_of(instruments))
+
+
+def _common_errors(
+    curves: Iterable[WeightedCurve], instruments: Instruments | None
+) -> tuple[Contributions, float] | None:
+    """Return the sums of instruments' errors and of drift over curves; None where not known."""
     if instruments is None:
         return None
     points = [(c, w, c.curve.points[i]) for c in curves for i, w in c.weights.items()]
@@ -160,7 +189,7 @@ def mean_u95(curves: Sequence[WeightedCurve], instruments: Instruments | None) -
     if not all(contributions for _, contributions in errors):
         return None
     drift = sum(c.factor * w * (point.sigma_drift_n or 0.0) for c, w, point in points)
-    return _own_u95(_mean_error(curves), weighted(errors), drift, instruments)
+    return weighted(errors), drift
 
 
 def _mean_error(curves: Iterable[WeightedCurve]) -> tuple[float, float] | None:

@@ -17,7 +17,12 @@ from dataclasses import replace
 from math import hypot
 from statistics import fmean
 
-from hbench.analysis.comparison.difference_tests import WeightedCurve, mean_u95, mean_with_test
+from hbench.analysis.comparison.difference_tests import (
+    WeightedCurve,
+    mean_difference_u95,
+    mean_u95,
+    mean_with_test,
+)
 from hbench.analysis.comparison.point_weights import Weights, mean_weights, paired_weights
 from hbench.analysis.summary.run_clock import RunClock, campaign_place
 from hbench.config.sensors import Instruments
@@ -40,11 +45,12 @@ def with_drift_effects(
     results: tuple[Results, Results],
     clocks: tuple[RunClock, RunClock],
     instruments: tuple[Instruments | None, Instruments | None],
+    same_instruments: bool,
     tolerance: float,
 ) -> tuple[tuple[CurveDifference, ...], MeanOfCurves | None]:
     """Return the steady curves' differences with their ``drift_n``, and the mean of these curves.
 
-    ``results``, ``clocks`` and ``instruments`` are those of A and B, ``tolerance`` as in
+    ``results``, ``clocks`` and ``instruments`` are those of A and B, the others as in
     ``campaign_differences``.
     The drift is left out where that of a campaign is not known, or is extrapolated from neighbours
     in an order of the runs that may be that of their files.
@@ -53,8 +59,9 @@ def with_drift_effects(
     drift_a, drift_b = (each.drift for each in results)
     if not steady:
         return tuple(curves), None
+    others = clocks, instruments, same_instruments, tolerance
     if drift_a is None or drift_b is None or drift_a.of_unknown_size or drift_b.of_unknown_size:
-        return tuple(curves), _mean_of_curves(steady, None, clocks, instruments, tolerance)
+        return tuple(curves), _mean_of_curves(steady, None, *others)
     places = [
         campaign_place(filter(_is_steady, each.curves), clock)
         for each, clock in zip(results, clocks, strict=True)
@@ -78,7 +85,7 @@ def with_drift_effects(
     changed = tuple(
         replace(curve, drift_n=effect([curve])) if curve in steady else curve for curve in curves
     )
-    return changed, _mean_of_curves(steady, effect(steady), clocks, instruments, tolerance)
+    return changed, _mean_of_curves(steady, effect(steady), *others)
 
 
 def _mean_of_curves(
@@ -86,25 +93,29 @@ def _mean_of_curves(
     drift_n: DriftEffect | None,
     clocks: tuple[RunClock, RunClock],
     instruments: tuple[Instruments | None, Instruments | None],
+    same_instruments: bool,
     tolerance: float,
 ) -> MeanOfCurves | None:
-    """Return the mean difference; None for one curve, or where one has no interval."""
+    """Return the mean difference; None for one curve, or without an interval by the trials."""
     means = [curve.mean_n for curve in curves if curve.mean_n is not None]
-    halves = [mean.ci95 if mean.u95 is None else mean.u95 for mean in means]
-    known = [half for half in halves if half is not None]
-    if len(means) < 2 or len(known) < len(means):
+    if len(means) < 2:
         return None
     value, a_n = fmean(mean.value for mean in means), fmean(mean.a for mean in means)
     members = [mean_weights(curve.a, curve.b, tolerance) for curve in curves]
     both = list(_both(curves, members, clocks))
-    ci95_n, p_value = mean_with_test(value, both) or (None, None)
+    test = mean_with_test(value, both)
+    if test is None:
+        return None
+    ci95_n, p_value = test
+    u95 = mean_difference_u95(both, instruments, same_instruments)
     u95_a, u95_b = (
         mean_u95([each for each in both if sign * each.factor > 0], known)
         for sign, known in zip((-1, 1), instruments, strict=True)
     )
     speeds = tuple(_at_speeds(curves, clocks, tolerance))
+    half = ci95_n if u95 is None else u95
     return MeanOfCurves(
-        value, fmean(known), a_n, len(means), drift_n, ci95_n, p_value, speeds, u95_a, u95_b
+        value, half, a_n, len(means), ci95_n, p_value, drift_n, speeds, u95_a, u95_b
     )
 
 

@@ -16,13 +16,10 @@ _COVERAGE = " for a coverage probability of 95 %"
 _FACTOR = " with the coverage factor k = 2 that the campaigns state"
 _OF_ONE = ", that of {name} with the coverage factor k = 2 that it states"
 _READ_TRIALS = (("± trials", "Half-width of the 95 % interval of the trials alone."),)
-_MEAN = (
-    "Its p is that of a single test of independent trials. U of B − A is the mean of those of the "
-    "curves, as if their errors were the same."
-)
+_MEAN = "Its p is that of a single test of independent trials."
 _MEAN_U = (
-    " U of A and of B: trials are independent; the error of an instrument is the same in all "
-    "curves and is added with its sign, so that it cancels in part between the directions."
+    " In U the trials are independent, and the error of an instrument is the same in all curves of "
+    "a campaign: it is added with its sign, so that it cancels in part between the directions."
 )
 _DRIFT = (
     ("Drift up to", "Largest change of this difference by a drift within the campaigns that the "
@@ -101,10 +98,8 @@ def mean_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     mean = differences.mean_of_curves
     if mean is None:
         return ()
-    facts = []
-    if mean.p_value is not None:
-        own = _MEAN_U if mean.u95_a is not None and mean.u95_b is not None else ""
-        facts.append(("Mean over all curves", _MEAN + own))
+    of_u = _MEAN_U if mean.u95_a is not None and mean.u95_b is not None else ""
+    facts = [("Mean over all curves", _MEAN + of_u)]
     if unseparated(differences) and mean.real and (words := drift_words(differences)):
         facts.append(("Drift", words))
     return tuple(facts)

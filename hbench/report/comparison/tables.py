@@ -109,17 +109,16 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
     drift = "cancels" if mean.drift_cancels else _largest_drift(mean.drift_n)
     trials = with_interval(mean.value_n, mean.ci95_n)
     with_u = with_interval(mean.value_n, mean.half_n)
-    p = NONE if mean.p_value is None else p_words(mean.p_value)
     a = with_u95(mean.a_n, mean.u95_a)
     b = with_u95(mean.a_n + mean.value_n, mean.u95_b)
     row = (
-        f"mean over all {mean.curves} curves{'' if mean.p_value is None else ', one test'}",
+        f"mean over all {mean.curves} curves, one test",
         a,
         b,
         with_u,
         trials,
         mean_verdict(differences),
-        p,
+        p_words(mean.p_value),
     )
     return [(*row, *([drift] if drift_too else []))]
 
