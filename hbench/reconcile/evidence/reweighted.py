@@ -1,6 +1,6 @@
 """Iteratively reweighted least squares within bounds, compiled: the fits of ``likelihood.py``.
 
-A search makes some hundred thousand of these fits, each of fewer than a hundred columns.
+A diagnosis makes some thousands of these fits, each of fewer than a hundred columns.
 """
 
 from typing import NamedTuple
