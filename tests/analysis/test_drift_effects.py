@@ -30,7 +30,15 @@ def campaign(make_curve, level_n, order, change_n=0.0):
     for i, load in enumerate(LOADS_N):
         at = np.array([times[i, k] for k in range(len(SPEEDS))])
         made = make_curve(SPEEDS, level_n + 100.0 * i + change_n * at / DURATION_S)
-        points = tuple(replace(point, runs=(f"{i}-{k}",)) for k, point in enumerate(made.points))
+        points = tuple(
+            replace(
+                point,
+                runs=(f"{i}-{k}",),
+                trials=(1, 2),
+                trials_n=(point.friction_n - 1.0, point.friction_n + 1.0),
+            )
+            for k, point in enumerate(made.points)
+        )
         curves.append(replace(made, f_load_n=load, points=points))
     return curves, RunClock({f"{i}-{k}": t for (i, k), t in times.items()}, True)
 
