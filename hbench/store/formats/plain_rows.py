@@ -90,3 +90,12 @@ def _with_nan(lines: Sequence[str], separator: str) -> list[str]:
 def with_points(text: str, decimal: str) -> str:
     """Return text with points instead of ``decimal``; what had a point is no number any more."""
     return text.replace(".", "?").replace(decimal, ".")
+
+
+def ungrouped(cell: str, decimal: str, thousands: str) -> str:
+    """Return a number without its marks of thousands; other text stays as it is."""
+    whole, mark, fraction = cell.strip().partition(decimal)
+    groups = whole.lstrip("+-").split(thousands)
+    if 1 <= len(groups[0]) <= 3 and all(len(group) == 3 for group in groups[1:]):
+        return whole.replace(thousands, "") + mark + fraction
+    return cell

@@ -19,7 +19,7 @@ from hbench.store.formats import header_row
 from hbench.store.formats.date_times import parse_date_time
 from hbench.store.formats.encoding import decoded, is_text
 from hbench.store.formats.header_row import ends_with_comment, labview_units, layout_hint
-from hbench.store.formats.plain_rows import PlainRows, with_points
+from hbench.store.formats.plain_rows import PlainRows, ungrouped, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
 _GAPS = ("", "nan", "na", "n/a", "null")
@@ -156,7 +156,7 @@ class TextTable:
         decimal, thousands = self.layout.decimal, self.layout.thousands
         cells = [row[position] for row in self.rows]
         if thousands is not None:
-            cells = [_ungrouped(c, decimal, thousands) if thousands in c else c for c in cells]
+            cells = [ungrouped(c, decimal, thousands) if thousands in c else c for c in cells]
         text = "\n".join(cells).replace("_", "?")  # Python reads 1_0 as 10
         return (text if decimal == "." else with_points(text, decimal)).split("\n")
 
@@ -333,15 +333,6 @@ def _cells(
             "Close the quote, or remove it.",
         )
     return rows, ends, reader.line_num
-
-
-def _ungrouped(cell: str, decimal: str, thousands: str) -> str:
-    """Return a number without its marks of thousands; other text stays as it is."""
-    whole, mark, fraction = cell.strip().partition(decimal)
-    groups = whole.lstrip("+-").split(thousands)
-    if 1 <= len(groups[0]) <= 3 and all(len(group) == 3 for group in groups[1:]):
-        return whole.replace(thousands, "") + mark + fraction
-    return cell
 
 
 def _float(cell: str) -> float:
