@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -36,8 +37,25 @@ def test_the_wheel_holds_what_it_runs_on_and_no_tests(wheel):
     assert not [name for name in names if "test_" in name or name.endswith((".c", ".h"))]
 
 
-@pytest.mark.slow
-def test_where_there_is_no_compiler_it_runs_a_campaign_and_reports_it(wheel, tmp_path):
+@pytest.fixture
+def constraints(request, tmp_path):
+    """A file for pip, with the ``oldest`` versions that the project states for its packages."""
+    stated = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    oldest = [package.replace(">=", "==") for package in stated]
+    path = tmp_path / "constraints.txt"
+    path.write_text("\n".join(oldest if request.param == "oldest" else []))
+    return path
+
+
+@pytest.mark.parametrize(
+    "constraints",
+    [
+        pytest.param("newest", marks=pytest.mark.slow),
+        pytest.param("oldest", marks=pytest.mark.nightly),
+    ],
+    indirect=True,
+)
+def test_where_there_is_no_compiler_it_runs_a_campaign_and_reports_it(wheel, constraints, tmp_path):
     """Its dependencies come as wheels too. The first run compiles the plant, by numba."""
     other = tmp_path / "other"
     subprocess.run([sys.executable, "-m", "venv", other], check=True)
@@ -47,12 +65,13 @@ def test_where_there_is_no_compiler_it_runs_a_campaign_and_reports_it(wheel, tmp
     bare = pip | {"PATH": path, "HOME": os.environ["HOME"]}
     install = ["python", "-m", "pip", "install", "-q", "--no-compile", "--only-binary", ":all:"]
     for command in (
-        [*install, wheel],
+        [*install, "-c", constraints, wheel],
+        ["hbench", "run", "--help"],
         ["hbench", "init", "bench"],
         ["hbench", "run", "bench/demo.yaml", "-o", "demo"],
-        ["hbench", "report", "demo"],
+        ["hbench", "report", "demo", "--format", "pdf"],
     ):
         subprocess.run(
             [other / "bin" / command[0], *command[1:]], env=bare, cwd=tmp_path, check=True
         )
-    assert (tmp_path / "demo" / "results" / "report.html").stat().st_size > 100_000
+    assert (tmp_path / "demo" / "results" / "report.pdf").stat().st_size > 100_000
