@@ -136,13 +136,18 @@ def _leading(
 
 
 def _friction(results: Results, drawings: tuple[Drawing, ...], led: bool) -> Iterable[Section]:
-    """Yield the section of friction; nothing where the summary has ``led`` with all of it."""
+    """Yield the section of friction.
+
+    Nothing where the summary has ``led`` with all of it, or where other sections have all results.
+    """
     if _is_of_leakage(results):
         return
     if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
         others = any(run.accepted for run in results.runs)
         steady = any(KINDS[run.run.plan.kind].has_constant_speed for run in results.runs)
         follow = results.curves or any(vars(results.motions).values())
+        if others and follow and not steady:
+            return  # sections of their own contain all that was measured
         where = (
             "Results of the other runs follow below."
             if follow

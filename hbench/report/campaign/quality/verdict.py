@@ -43,7 +43,8 @@ def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = Fa
     faults = [reason(check, stated) for check in named if not (stated and check.drift is not None)]
     reasons = ". ".join(map(capital, faults))
     if quality.grade == "good":
-        verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
+        count = "both" if len(quality.checks) == 2 else f"all {len(quality.checks)}"
+        verdict = f"The data is good: {count} checks of its quality pass."
         if len(quality.checks) == 1:
             name = NAMES[quality.checks[0].name].lower()
             verdict = f"Only one check of quality applies to these runs, and it passes: {name}."
