@@ -130,7 +130,7 @@ def test_the_caption_of_a_trace_is_above_its_lines(small):
     figure.draw_without_rendering()
     for axes in figure.axes:
         (caption,) = (text for text in axes.texts if text.get_text().startswith("run "))
-        top = axes.transData.transform((0.0, 10.0))[1]
+        top = axes.transData.transform((0.0, 10.0))[1] + figure.dpi / 72 * 4  # of a cross
         assert caption.get_window_extent().y0 > top
         assert caption.get_window_extent().y1 <= axes.get_window_extent().y1
 
