@@ -33,6 +33,11 @@ _AT_REST = {  # of runs with closed valves
     "off_reference": "valves that leak or are not closed, or a load that moves the piston; where "
     "the leakage itself moves it, state a larger screening.rest_travel",
 }
+_PUSHED = {  # of a breakaway
+    "incomplete": "a friction that did not pass its maximum while the force rose: state a larger "
+    "displacement, or a larger rise where the piston did not move; seals whose friction does not "
+    "fall after the start have no breakaway to measure",
+}
 _IMPORTED = {  # of another bench's logs
     "missing_channel": "a sensor that is not logged, or not named in the map; a known value can "
     "replace it under constants (p_tr_pa: 0 bar for a side open to the air), and the force of a "
@@ -65,6 +70,10 @@ def cause_of(results: Results, code: str) -> str:
     rejected = [run for run in results.runs if code in map(code_of, run.reasons)]
     if code in _AT_REST and all(KINDS[run.run.plan.kind].is_at_rest for run in rejected):
         return _AT_REST[code]
+    if code in _PUSHED and all(
+        KINDS[run.run.plan.kind].analysis == "breakaway" for run in rejected
+    ):
+        return _PUSHED[code]
     if results.provenance.source == "imported" and code in _IMPORTED:
         return _IMPORTED[code]
     return CAUSES.get(code, "")
