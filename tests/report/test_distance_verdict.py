@@ -38,12 +38,12 @@ def test_a_run_in_states_whether_friction_has_settled_and_what_to_do(small):
     )
     words = run_in_words(made(small, CYCLES, FASTER, steady=False))
     assert "has settled in cycles up to 60 mm/s (404 N" in words
-    assert "and still changes in cycles up to 150 mm/s (450 N, change −40.0 ± 5.0 N" in words
+    assert "and still changed in cycles up to 150 mm/s (450 N, change −40.0 ± 5.0 N" in words
     assert "Repeat the cycles until it has settled." in words
     # The speed that settled last decides, and other series are named.
     other = replace(FASTER, series=Series("", 500.0, 1e6), verdict="settled")
     words = run_in_words(made(small, replace(CYCLES, verdict="not determined"), other))
-    assert "may still change in run-in, 0 N, cycles up to 60 mm/s" in words
+    assert "may still have changed in run-in, 0 N, cycles up to 60 mm/s" in words
     assert "Repeat" not in words
 
 

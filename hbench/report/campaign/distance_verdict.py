@@ -9,8 +9,8 @@ from hbench.units import from_si
 
 _VERDICTS = {
     "settled": "has settled",
-    "changing": "still changes",
-    "not determined": "may still change",
+    "changing": "still changed",
+    "not determined": "may still have changed",
 }
 _MOST_NAMED = 3  # significant changes; the table has them all
 
