@@ -222,7 +222,12 @@ def _verdict(differences: CampaignDifferences) -> str:
     if not real:
         every = len(differences.curves)
         where = f"any of {every} curves" if every > 1 else "the only curve"
-        text = f"No difference of mean friction is significant in {where}"
+        causes = dict.fromkeys(mean.untested for _, mean in means)
+        text = (
+            f"No difference of mean friction could be tested in {where} ({'; '.join(causes)})"
+            if causes and all(causes)
+            else f"No difference of mean friction is significant in {where}"
+        )
         largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
         if largest is None:
             return f"{text}."
