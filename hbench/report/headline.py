@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Sequence
 from statistics import median_low
 
 from hbench.records import DIRECTION_WORDS, Direction, HeadlineNumber, HeadlineSeries, Results
+from hbench.report.campaign.distance_verdict import endurance_words, run_in_words
 from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.campaign.quality.verdict import quality_count
 from hbench.report.campaign.reasons import aborted_words
@@ -35,14 +36,14 @@ FLAGS = {  # how a number was determined, by its basis
 def headline_words(results: Results) -> str:
     """Return the first quantity that was measured, such as friction, in a sentence.
 
-    Empty without any, and where the data is poor or the campaign was aborted. The tiles contain
-    the other quantities.
+    Changes between blocks of cycles follow. Empty without any quantity, and where the data is poor
+    or the campaign was aborted. The tiles contain the other quantities.
     """
     series = results.headline.series
     if not _is_reliable(results):
         return ""
     if not series:
-        return _leakage_words(results)
+        return _leakage_words(results) or run_in_words(results)
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
     speed = f" at {speed_words(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
     quantities = (
@@ -63,7 +64,8 @@ def headline_words(results: Results) -> str:
     if both:
         where = where.replace("all loads and directions", "all loads")
         where = where.removesuffix(", over both directions")
-    return f"{name[:1].upper()}{name[1:]} is {words}{where}{possible_drift_words(results)}."
+    first = f"{name[:1].upper()}{name[1:]} is {words}{where}{possible_drift_words(results)}."
+    return " ".join(filter(None, (first, endurance_words(results))))
 
 
 def _after_rest(series: Iterable[HeadlineSeries]) -> str:

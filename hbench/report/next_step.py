@@ -5,8 +5,10 @@ from collections import Counter
 from hbench.records import Results
 from hbench.report.campaign.page_tables import friction_budget_table
 from hbench.report.campaign.quality.verdict import next_step
-from hbench.report.campaign.reasons import aborted_words
+from hbench.report.campaign.reasons import aborted_words, stopped_by_fault
 from hbench.sentences import uncapital
+
+_CAUSE = "Find and correct the cause of the stop."
 
 
 def next_step_words(results: Results) -> str:
@@ -26,15 +28,19 @@ def decided_step_words(results: Results, step: str) -> str:
 
 
 def next_step_of(results: Results, beyond_u: bool = False) -> str:
-    """Return what improves the data, with the table of the parts of the uncertainty."""
+    """Return what improves the data, with the table of the parts of the uncertainty.
+
+    The cause of a stop comes first: a campaign that continues with it stops again.
+    """
     parts = "[[uncertainty]]" if friction_budget_table(results).rows else ""
-    return next_step(
+    step = next_step(
         results.quality,
         _largest(results, parts),
         bool(aborted_words(results)),
         results.provenance.source == "imported",
         beyond_u,
     )
+    return f"{_CAUSE} {step}" if stopped_by_fault(results) else step
 
 
 def _step_words(step: str) -> str:

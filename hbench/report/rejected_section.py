@@ -2,7 +2,6 @@
 
 from hbench.records import Results
 from hbench.report.campaign import page_tables
-from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
@@ -18,6 +17,11 @@ _TRACES = (
 )
 
 
+def has_rejected(results: Results) -> bool:
+    """Return whether a run was rejected."""
+    return not all(run.accepted for run in results.runs)
+
+
 def rejected_sections(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
     """Return the rejected runs with ``drawings`` of some, and remarks on accepted runs, if any."""
     sections = []
@@ -28,7 +32,7 @@ def rejected_sections(results: Results, drawings: tuple[Drawing, ...]) -> tuple[
         parts = (
             Section(tables=causes),
             Section(title, tables=(table,), folded=len(table.rows) > LONG_LIST),
-            Section(paragraphs=(_TRACES,) if drawings[1:] else (), drawings=drawings),
+            Section(paragraphs=(_TRACES,) if drawings else (), drawings=drawings),
         )
         words = tuple(filter(None, (_cause_words(results),)))
         sections.append(Section("Rejected runs", words, parts=parts, anchor="rejected"))

@@ -12,8 +12,9 @@ from hbench.analysis.screening.zero_check import with_zero_checks
 from hbench.analysis.summary.run_clock import RunClock
 from hbench.config.setup import Setup
 from hbench.errors import DataError
-from hbench.records import CampaignDifferences
+from hbench.records import CampaignDifferences, Results
 from hbench.records.fleet.campaign_names import distinct_names
+from hbench.report.campaign.reasons import reason_counts
 from hbench.report.comparison.figures import draw_differences
 from hbench.report.comparison.text import differences_json, differences_page
 from hbench.report.render.figures import figure_files
@@ -25,6 +26,11 @@ from hbench.workflow.results import derive
 _SAME_LOGS = (
     "{count} of the {of} raw logs of A are also those of B: the same measurement under two names, "
     "whose differences are 0"
+)
+_LOOK_FOR = "`hbench report` states what to look for where runs were rejected. "
+_ALIKE = (
+    "Measure both at the same kind, direction, load and rod-side pressure, and breakaway after the "
+    "same time at rest; imported series need the same label or factors."
 )
 
 
@@ -72,10 +78,10 @@ def compare(
             "hbench compare compares friction. For leakage use hbench accept.",
         )
     if not (curves or breakaways):
+        rejected = "".join(map(_rejected, (a, b), both))
         raise DataError(
-            f"{a} and {b} have nothing in common:{_apart(notes)}",
-            "Measure both at the same kind, direction, load and rod-side pressure, and breakaway "
-            "after the same time at rest; imported series need the same label or factors.",
+            f"{a} and {b} have nothing in common:{_apart(notes)}{rejected}",
+            f"{_LOOK_FOR if rejected else ''}{_ALIKE}",
         )
     logs = [measurements(each.latest) for each in (campaign_a, campaign_b)]
     if same := len(logs[0] & logs[1]):
@@ -113,6 +119,15 @@ def _of_one_bench(a: Setup, b: Setup) -> bool:
     if a.bench is None or b.bench is None:
         return False
     return (a.bench.name, a.bench.instruments) == (b.bench.name, b.bench.instruments)
+
+
+def _rejected(folder: Path, results: Results) -> str:
+    """Count the rejected runs of a campaign with their reasons; empty without any."""
+    count = sum(not run.accepted for run in results.runs)
+    names = ", ".join(code.replace("_", " ") for code, _ in reason_counts(results).most_common())
+    return (
+        f"\n{folder}: {count} of {len(results.runs)} runs were rejected ({names})" if count else ""
+    )
 
 
 def _apart(notes: Sequence[str]) -> str:

@@ -8,8 +8,11 @@ import yaml
 
 from hbench import workflow
 from hbench.config.bench import parse_plant
+from hbench.errors import DataError
 from hbench.model.build import plant_parameters
 from hbench.model.friction.laws import steady_parts
+from hbench.report.campaign.reasons import cause_of
+from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -103,6 +106,21 @@ def test_breakaway_of_two_cylinders_differs_by_that_of_their_laws(tmp_path, on_t
         print(f"{each.a.direction}: {measured.value:.1f} +- {measured.u95:.1f} N, true {true:.1f}")
         assert abs(measured.value - true) <= measured.u95 < 0.5 * measured.u95_a
         assert measured.real
+
+
+def test_a_comparison_with_pushes_that_were_all_rejected_says_so(tmp_path, on_the_rig):
+    """Friction that only rises with the speed has no maximum."""
+    flat = PLANTS["static, exponent 2"] | {"stiction": "210 N"}
+    for name, law in zip("ab", (PLANTS["static, exponent 2"], flat), strict=True):
+        (tmp_path / name).mkdir()
+        plant = plant_file(tmp_path / name, friction={"test": law})
+        on_the_rig(schedule(tmp_path / name, trials=1), tmp_path / name / "campaign", plant=plant)
+    b = tmp_path / "b" / "campaign"
+    with pytest.raises(DataError, match="have nothing in common") as caught:
+        workflow.compare(tmp_path / "a" / "campaign", b)
+    assert f"\n{b}: 2 of 2 runs were rejected (incomplete)" in str(caught.value)
+    assert "`hbench report` states what to look for" in caught.value.hint
+    assert "larger displacement" in cause_of(derive(load_campaign(b)), "incomplete")
 
 
 def test_the_largest_friction_of_creeping_bristles_is_that_of_a_finer_log(tmp_path, on_the_rig):

@@ -60,6 +60,15 @@ def test_without_a_significant_difference_the_largest_is_stated(made):
     assert "in the only case" in verdict_of(made(5.0, p=0.4))
 
 
+def test_a_significant_difference_may_be_that_of_a_mounting(made):
+    assert "U does not contain a new mounting: before acting" in verdict_of(made(-40.0, -60.0))
+    assert "mounting" not in verdict_of(made(5.0, p=0.4))
+    (row,) = made(-40.0).breakaways
+    by_trials = replace(row, breakaway_n=replace(row.breakaway_n, u95=None))
+    words = verdict_of(replace(made(-40.0), breakaways=(by_trials,)))
+    assert "The interval does not contain a new mounting" in words
+
+
 def test_page_terminal_and_json_have_a_row_for_each_case(made):
     differences = made(-40.0, -60.0)
     page = ordinary_spaces(differences_page(differences, ()))

@@ -170,8 +170,13 @@ def test_the_row_of_the_mean_has_its_u_and_p_and_the_page_its_size_by_speed(foun
     cells = re.search(r"mean over all 4 curves.*?</tr>", page[page.index("<table") :], re.DOTALL)[0]
     assert "13.3 ± 6.3" in cells and "0.0001" in cells
     assert "B − A at each speed, means over the curves" in page and ">2 ± 14<" in page
-    words = "The difference depends on speed, from 2 ± 14 N at 8 mm/s to 25.0 ± 5.0 N at 180 mm/s."
-    assert words in page
+    words = "from 2 ± 14 N at 8 mm/s to 25.0 ± 5.0 N at 180 mm/s (trials alone)."
+    assert f"The difference depends on speed, {words}" in page
+    assert "is 13.3 ± 6.3 N (trials alone), or 2.0 %, higher" in page
+    with_u = replace(mean, u95_a=80.0, u95_b=90.0)
+    page = ordinary_spaces(differences_page(replace(found, mean_of_curves=with_u), ()))
+    assert "is 13.3 ± 6.3 N (U), or 2.0 %, higher" in page
+    assert "U does not contain a new mounting" in page
     alike = replace(mean, speeds=(speeds[0], MeanAtSpeed(0.18, 20.0, 5.0)))
     assert "depends on speed" not in differences_page(replace(found, mean_of_curves=alike), ())
 
@@ -282,9 +287,9 @@ def test_of_a_drift_that_both_campaigns_have_the_part_in_the_difference_is_state
     assert "A drift may hide a difference: it may account for up to 33 N" in words(13.0, p_holm=0.4)
     over = text(13.0, MeanOfCurves(40.0, 8.0, 400.0, 2, 3.0, 1e-6, DriftEffect(0.0, 1e-9)))
     sure = (
-        "Friction of <after> is 40.0 +- 8.0 N (10 %) higher than that of before, in the mean over "
-        "all 2 curves. This assumes that any drift within the campaigns was linear. The interval "
-        "does not contain a new mounting: "
+        "Friction of <after> is 40.0 +- 8.0 N (trials alone), or 10 %, higher than that of before, "
+        "in the mean over all 2 curves. This assumes that any drift within the campaigns was "
+        "linear. The interval does not contain a new mounting: "
     )
     together = " ".join(over.split())
     note = (

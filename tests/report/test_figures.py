@@ -9,7 +9,7 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.image import imread
 
-from hbench.report.campaign.figures import efficiency, friction, pressure, rejected
+from hbench.report.campaign.figures import efficiency, friction, pressure
 from hbench.report.campaign.figures.all_figures import FIGURES, draw_all
 from hbench.report.render.style import COLOURS, QUIET, series_style
 from tests.support.report.spaces import ordinary_spaces
@@ -272,12 +272,6 @@ def test_the_lines_of_half_band_and_middle_are_drawn_over_their_pressures(seals)
         bars = np.array([1, 3, 5, 7])
         assert drawn.get_xdata() == pytest.approx(bars)
         assert drawn.get_ydata() == pytest.approx(line.intercept_n + line.slope_n_pa * 1e5 * bars)
-
-
-def test_rejected_bars_count_every_reason(stribeck):
-    (axes,) = rejected.rejected(stribeck)[""].axes
-    assert sum(bar.get_width() for bar in axes.patches) == 8
-    assert len(axes.patches) == 6
 
 
 def test_simulated_figures_say_so_and_others_do_not(small):

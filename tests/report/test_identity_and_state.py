@@ -1,5 +1,6 @@
 """A page states what was measured, on what, and whether the campaign was completed."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -70,7 +71,8 @@ def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
     )
     made = report_document(broken, ())
     assert made.alarm.startswith("ABORTED CAMPAIGN: 56 of 96 planned runs were completed.")
-    assert f"Run {last.run.plan.run} ended early: the board stopped." in made.alarm
+    number, motion = last.run.plan.run, r"\(steady, [−0-9.]+ mm/s, [−0-9]+ N\)"
+    assert re.search(rf"Run {number} {motion} ended early: the board stopped\.", made.alarm)
     assert made.tab.endswith("(simulated, incomplete)")  # also in the header of each sheet
     text = page(made)
     assert text.index('class="alarm"') < text.index('class="banner') < text.index("<h2")
@@ -79,6 +81,15 @@ def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
     assert "of which 1 was interrupted" in summary["Measured"]
     fits = next(section for section in made.sections if section.title == "Fitted laws")
     assert all(part.folded for part in fits.parts) and "unfinished" in fits.paragraphs[0]
+    assert "Next step: find and correct the cause of the stop. Continue" in made.verdict
+    slow = "aborted: the speed was off by more than limits.speed_error for limits.unknown"
+    limits = replace(broken.provenance, settings={"limits": {"speed_error": "40 mm/s"}})
+    off = replace(broken, runs=(*small.runs[:-1], replace(last, reasons=(slow,))))
+    alarm = report_document(replace(off, provenance=limits), ()).alarm
+    assert "by more than 40 mm/s (limits.speed_error) for limits.unknown." in alarm
+    halted = replace(last, reasons=("aborted: interrupted by the operator",))
+    by_hand = report_document(replace(broken, runs=(*small.runs[:-1], halted)), ())
+    assert "cause of the stop" not in by_hand.verdict and "--resume" in by_hand.verdict
     left = replace(last, reasons=("unfinished: hbench ended before the run did",))
     alarm = report_document(replace(broken, runs=(*small.runs[:-1], left)), ()).alarm
     assert alarm.startswith("INCOMPLETE CAMPAIGN: 56 of 96")

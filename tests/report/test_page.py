@@ -576,6 +576,13 @@ def test_points_without_enough_trials_are_in_the_order_of_series_and_speed():
     rows = [[str(getattr(c, "text", c)) for c in row] for row in short_point_table(points).rows]
     assert [row[-2] for row in rows] == ["100.0", "200.0", "100.0", "−100.0"]
     assert [row[0] for row in rows] == ["extending"] * 3 + ["retracting"]
+    assert "Reference (mm/s)" in short_point_table(points).head
+    push = PointTrials("breakaway", "", "extend", 500.0, None, None, 0.0, 0, 3, 10.0)
+    mixed = short_point_table([push, points[0]])
+    assert "Reference" in mixed.head and "Reference (mm/s)" not in mixed.head
+    at = mixed.head.index("Reference")
+    (first, second) = (str(getattr(row[at], "text", row[at])) for row in mixed.rows)
+    assert first == "after 10 s at rest" and second.endswith(" mm/s")
 
 
 def test_bands_have_their_table_where_too_few_speeds_have_no_figure(seals):

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 from hbench.records import Run
-from hbench.report.campaign.figures.rejected import has_several_rejected
+from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.figures.traces import MOST_RUNS, traces
+from hbench.report.campaign.page_tables import cause_table
 from hbench.report.campaign.reasons import reason_counts
+from hbench.report.rejected_section import rejected_sections
+from hbench.report.render.figures import of_section
 from hbench.report.render.series import series_of
 
 T = np.arange(100) / 100
@@ -119,7 +122,22 @@ def test_what_no_channel_shows_has_no_trace_and_other_reasons_of_the_run_have(sm
     assert list(shown) == ["gapped"]
 
 
-def test_rejected_runs_are_counted_in_a_figure_from_the_second_one_on(small):
-    for count in (0, 1, 2, 9):
-        results = rejected(small, count, "off_reference: x")
-        assert has_several_rejected(results) == (count > 1)
+def test_the_caption_of_a_trace_is_above_its_lines(small):
+    full = {"u_t_v": 10 + 0 * T, "u_l1_v": 10 * np.sin(9 * T)}
+    figure = traces(rejected(small, 4, "valve_saturated: x", **full, valve_saturated=T >= 0))[
+        "valve_saturated"
+    ]
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        (caption,) = (text for text in axes.texts if text.get_text().startswith("run "))
+        top = axes.transData.transform((0.0, 10.0))[1] + figure.dpi / 72 * 4  # of a cross
+        assert caption.get_window_extent().y0 > top
+        assert caption.get_window_extent().y1 <= axes.get_window_extent().y1
+
+
+def test_the_reasons_are_counted_once_in_their_table(stribeck):
+    """And not in a figure beside it too."""
+    assert sum(int(row[1].text) for row in cause_table(stribeck).rows) == 8
+    (section,) = rejected_sections(stribeck, of_section(draw_all(stribeck), "rejected"))[:1]
+    drawn = [each.name for part in section.parts for each in part.drawings]
+    assert "rejected" not in drawn

@@ -6,7 +6,6 @@ from functools import partial
 
 from hbench.records import DIRECTIONS, KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
-from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.quality.verdict import decision_reserve, quality_verdict
 from hbench.report.campaign.reasons import aborted_words
 from hbench.report.campaign.sections.method import method_section
@@ -24,7 +23,7 @@ from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.next_step import decided_step_words, next_step_words
 from hbench.report.oil_temperature import temperature_section
-from hbench.report.rejected_section import rejected_sections
+from hbench.report.rejected_section import has_rejected, rejected_sections
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.word_tables import titled
@@ -136,13 +135,18 @@ def _leading(
 
 
 def _friction(results: Results, drawings: tuple[Drawing, ...], led: bool) -> Iterable[Section]:
-    """Yield the section of friction; nothing where the summary has ``led`` with all of it."""
+    """Yield the section of friction.
+
+    Nothing where the summary has ``led`` with all of it, or where other sections have all results.
+    """
     if _is_of_leakage(results):
         return
     if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
         others = any(run.accepted for run in results.runs)
         steady = any(KINDS[run.run.plan.kind].has_constant_speed for run in results.runs)
         follow = results.curves or any(vars(results.motions).values())
+        if others and follow and not steady:
+            return  # sections of their own contain all that was measured
         where = (
             "Results of the other runs follow below."
             if follow

@@ -1,8 +1,11 @@
 """Codes of the reasons for rejection: how often each occurs, and the cause to look for."""
 
+import re
 from collections import Counter
+from collections.abc import Mapping
 
-from hbench.records import KINDS, Results, ScreenedRun
+from hbench.records import KINDS, Results, RunPlan, ScreenedRun
+from hbench.report.render.numbers import short
 
 # What to look for, by the code of the reason.
 CAUSES = {
@@ -30,6 +33,11 @@ _AT_REST = {  # of runs with closed valves
     "off_reference": "valves that leak or are not closed, or a load that moves the piston; where "
     "the leakage itself moves it, state a larger screening.rest_travel",
 }
+_PUSHED = {  # of a breakaway
+    "incomplete": "a friction that did not pass its maximum while the force rose: state a larger "
+    "displacement, or a larger rise where the piston did not move; seals whose friction does not "
+    "fall after the start have no breakaway to measure",
+}
 _IMPORTED = {  # of another bench's logs
     "missing_channel": "a sensor that is not logged, or not named in the map; a known value can "
     "replace it under constants (p_tr_pa: 0 bar for a side open to the air), and the force of a "
@@ -47,6 +55,7 @@ _IMPORTED = {  # of another bench's logs
 }
 _ABORTED, _UNFINISHED = "aborted", "unfinished"  # codes of the reasons
 _NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."
+_BY_OPERATOR = "interrupted by the operator"
 _OF_COMPLETED = "All numbers on this page are those of the completed runs."
 
 
@@ -61,6 +70,10 @@ def cause_of(results: Results, code: str) -> str:
     rejected = [run for run in results.runs if code in map(code_of, run.reasons)]
     if code in _AT_REST and all(KINDS[run.run.plan.kind].is_at_rest for run in rejected):
         return _AT_REST[code]
+    if code in _PUSHED and all(
+        KINDS[run.run.plan.kind].analysis == "breakaway" for run in rejected
+    ):
+        return _PUSHED[code]
     if results.provenance.source == "imported" and code in _IMPORTED:
         return _IMPORTED[code]
     return CAUSES.get(code, "")
@@ -85,9 +98,34 @@ def aborted_words(results: Results) -> str:
     if last is None or not is_aborted(last):
         return f"INCOMPLETE CAMPAIGN: {count}. {_NO_REASON} {_OF_COMPLETED}"
     reason = last.reasons[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
-    return (
-        f"ABORTED CAMPAIGN: {count}. Run {last.run.plan.run} ended early: {reason}. {_OF_COMPLETED}"
-    )
+    why = _with_values(reason, results.provenance.settings.get("limits") or {})
+    run = f"Run {last.run.plan.run} ({_motion(last.run.plan)})"
+    return f"ABORTED CAMPAIGN: {count}. {run} ended early: {why}. {_OF_COMPLETED}"
+
+
+def stopped_by_fault(results: Results) -> bool:
+    """Return whether a fault ended the last run of an incomplete campaign, not the operator."""
+    if not aborted_words(results) or not results.runs:
+        return False
+    last = results.runs[-1]
+    return _begins_with(last, _ABORTED) and _BY_OPERATOR not in last.reasons[0]
+
+
+def _with_values(reason: str, limits: Mapping[str, object]) -> str:
+    """Write the value of each limit of the bench file behind its name."""
+
+    def value(found: re.Match[str]) -> str:
+        known = limits.get(found[1])
+        return found[0] if known is None else f"{known} ({found[0]})"
+
+    return re.sub(r"limits\.(\w+)", value, reason)
+
+
+def _motion(plan: RunPlan) -> str:
+    """Write what a run was to do, such as ``steady, −50 mm/s, −5000 N``."""
+    speed = f"{short(1e3 * plan.v_ref_m_s)} mm/s" if plan.v_ref_m_s else ""
+    load = "" if plan.f_load_n is None else f"{short(plan.f_load_n)} N"
+    return ", ".join(filter(None, (plan.kind, speed, load)))
 
 
 def is_aborted(run: ScreenedRun) -> bool:

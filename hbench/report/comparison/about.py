@@ -38,8 +38,8 @@ def _oil(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
 
 
 def data_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
-    """Return the verdict on the data of each campaign."""
-    a, b = (quality_verdict(quality) for quality in differences.qualities)
+    """Return the verdict on the data of each campaign, whose numbers are on its own page."""
+    a, b = (quality_verdict(quality, below=False) for quality in differences.qualities)
     return (("Data of A and B", a),) if a == b else _apart(a, b)
 
 

@@ -18,9 +18,10 @@ from hbench.report.render.numbers import (
 
 _FEW = 2  # curves that the verdict lists
 _MOUNTING = (
-    "The interval does not contain a new mounting: before acting on it, mount one of the two "
-    "cylinders again and repeat its measurement."
+    "{interval} does not contain a new mounting: before acting on a difference, mount one of the "
+    "two cylinders again and repeat its measurement."
 )
+_TRIALS = "trials alone"
 _MAY_BE = ", which a drift within the campaigns may explain"
 _REMEDY = "To compare single curves, measure both again with order: random in the schedule."
 
@@ -54,7 +55,8 @@ def headline(differences: CampaignDifferences) -> str:
         found = [over or _verdict(differences), efficiency]
     over_curves = bool(_over_curves(differences)) and not band_verdict(differences)
     drift = "" if over_curves else drift_words(differences)
-    mounting = _MOUNTING if _over_curves(differences) else ""
+    differs = _over_curves(differences) or any(b.breakaway_n.real for b in differences.breakaways)
+    mounting = _MOUNTING.format(interval=_interval(differences)) if differs else ""
     return " ".join(
         filter(
             None,
@@ -75,9 +77,10 @@ def _over_curves(differences: CampaignDifferences) -> str:
     a, b = differences.names
     way = "higher" if mean.value_n > 0 else "lower"
     size = with_interval(abs(mean.value_n), mean.half_n)
-    share = f" ({significant(100 * abs(mean.value_n) / mean.a_n, 2)} %)" if mean.a_n > 0 else ""
+    size += f" N ({'U' if _has_u(mean) else _TRIALS})"
+    share = f", or {significant(100 * abs(mean.value_n) / mean.a_n, 2)} %," if mean.a_n > 0 else ""
     words = (
-        f"Friction of {b} is {size} N{share} {way} than that of {a}, in the mean over all "
+        f"Friction of {b} is {size}{share} {way} than that of {a}, in the mean over all "
         f"{mean.curves} curves."
     )
     if unseparated(differences):
@@ -103,10 +106,23 @@ def _by_speed(mean: MeanOfCurves, *, drift: bool) -> str:
     )
     if drift:
         return (
-            f" The difference seems to depend on speed, from {slow} to {fast}, which such a drift "
-            "may cause."
+            f" The difference seems to depend on speed, from {slow} to {fast} ({_TRIALS}), which "
+            "such a drift may cause."
         )
-    return f" The difference depends on speed, from {slow} to {fast}."
+    return f" The difference depends on speed, from {slow} to {fast} ({_TRIALS})."
+
+
+def _has_u(mean: MeanOfCurves) -> bool:
+    """Return whether the half-width of a mean difference is its expanded uncertainty."""
+    return mean.u95_a is not None and mean.u95_b is not None
+
+
+def _interval(differences: CampaignDifferences) -> str:
+    """Name the half-width of the differences."""
+    mean = differences.mean_of_curves
+    known = [each.breakaway_n.u95 is not None for each in differences.breakaways]
+    known += [_has_u(mean)] if mean is not None else []
+    return "U" if all(known) else "The interval"
 
 
 def drift_words(differences: CampaignDifferences) -> str:
@@ -206,7 +222,12 @@ def _verdict(differences: CampaignDifferences) -> str:
     if not real:
         every = len(differences.curves)
         where = f"any of {every} curves" if every > 1 else "the only curve"
-        text = f"No difference of mean friction is significant in {where}"
+        causes = dict.fromkeys(mean.untested for _, mean in means)
+        text = (
+            f"No difference of mean friction could be tested in {where} ({'; '.join(causes)})"
+            if causes and all(causes)
+            else f"No difference of mean friction is significant in {where}"
+        )
         largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
         if largest is None:
             return f"{text}."

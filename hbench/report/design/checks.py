@@ -18,8 +18,8 @@ LIMITS = (
 )
 POINT_LIMITS = (
     "Margins of the present gains at the operating point below, with valve, filters and sampling "
-    "of the board. The loops together are stable if their largest pole |z| is below 1; the further "
-    "results have its time constant."
+    "of the board. The loops together are stable if their largest pole |z| is below 1. Its "
+    "time constant is in the last section."
 )
 _DECIMALS = {"deg": 1, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
 _MOST_DECIMALS = 6

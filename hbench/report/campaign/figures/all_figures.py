@@ -36,7 +36,6 @@ from hbench.report.campaign.figures.oil import (
 from hbench.report.campaign.figures.over_distance import has_over_distance, over_distance
 from hbench.report.campaign.figures.pressure import friction_pressure, has_pressures
 from hbench.report.campaign.figures.ramps import comparisons, has_comparisons, has_ramps, ramps
-from hbench.report.campaign.figures.rejected import has_several_rejected, rejected
 from hbench.report.campaign.figures.traces import has_traces, traces
 from hbench.report.campaign.series_words import without_common_label
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
@@ -232,13 +231,6 @@ FIGURES = (
         "instruments together. Dots: measured; the colour between them is linearly interpolated.",
         applies=has_efficiency_map,
         draw=efficiency_map,
-    ),
-    FigureKind(
-        name="rejected",
-        section="rejected",
-        caption="A run with two reasons counts under both.",
-        applies=has_several_rejected,
-        draw=rejected,
     ),
     FigureKind(
         name="rejected",

@@ -19,6 +19,7 @@ MOST_RUNS = 4  # of a reason; the table has them all
 MOST_REASONS = 8
 _MOST_SAMPLES = 600  # of a trace; a longer log is thinned
 _SYMBOL = re.compile(r"(\w)_(\w+)")
+_HEADROOM = 0.4  # of a trace's range, for the caption above it
 _GAP = 2.5  # medians of the steps of time: a longer step breaks a line
 _FLAGS = ("sensor_saturated", "valve_saturated")  # reasons with marked records
 # Of a sensor at its limit, by its SI unit: label of the axis, and its unit per SI unit.
@@ -138,7 +139,9 @@ def _trace(
         fontsize=8.5,
         zorder=5,
     )
-    axes.margins(y=0.25)
+    axes.margins(y=0.1)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + _HEADROOM * (high - low))
 
 
 def _speeds(run: Run) -> list[_Line]:

@@ -35,12 +35,17 @@ def missing_words(complete: Completeness) -> str:
 
 
 def short_point_table(points: Sequence[PointTrials]) -> Table:
-    """Return the operating points with fewer accepted trials than planned."""
+    """Return the operating points with fewer accepted trials than planned.
+
+    The unit of the speeds is in the rows where others have a time at rest.
+    """
+    rests = any(point.dwell_s is not None for point in points)
+    head, unit = ("Reference", " mm/s") if rests else ("Reference (mm/s)", "")
     rows = [
-        (*who(point), _reference(point), f"{point.accepted} of {point.planned}")
+        (*who(point), _reference(point, unit), f"{point.accepted} of {point.planned}")
         for point in sorted(points, key=_in_order)
     ]
-    return table((*WHO, "Reference (mm/s)", "Accepted trials"), rows)
+    return table((*WHO, head, "Accepted trials"), rows)
 
 
 def _in_order(point: PointTrials) -> tuple:
@@ -51,7 +56,7 @@ def _in_order(point: PointTrials) -> tuple:
     return point.kind, point.label, point.direction, load, pressure, speed, point.dwell_s or 0.0
 
 
-def _reference(point: PointTrials) -> str:
+def _reference(point: PointTrials, unit: str) -> str:
     if point.dwell_s is not None:
         return f"after {short(point.dwell_s)} s at rest"
-    return number(1e3 * point.v_ref_m_s)
+    return f"{number(1e3 * point.v_ref_m_s)}{unit}"

@@ -23,13 +23,16 @@ _CONTINUE = (
 )
 
 
-def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = False) -> str:
+def quality_verdict(
+    quality: Quality, count_runs: bool = True, stated: bool = False, below: bool = True
+) -> str:
     """Return the verdict in a few sentences; an incomplete campaign is reported first.
 
     Points without enough trials of a complete one are reported after what makes the data poor.
 
     Without ``count_runs`` it is not, where a page's alarm counts the completed runs and states
     that the numbers are theirs. U and a possible drift that are ``stated`` before are not repeated.
+    ``below`` refers to the campaign's numbers, which follow.
     """
     worst = _worst(quality)
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
@@ -43,7 +46,8 @@ def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = Fa
     faults = [reason(check, stated) for check in named if not (stated and check.drift is not None)]
     reasons = ". ".join(map(capital, faults))
     if quality.grade == "good":
-        verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
+        count = "both" if len(quality.checks) == 2 else f"all {len(quality.checks)}"
+        verdict = f"The data is good: {count} checks of its quality pass."
         if len(quality.checks) == 1:
             name = NAMES[quality.checks[0].name].lower()
             verdict = f"Only one check of quality applies to these runs, and it passes: {name}."
@@ -51,11 +55,12 @@ def quality_verdict(quality: Quality, count_runs: bool = True, stated: bool = Fa
         verdict = f"Use the data with care. {reasons}." if reasons else "Use the data with care."
     elif all(check.name == "complete" or is_without_trial(check) for check in worst):
         why = f"{reasons}." if reasons else ""
-        numbers = f"The numbers below are those of the {other}." if count_runs else ""
+        numbers = f"The numbers below are those of the {other}." if count_runs and below else ""
         verdict = " ".join(filter(None, ("The data is poor.", why, numbers)))
     else:
         why = f" {reasons}." if reasons else ""
-        verdict = f"The data is poor; do not rely on the numbers below.{why}"
+        rely = "; do not rely on the numbers below" if below else ""
+        verdict = f"The data is poor{rely}.{why}"
         if not quality.completeness.not_completed:
             incomplete, verdict = verdict, incomplete  # all runs were made, but rejected
     return " ".join(filter(None, (incomplete, verdict, contradictions(quality.implausible))))
