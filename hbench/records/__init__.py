@@ -128,6 +128,7 @@ _MODULES = {
         "Followed",
         "Identification",
         "IdentifiedLaw",
+        "LackOfFit",
         "LawsAlongCurve",
         "ModelErrors",
         "RampComparison",

@@ -13,6 +13,7 @@ from hbench.records.fits import Fit
 from hbench.records.runs import Direction, Provenance, Run
 
 PARTS = ("steady", "unsteady", "rest")  # of a verification run
+NEGLIGIBLE_MISFIT = 0.05  # of friction
 MEMORY_M = 0.02  # about ten presliding lengths, after which the initial state has no effect
 
 
@@ -38,6 +39,31 @@ class SteadyParts:
 
 
 @dataclass(frozen=True)
+class LackOfFit:
+    """Differences of the measured friction from a law, and the part that repeats in all trials.
+
+    All numbers are root mean squares.
+    """
+
+    friction_n: float  # measured; in motion less its mean over the run
+    error_n: float  # all differences; in motion less their mean over the run
+    scatter_n: float  # part that the trials' scatter explains; in motion with the noise
+    misfit_n: float  # part that repeats, and that no known error of the instruments explains
+    significant: bool  # whether the misfit is more than the scatter makes it
+    compared: int  # points of steady curves, or runs in motion
+
+    @property
+    def share(self) -> float:
+        """The misfit as a share of friction."""
+        return self.misfit_n / self.friction_n if self.friction_n > 0 else 0.0
+
+    @property
+    def describes(self) -> bool:
+        """Whether the law describes the friction but for scatter and a small share."""
+        return not (self.significant and self.share > NEGLIGIBLE_MISFIT)
+
+
+@dataclass(frozen=True)
 class IdentifiedLaw:
     """One friction law: its fit, or the reason why there is none."""
 
@@ -52,6 +78,8 @@ class IdentifiedLaw:
     # Root mean square error [N] of the law's friction along motions that were left out of the fit.
     held_out_n: float | None = None
     held_out_runs: tuple[str, ...] = ()
+    misfit: LackOfFit | None = None  # at steady speeds; None: not known
+    misfit_in_motion: LackOfFit | None = None  # of a dynamic law along reversing motions
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ _MODULES = {
     "campaign": (
         "Experiment",
         "MeasurementSummary",
+        "check_plant",
         "demand",
         "estimate",
         "load_experiment",

@@ -143,6 +143,11 @@ def estimate(experiment: Experiment) -> ScheduleEstimate:
     )
 
 
+def check_plant(experiment: Experiment, plant: Path) -> None:
+    """Check the file of another plant for the virtual rig. Raises ``ConfigError``."""
+    physics_of(experiment.files["bench"]["content"], plant)
+
+
 def demand(experiment: Experiment) -> "SteadyDemand | None":
     """Return the steady valve openings, pressures and flow that a schedule needs.
 

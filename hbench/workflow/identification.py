@@ -31,6 +31,7 @@ def identify(folder: Path, report: Report) -> Identification:
     from hbench.analysis.curves.ramp_fits import compare_fits
     from hbench.analysis.identification.held_out import split_motions, with_held_out_errors
     from hbench.analysis.identification.identify import identify_laws  # slow import: it compiles
+    from hbench.analysis.identification.lack_of_fit import with_lack_of_fit
     from hbench.analysis.identification.steady_curves import laws_along_curves
     from hbench.analysis.identification.verification import trial_scatter
     from hbench.experiment.law_verification import VerifiedLaws, verify_laws
@@ -58,6 +59,7 @@ def identify(folder: Path, report: Report) -> Identification:
     motions = [motion for run, motion in usable if identification_use(run.plan) == "motion"]
     motions, held_out = split_motions(motions) if campaign.imported else (motions, [])
     laws = with_held_out_errors(identify_laws(steady, motions), held_out)
+    laws = with_lack_of_fit(laws, steady, [*motions, *held_out])
     if not any(law.fit for law in laws):
         reasons = "; ".join(f"{law.law}: {law.reason}" for law in laws)
         raise DataError(f"{folder}: no friction law can be identified. {reasons}", _ADD)

@@ -111,6 +111,13 @@ def test_check_lists_the_effects_that_the_runs_would_show(
     assert set(tmp_path.iterdir()) == before
 
 
+def test_check_reads_the_file_of_another_plant(hbench, short_schedule, tmp_path):
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("effects: {position_friction: {slop: 40 N}}\n")
+    done = hbench("run", short_schedule(), "--check", "--plant", plant)
+    assert done.returncode == 2 and "position_friction.slop" in done.stderr
+
+
 def test_effects_are_those_of_a_check(hbench, short_schedule):
     done = hbench("run", short_schedule(), "-o", "out", "--effects")
     assert done.returncode == 2 and "--check" in done.stderr

@@ -1,5 +1,6 @@
 """The page of identified laws: the best ones, and what the data does not determine."""
 
+import json
 import re
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from hbench.records import (
     Followed,
     Identification,
     IdentifiedLaw,
+    LackOfFit,
     LawsAlongCurve,
     ModelErrors,
     Provenance,
@@ -22,7 +24,12 @@ from hbench.report.campaign.fit_tables import verdict_words
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.terminal import identification_text
-from hbench.report.identification.text import ERRORS, SUMMARY, identification_tables
+from hbench.report.identification.text import (
+    ERRORS,
+    SUMMARY,
+    identification_json,
+    identification_tables,
+)
 from tests.support.report.spaces import ordinary_spaces
 
 NO_RAMPS = "no ramps"
@@ -260,3 +267,35 @@ def test_errors_with_a_second_value_in_brackets_are_a_column_of_numbers():
     static = replace(law("tustin", 23.0), steady=SteadyParts(smooth, rough, 2, (0.03,)))
     page = identification_page(identified(law("lugre", 3.0), static), ())
     assert re.search(r'<td class="n[^"]*"[^>]*>23\.0 \(2\.0\)<', page)
+
+
+def test_a_misfit_of_all_laws_is_stated_on_the_page_in_the_terminal_and_in_json():
+    poor = LackOfFit(200.0, 42.0, 1.5, 41.0, significant=True, compared=16)
+    found = identified(*(replace(law(name, 40.0), misfit=poor) for name in ("tustin", "lugre")))
+    said = (
+        "No law describes the friction at steady speeds: the closest, Tustin, misses it by 41 N, "
+        "20 % of it (RMS), beside a scatter of 1.5 N."
+    )
+    assert verdict(found).startswith(said)
+    assert "use " not in verdict(found).partition("points.")[2]
+    assert said in " ".join(identification_text(found).split())
+    misfit = json.loads(identification_json(found))["laws"][0]["misfit"]
+    assert (misfit["misfit_n"], misfit["share"], misfit["describes"]) == (41.0, 0.205, False)
+    fits = replace(law("lugre", 40.0), misfit=replace(poor, misfit_n=4.0))
+    assert "No law" not in verdict(identified(found.laws[0], fits))
+
+
+def test_a_misfit_that_the_scatter_explains_is_none():
+    noisy = LackOfFit(200.0, 42.0, 40.0, 13.0, significant=False, compared=16)
+    assert "No law" not in verdict(identified(replace(law("tustin", 40.0), misfit=noisy)))
+
+
+def test_errors_common_to_all_points_are_stated_without_a_verification():
+    shifted = LackOfFit(192.0, 55.0, 0.9, 6.8, significant=True, compared=16)
+    found = identified(replace(law("tustin", 40.0), misfit=shifted, errors={}))
+    found = replace(found, not_verified="no bench file")
+    assert verdict(found) == (
+        "At steady speeds, Tustin has an RMS error of 55 N at a measured friction of 192 N; an "
+        "error of the instruments, such as an offset of the force, would explain all but 6.8 N. "
+        "No bench file."
+    )

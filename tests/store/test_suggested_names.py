@@ -333,3 +333,14 @@ def test_holds_named_by_two_pressures_are_one_series():
     assert [p.files for p in joined_holds(others, ["a_1bar.csv", "b_1bar.csv"])] == [
         p.files for p in others
     ]
+
+
+def test_numbers_that_are_speeds_of_every_file_count_trials():
+    """Files with several speeds each: 1 and 2 cm/s are in both, and distinguish nothing."""
+    names = ["axis_0N_1.csv", "axis_0N_2.csv"]
+    several = dict.fromkeys(names, (0.005, 0.01, 0.02, 0.04))
+    (pattern,) = name_patterns(names, several)
+    assert pattern.files == "axis_{load}N_{trial}.csv"
+    single = {"axis_0N_1.csv": (0.01,), "axis_0N_2.csv": (0.02,)}
+    (pattern,) = name_patterns(names, single)
+    assert (pattern.files, pattern.units["speed"]) == ("axis_{load}N_{speed}.csv", "cm/s")

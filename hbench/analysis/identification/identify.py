@@ -218,6 +218,8 @@ def _leuven(motions: Sequence[LoggedMotion], lugre: Fit | None) -> Fit:
     if lugre is None:
         raise _NotDetermined("its search starts at LuGre's fit, which is missing")
     known = _start(lugre)
+    if not known.stiction > 0.0:
+        raise _NotDetermined("its search starts at LuGre's fit, whose static friction is 0 N")
     length = _deflection(known)
     elements = tuple(share * known.stiction for share in _SHARES)
     turning = sorted(filter(reverses, motions), key=lambda motion: len(motion.v_m_s))

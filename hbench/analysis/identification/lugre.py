@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hbench.analysis.identification.driven_law import driven_friction
+from hbench.analysis.identification.sliding_start import sliding_start
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.analysis.statistics.bounded import Problem, solve
 from hbench.analysis.statistics.intervals import (
@@ -63,7 +64,8 @@ def fit_lugre(
 ) -> Fit:
     """Fit the ``UNKNOWNS`` in ``names``; the other parameters are as in ``known``.
 
-    The search starts at ``known``, except for sigma_0. Intervals are over whole runs
+    The search starts at ``known``, or at the sliding friction of the motions where this is nearer
+    (``sliding_start``), except for sigma_0. Intervals are over whole runs
     (``covariance_over_runs``), since the samples of a run are not independent. They do not include
     systematic errors, such as those of a sensor's gain.
     """
@@ -75,11 +77,15 @@ def fit_lugre(
         values: dict[str, Any] = {u.field: value for u, value in new}
         return law._replace(**values)
 
-    start = np.array([getattr(law, u.field) for u in unknowns.values()])
-    starts = [start]
+    guesses = [law, sliding_start(motions, law)]
+    starts = [
+        np.array([getattr(guess, u.field) for u in unknowns.values()])
+        for guess in guesses
+        if guess is not None
+    ]
     if "sigma0_n_m" in unknowns:
-        index = list(unknowns).index("sigma0_n_m")
-        starts = [np.where(np.arange(len(start)) == index, s, start) for s in _STIFFNESSES]
+        chosen = np.array(list(unknowns)) == "sigma0_n_m"
+        starts = [np.where(chosen, s, start) for start in starts for s in _STIFFNESSES]
     return fit_to_motions("lugre", motions, put, unknowns, [starts])
 
 

@@ -32,6 +32,8 @@ def with_position_noise(fit: Fit, motions: Sequence[LoggedMotion], deflection_m:
     median over the ``motions``.
     """
     noise_m = float(np.median([motion.noise_m for motion in motions]))
+    if not deflection_m > 0.0:
+        return fit  # no bristles deflect
     share = noise_m / deflection_m
     if share <= LARGEST_SHARE:
         return fit

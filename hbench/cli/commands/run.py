@@ -166,6 +166,8 @@ def _check(
     """Print what the runs need of the bench, and with ``effects`` what they would show."""
     from hbench import workflow
 
+    if plant is not None:
+        workflow.check_plant(experiment, plant)
     demand = workflow.demand(experiment)
     found = {"effects": _effects(experiment, plant, as_json)} if effects else {}
     if as_json:

@@ -10,6 +10,7 @@ from hbench.records.identification import MEMORY_M
 from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.campaign.sections.settings import provenance_facts
 from hbench.report.identification.figures import STEADY
+from hbench.report.identification.misfit_words import MISFIT, MISFIT_FACT
 from hbench.report.identification.ranking import best_law, ranked_laws
 from hbench.report.identification.remarks import interval_words, left_out_words, oscillation_words
 from hbench.report.identification.text import (
@@ -102,6 +103,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     ranked = sorted(ranked_laws(identification), key=lambda law: law.law != best)
     order = [law_words(law.law) for law in ranked]  # the one to be used is not folded
     parameters = _of_each_law(tables[PARAMETERS], order) if PARAMETERS in tables else ()
+    misfits = tuple(tables[title] for title in (MISFIT,) if title in tables)
     ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
     terms = Section("Criteria for the errors and the parameters", facts=facts, folded=True)
     named = f"The other laws over the profile ({len(others)})"
@@ -110,6 +112,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         Section(SUMMARY, tables=summary, parts=(terms,)) if summary else Section(),
         Section("Verification profile", drawings=shown, parts=rest if others else ()),
         Section("Friction over speed", (_STEADY,) if steady else (), drawings=steady),
+        Section(MISFIT, tables=misfits, facts=(MISFIT_FACT,) if misfits else ()),
         Section(
             "Identified parameters",
             (_SECTION, interval_words(identification)),

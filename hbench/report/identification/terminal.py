@@ -5,6 +5,7 @@ from dataclasses import replace
 from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import law_words
+from hbench.report.identification.misfit_words import MISFIT
 from hbench.report.identification.ranking import best_law
 from hbench.report.identification.remarks import interval_words, left_out_words, oscillation_words
 from hbench.report.identification.text import (
@@ -19,7 +20,7 @@ from hbench.report.identification.verdict import verdict_words
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.terminal_text import plain, wrapped
 
-_TABLES = (SUMMARY, HELD_OUT, PARAMETERS)
+_TABLES = (SUMMARY, HELD_OUT, MISFIT, PARAMETERS)
 
 
 def identification_text(identification: Identification) -> str:

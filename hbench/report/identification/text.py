@@ -12,12 +12,14 @@ from hbench.records import (
     FitParameter,
     Identification,
     IdentifiedLaw,
+    LackOfFit,
     ModelErrors,
     WordTable,
 )
 from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
 from hbench.report.campaign.fit_tables import law_words
+from hbench.report.identification.misfit_words import misfit_table
 from hbench.report.identification.ranking import (
     AT_REST,
     AT_SPEED,
@@ -79,7 +81,7 @@ def identification_json(identification: Identification) -> str:
 
 
 def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
-    """Return the tables that have rows: errors, errors on runs left out, parameters, ramps."""
+    """Return the tables that have rows: errors on runs, misfit, parameters, ramps."""
     every = (
         _summary(identification),
         WordTable(
@@ -96,6 +98,7 @@ def identification_tables(identification: Identification) -> tuple[WordTable, ..
                 if law.held_out_n is not None
             ),
         ),
+        misfit_table(identification),
         WordTable(PARAMETERS, _PARAMETERS_HEAD, tuple(_parameter_rows(identification))),
         WordTable(
             RAMPS,
@@ -144,7 +147,13 @@ def _law(law: IdentifiedLaw) -> dict[str, Any]:
         "not_verified": law.not_verified or None,
         "held_out_n": law.held_out_n,
         "held_out_runs": law.held_out_runs,
+        "misfit": _misfit(law.misfit),
+        "misfit_in_motion": _misfit(law.misfit_in_motion),
     }
+
+
+def _misfit(fit: LackOfFit | None) -> dict[str, Any] | None:
+    return None if fit is None else {**asdict(fit), "share": fit.share, "describes": fit.describes}
 
 
 def _errors(errors: Mapping[str, ModelErrors]) -> dict[str, Any] | None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from hbench.records import Identification
 from hbench.report.campaign.fit_tables import law_words
+from hbench.report.identification.misfit_words import described, misfit_words
 from hbench.report.identification.ranking import (
     IN_MOTION,
     best_law,
@@ -25,13 +26,19 @@ _ANOTHER = "A real cylinder may need another law."
 
 
 def verdict_words(identification: Identification) -> str:
-    """Return the law to use, its error, what it can be relied on for, and those as good."""
+    """Return the law to use, its error, what it can be relied on for, and those as good.
+
+    If no law describes the friction, this comes first.
+    """
+    misfit = misfit_words(identification)
     if identification.not_verified:
-        return f"{identification.not_verified[0].upper()}{identification.not_verified[1:]}."
+        why = f"{identification.not_verified[0].upper()}{identification.not_verified[1:]}."
+        return f"{misfit} {why}".strip()
     best = best_law(identification)
     if not best:
-        return ""
+        return misfit
     parts = (
+        misfit,
         _closest(identification, best),
         _scatter(identification),
         _reserve(identification, best),
@@ -45,6 +52,8 @@ def _closest(identification: Identification, best: str) -> str:
     """Name the law to use with its error of friction in motion."""
     error = number(errors_in_motion(identification)[best], 1)
     use = "On this simulated cylinder, use" if _is_simulated(identification) else "Use"
+    if not described(identification):
+        use = "In the model of the bench, the closest is"
     return (
         f"{use} {law_words(best)}: it predicts friction in motion with an RMS error of {error} N"
         f"{_range(identification)}."

@@ -200,7 +200,10 @@ def _by_words(similar: SimilarNames) -> Iterator[tuple[int, Field]]:
 
 
 def _by_motion(similar: SimilarNames, speeds_m_s: MeasuredSpeeds) -> Iterator[tuple[int, Field]]:
-    """Yield the numbers that are a constant speed of each file in some unit, of several speeds."""
+    """Yield the numbers that are a constant speed of each file in some unit, of several speeds.
+
+    Numbers whose speeds are all in every file do not distinguish the files: they count something.
+    """
     known = [name for name in similar.numbers if speeds_m_s.get(name)]
     for i in range(len(similar.first[1])):
         texts = [similar.numbers[name][i].text.replace(",", ".") for name in known]
@@ -208,7 +211,9 @@ def _by_motion(similar: SimilarNames, speeds_m_s: MeasuredSpeeds) -> Iterator[tu
             continue
         for unit in _SPEED_UNITS:
             values = [float(text) * parse_unit(unit).factor for text in texts]
-            if all(_has(speeds_m_s[name], v) for name, v in zip(known, values, strict=True)):
+            if not all(_has(speeds_m_s[name], v) for name, v in zip(known, values, strict=True)):
+                continue
+            if not all(_has(speeds_m_s[name], v) for name in known for v in values):
                 yield i, Field("speed", unit)
 
 
