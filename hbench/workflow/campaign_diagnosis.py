@@ -6,13 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from hbench.config.bench import Plant, plant_sections
+from hbench.config.bench import Plant, merge, plant_sections
 from hbench.config.files.loading import read_yaml, validate
 from hbench.errors import ConfigError
+from hbench.reconcile.contradicted_values import contradicted_values
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, channels_missing
-from hbench.reconcile.nuisance import zero_values
+from hbench.reconcile.nuisance import nuisance_value, zero_values
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.records import Diagnosis, Run
 from hbench.sentences import listed
@@ -33,7 +34,13 @@ _ORDER_ASSUMED = (
 _ZERO = (
     "The model file has 0, or no value, for {}. A refit multiplies values, so it started from {}."
 )
-_UNITS = {  # of the values that may be 0, by the last key of their path
+_CONTRADICTED = (
+    "With the dead volumes of the model file, the measured flows show {} = {}; the file has {}. "
+    "The refit started from the measured value. Correct the file."
+)
+_UNITS = {  # of values, by the last key of their path
+    "bulk_modulus": "bar",
+    "gain": "m^2/V",
     "tank": "bar",
     "dead_volume_piston": "cm^3",
     "dead_volume_rod": "cm^3",
@@ -80,6 +87,13 @@ def diagnosed(
         check_effects(plant, model_file)
         sections, zeros = _without_zeros(sections, plant)
         plant = _validated(sections, opposed, source)
+        found = contradicted_values(bench, plant, runs)
+        shown = {path: _quantity(path, value) for path, value in found.items()}
+        given = {path: _quantity(path, nuisance_value(plant, path)) for path in found}
+        for path, value in shown.items():
+            section, key = path.split(".")
+            sections = merge(sections, {section: {key: value}})
+        plant = _validated(sections, opposed, source)
     except ConfigError as error:
         raise ConfigError(error.message, error.hint or ("" if content else _NO_BENCH)) from None
     simulate = simulator(bench, plant, report) if bench and not campaign.imported else None
@@ -107,6 +121,7 @@ def diagnosed(
     notes = list(diagnosis.notes)
     if zeros:
         notes.append(_ZERO.format(listed(list(zeros)), listed(list(zeros.values()))))
+    notes += [_CONTRADICTED.format(path, value, given[path]) for path, value in shown.items()]
     if campaign.imported and not dated:
         notes.append(_ORDER_ASSUMED)
     return replace(diagnosis, notes=tuple(notes))
@@ -114,6 +129,12 @@ def diagnosed(
 
 def _validated(sections: dict[str, Any], opposed: bool, source: str) -> Plant:
     return validate(Plant, sections if opposed else _with_unused_load(sections), source)
+
+
+def _quantity(path: str, value: float) -> str:
+    """Return a value [SI] of a model file in the unit of its key."""
+    unit = _UNITS[path.rpartition(".")[2]]
+    return f"{float(f'{from_si(value, unit):.4g}'):.10g} {unit}"
 
 
 def _without_zeros(sections: dict[str, Any], plant: Plant) -> tuple[dict[str, Any], dict[str, str]]:
@@ -125,7 +146,7 @@ def _without_zeros(sections: dict[str, Any], plant: Plant) -> tuple[dict[str, An
         for name in parents:
             section = section.get(name, {})
         if section:  # it has no load cylinder that is not used
-            section[key] = values[path] = f"{from_si(value, _UNITS[key]):.4g} {_UNITS[key]}"
+            section[key] = values[path] = _quantity(path, value)
     return changed, values
 
 
