@@ -9,7 +9,7 @@ from typing import Any
 from hbench.config.bench import Plant, merge, plant_sections
 from hbench.config.files.loading import read_yaml, validate
 from hbench.errors import ConfigError
-from hbench.reconcile.contradicted_values import contradicted_values
+from hbench.reconcile.contradicted_values import MODULUS, contradicted_values
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, channels_missing
@@ -35,9 +35,10 @@ _ZERO = (
     "The model file has 0, or no value, for {}. A refit multiplies values, so it started from {}."
 )
 _CONTRADICTED = (
-    "With the dead volumes of the model file, the measured flows show {} = {}; the file has {}. "
-    "The refit started from the measured value. Correct the file."
+    "The measured flows show {} = {}; the model file has {}. The refit started from the measured "
+    "value. Correct the file."
 )
+_VOLUMES_ALIKE = " Wrong dead volumes look the same: check these too."
 _UNITS = {  # of values, by the last key of their path
     "bulk_modulus": "bar",
     "gain": "m^2/V",
@@ -121,7 +122,10 @@ def diagnosed(
     notes = list(diagnosis.notes)
     if zeros:
         notes.append(_ZERO.format(listed(list(zeros)), listed(list(zeros.values()))))
-    notes += [_CONTRADICTED.format(path, value, given[path]) for path, value in shown.items()]
+    notes += [
+        _CONTRADICTED.format(path, value, given[path]) + (_VOLUMES_ALIKE if path == MODULUS else "")
+        for path, value in shown.items()
+    ]
     if campaign.imported and not dated:
         notes.append(_ORDER_ASSUMED)
     return replace(diagnosis, notes=tuple(notes))

@@ -341,6 +341,20 @@ def test_a_dead_volume_far_from_the_models_is_a_hint_where_the_flow_to_its_chamb
     assert "A hint" in verdict(1.2, prior=0.1) and "A hint" not in verdict(1.47, prior=0.4)
 
 
+def test_a_value_that_the_refit_can_not_reach_is_checked_before_anything_is_inspected(compared):
+    """A guess of the valves' bandwidth that is five times too small leaves gaps in all flows."""
+    path = "valve.bandwidth"
+    factor = FitParameter(1.57, 0.3, (0.9, 1.57), "upper", "1")
+    far = replace(compared, refitted={path: factor}, refit_priors={path: 0.15})
+    assert "First check in the model file: valve bandwidth." in verdict_words(far)
+    assert "The refit ends at its bound for valve bandwidth." in summary(far)
+    inside = replace(far, refitted={path: replace(factor, at_bound=None)})
+    late = replace(far, delays={"commands": FitParameter(5.0, 1.0, (3.0, 7.0), None, "ms")})
+    for other in (inside, late, replace(far, refit_refused="No.")):
+        assert "First check in the model file" not in verdict_words(other)
+        assert "ends at its bound" not in summary(other)
+
+
 def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     sizes = tuple(
         DetectableSize(name, "test", smallest, 2.0, "N", "evidence")

@@ -213,13 +213,13 @@ def doubtful_values(diagnosis: Diagnosis) -> str:
     supply and friction a value counts that is at its bound. Where the commands are late, the
     valves' bandwidth does not count: both delay the flow. If such a value is right in the model
     file, the refit has changed it in place of an effect that the model does not contain.
-    Where flows to chambers are unexplained, these are the dead volumes there, which are then a hint
-    from one assumed standard deviation.
+    Where flows to chambers are unexplained, the dead volumes there are a hint from one assumed
+    standard deviation.
     """
     if diagnosis.refit_refused:
         return ""
     if diagnosis.verdict == "unknown":
-        return _volume_hint(diagnosis)
+        return " ".join(filter(None, (_bounds_hint(diagnosis), _volume_hint(diagnosis))))
     parts = [
         f"{value_words(path)} {parameter_text(factor)}"
         for path, factor in _changed_values(diagnosis).items()
@@ -265,9 +265,30 @@ def _is_soft(path: str, factor: FitParameter) -> bool:
 def _is_doubtful(diagnosis: Diagnosis, path: str) -> bool:
     if path.startswith(_MASSES) or path in _DEAD_VOLUMES.values():
         return _priors_off(diagnosis, path) > _DOUBTFUL
+    return _is_beyond(diagnosis, path)
+
+
+def values_at_bounds(diagnosis: Diagnosis) -> list[str]:
+    """Return the values of valves, oil and supply at whose bounds the refit ends; none without."""
+    if diagnosis.refit_refused:
+        return []
+    return [value_words(path) for path in diagnosis.refitted if _is_beyond(diagnosis, path)]
+
+
+def _is_beyond(diagnosis: Diagnosis, path: str) -> bool:
+    """Return whether a value that data sheets state may be further off than the refit reaches."""
     if path == "valve.bandwidth" and "commands" in diagnosis.delays:
         return False
     return path.startswith(_CATALOGUED) and diagnosis.refitted[path].at_bound is not None
+
+
+def _bounds_hint(diagnosis: Diagnosis) -> str:
+    if not (values := values_at_bounds(diagnosis)):
+        return ""
+    return (
+        f"The refit ends at its bound for {listed(values)}. A value of the model file that is "
+        "further off causes such deviations: correct it and reconcile again."
+    )
 
 
 def _volume_hint(diagnosis: Diagnosis) -> str:

@@ -8,7 +8,12 @@ from collections.abc import Iterator
 
 from hbench.records import AddedEffect, Diagnosis
 from hbench.report.diagnosis.names import gap_number, in_words, of_strokes
-from hbench.report.diagnosis.sentences import doubtful_values, favoured, least_odds
+from hbench.report.diagnosis.sentences import (
+    doubtful_values,
+    favoured,
+    least_odds,
+    values_at_bounds,
+)
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.words.action import first_step, next_step
 from hbench.report.diagnosis.words.agreement import (
@@ -291,9 +296,17 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     yield finding
     yield limits_words(diagnosis)
     yield beyond_balances(diagnosis) or " ".join(filter(None, place))
-    yield next_step(diagnosis)
+    yield _model_first(diagnosis, next_step(diagnosis))
     yield (
         ""
         if diagnosis.next_experiment
         else narrowing_words(diagnosis, unexplained(diagnosis)[0].name)
     )
+
+
+def _model_first(diagnosis: Diagnosis, step: str) -> str:
+    """Return the next step, after a look at values of the model file that no refit reaches."""
+    if not (values := values_at_bounds(diagnosis)):
+        return step
+    check = f"First check in the model file: {listed(values)}."
+    return f"{check} Then {uncapital(step.removeprefix('First '))}" if step else check
