@@ -76,6 +76,7 @@ class MeanAtSpeed:
     v_m_s: float  # without sign
     value_n: float
     ci95_n: float  # half-width by the trials, which are independent
+    u95_n: float | None = None  # expanded uncertainty; None where it is not known
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,11 @@ from scipy import stats
 
 from hbench.analysis.comparison.difference_tests import welch
 from hbench.analysis.comparison.differences import campaign_differences
+from hbench.analysis.comparison.drift_effects import with_drift_effects
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.summary.headline import headline
 from hbench.analysis.summary.quality import quality
+from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.config.sensors import Instruments
@@ -247,6 +249,26 @@ def test_a_stated_coverage_factor_of_two_is_that_of_each_u_and_of_a_difference_i
     assert both or found.mean_n.u95 == student.mean_n.u95
     assert found.mean_n.u95_a == pytest.approx(2 / 1.96 * student.mean_n.u95_a, rel=0.005)
     assert found.efficiency.u95_a == pytest.approx(2 / 1.96 * student.efficiency.u95_a, rel=0.005)
+
+
+def test_each_speed_has_the_u_of_its_mean_over_both_directions(campaign):
+    """That of other instruments is larger; the same ones leave the trials alone at equal forces."""
+    both = ("extend", "retract")
+    a, b = (campaign(seed, directions=both) for seed in (1, 2))
+
+    def mean(same, known=INSTRUMENTS):
+        pair = INSTRUMENTS, known
+        curves, _ = compared(a, b, same, pair)
+        clocks = RunClock({}, False), RunClock({}, False)
+        return with_drift_effects(curves, (a, b), clocks, pair, same, 0.02)[1]
+
+    same, others, unknown = mean(True), mean(False), mean(False, None)
+    assert len(same.speeds) == len(SPEEDS)
+    for one, other, without in zip(same.speeds, others.speeds, unknown.speeds, strict=True):
+        assert one.value_n == other.value_n == without.value_n
+        assert one.u95_n == pytest.approx(one.ci95_n, rel=0.05)
+        assert other.u95_n > 2 * one.u95_n
+        assert without.u95_n is None and without.ci95_n == one.ci95_n
 
 
 def test_unknown_instruments_leave_the_trials_alone(campaign):

@@ -173,8 +173,12 @@ def test_the_row_of_the_mean_has_its_u_and_p_and_the_page_its_size_by_speed(foun
     words = "from 2 ± 14 N at 8 mm/s to 25.0 ± 5.0 N at 180 mm/s (trials alone)."
     assert f"The difference depends on speed, {words}" in page
     assert "is 13.3 ± 6.3 N (trials alone), or 2.0 %, higher" in page
-    with_u = replace(mean, u95_a=80.0, u95_b=90.0)
+    assert ">B − A ± trials<" in page and ">B − A ± U</th></tr>" not in page
+    of_speeds = tuple(replace(each, u95_n=20.0) for each in speeds)
+    with_u = replace(mean, u95_a=80.0, u95_b=90.0, speeds=of_speeds)
     page = ordinary_spaces(differences_page(replace(found, mean_of_curves=with_u), ()))
+    row = re.search(r">8\.0<.*?</tr>", page[page.index("B − A at each speed") :], re.DOTALL)[0]
+    assert ">2 ± 20<" in row and ">2 ± 14<" in row
     assert "is 13.3 ± 6.3 N (U), or 2.0 %, higher" in page
     assert "U does not contain a new mounting" in page
     alike = replace(mean, speeds=(speeds[0], MeanAtSpeed(0.18, 20.0, 5.0)))

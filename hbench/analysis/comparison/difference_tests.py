@@ -82,7 +82,8 @@ def tested(
     u95 = u95_a = u95_b = None
     if a.instruments is not None and b.instruments is not None:
         parts = [StandardUncertainty(se, dof), *map(StandardUncertainty, (a.drift, b.drift))]
-        parts += _of_instruments(a.instruments, b.instruments, same_instruments)
+        of_a = weighted([(-1.0, a.instruments)])
+        parts += _of_instruments(of_a, b.instruments, same_instruments)
         u95 = combined(parts).expanded(_factor_of(instruments))
         u95_a, u95_b = (
             _own_u95(side.trials, side.instruments or {}, side.drift, known)
@@ -167,8 +168,7 @@ def mean_difference_u95(
     if error is None or a is None or b is None:
         return None
     parts = [StandardUncertainty(*error), *(StandardUncertainty(drift) for _, drift in (a, b))]
-    of_a = weighted([(-1.0, a[0])])  # whose curves have negative factors
-    parts += _of_instruments(of_a, b[0], same_instruments)
+    parts += _of_instruments(a[0], b[0], same_instruments)
     return combined(parts).expanded(_factor_of(instruments))
 
 
@@ -233,9 +233,9 @@ def weighted(terms: Iterable[tuple[float, Contributions]]) -> Contributions:
 
 
 def _of_instruments(a: Contributions, b: Contributions, same: bool) -> list[StandardUncertainty]:
-    """Return the independent parts of the instruments' errors in a difference."""
+    """Return the independent parts of the errors in b - a; those in ``a`` have its sign."""
     if not same:
         return [*a.values(), *b.values()]
     own = [part for side in (a, b) for name, part in side.items() if is_resolution(name)]
-    common = weighted([(-1.0, a), (1.0, b)])
+    common = weighted([(1.0, a), (1.0, b)])
     return [*own, *(part for name, part in common.items() if not is_resolution(name))]

@@ -18,6 +18,7 @@ from math import hypot
 from statistics import fmean
 
 from hbench.analysis.comparison.difference_tests import (
+    Pair,
     WeightedCurve,
     mean_difference_u95,
     mean_u95,
@@ -25,7 +26,6 @@ from hbench.analysis.comparison.difference_tests import (
 )
 from hbench.analysis.comparison.point_weights import Weights, mean_weights, paired_weights
 from hbench.analysis.summary.run_clock import RunClock, campaign_place
-from hbench.config.sensors import Instruments
 from hbench.records import (
     KINDS,
     Curve,
@@ -44,7 +44,7 @@ def with_drift_effects(
     curves: Sequence[CurveDifference],
     results: tuple[Results, Results],
     clocks: tuple[RunClock, RunClock],
-    instruments: tuple[Instruments | None, Instruments | None],
+    instruments: Pair,
     same_instruments: bool,
     tolerance: float,
 ) -> tuple[tuple[CurveDifference, ...], MeanOfCurves | None]:
@@ -92,7 +92,7 @@ def _mean_of_curves(
     curves: Sequence[CurveDifference],
     drift_n: DriftEffect | None,
     clocks: tuple[RunClock, RunClock],
-    instruments: tuple[Instruments | None, Instruments | None],
+    instruments: Pair,
     same_instruments: bool,
     tolerance: float,
 ) -> MeanOfCurves | None:
@@ -112,7 +112,7 @@ def _mean_of_curves(
         mean_u95([each for each in both if sign * each.factor > 0], known)
         for sign, known in zip((-1, 1), instruments, strict=True)
     )
-    speeds = tuple(_at_speeds(curves, clocks, tolerance))
+    speeds = tuple(_at_speeds(curves, clocks, instruments, same_instruments, tolerance))
     half = ci95_n if u95 is None else u95
     return MeanOfCurves(
         value, half, a_n, len(means), ci95_n, p_value, drift_n, speeds, u95_a, u95_b
@@ -131,7 +131,11 @@ def _both(
 
 
 def _at_speeds(
-    curves: Sequence[CurveDifference], clocks: tuple[RunClock, RunClock], tolerance: float
+    curves: Sequence[CurveDifference],
+    clocks: tuple[RunClock, RunClock],
+    instruments: Pair,
+    same_instruments: bool,
+    tolerance: float,
 ) -> Iterator[MeanAtSpeed]:
     """Yield the mean over the curves at each speed; none where their speeds are not the same."""
     if len({len(curve.points) for curve in curves}) > 1:
@@ -142,10 +146,12 @@ def _at_speeds(
     for points, members in zip(all_points, of_speeds, strict=False):
         speeds = [abs(point.v_m_s) for point in points]
         value = fmean(point.friction_n.value for point in points)
-        mean = mean_with_test(value, _both(curves, members, clocks))
+        both = list(_both(curves, members, clocks))
+        mean = mean_with_test(value, both)
         if mean is None or max(speeds) > (1 + _SAME_SPEED) * min(speeds):
             return
-        yield MeanAtSpeed(fmean(speeds), value, mean[0])
+        u95 = mean_difference_u95(both, instruments, same_instruments)
+        yield MeanAtSpeed(fmean(speeds), value, mean[0], u95)
 
 
 def _is_steady(curve: Curve) -> bool:

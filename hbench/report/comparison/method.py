@@ -73,7 +73,10 @@ def read_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     tested = [each for curve in differences.curves for each in (curve.mean_n, curve.efficiency)]
     tested += [each.breakaway_n for each in differences.breakaways]
     known = any(each is not None and each.u95 is not None for each in tested)
-    return (("U", _U.format(coverage=_coverage(differences))),) if known else _READ_TRIALS
+    if not known:
+        return _READ_TRIALS
+    both = differences.mean_of_curves is not None and differences.mean_of_curves.speeds
+    return (("U", _U.format(coverage=_coverage(differences))), *(_READ_TRIALS if both else ()))
 
 
 def _coverage(differences: CampaignDifferences) -> str:

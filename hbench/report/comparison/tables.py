@@ -14,6 +14,7 @@ from hbench.records import (
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.comparison.cells import (
+    HEAD,
     MAY_BE_DRIFT,
     NOT_SIGNIFICANT,
     SIGNIFICANT,
@@ -126,12 +127,18 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
 def speeds_table(differences: CampaignDifferences) -> WordTable:
     """Return the difference of friction at each speed, in the mean over the curves."""
     mean = differences.mean_of_curves
+    speeds = mean.speeds if mean else ()
+    known = any(each.u95_n is not None for each in speeds)
     rows = tuple(
-        (number(1e3 * each.v_m_s, 1), with_interval(each.value_n, each.ci95_n))
-        for each in (mean.speeds if mean else ())
+        (
+            number(1e3 * each.v_m_s, 1),
+            *([with_interval(each.value_n, each.u95_n)] if known else []),
+            with_interval(each.value_n, each.ci95_n),
+        )
+        for each in speeds
     )
-    title = "Friction (N): B − A at each speed, means over the curves with intervals of the trials"
-    return WordTable(title, ("Speed (mm/s)", "B − A (95 %)"), rows)
+    title = "Friction (N): B − A at each speed, means over the curves"
+    return WordTable(title, ("Speed (mm/s)", *HEAD[2 if known else 3 : 4]), rows)
 
 
 def mean_verdict(differences: CampaignDifferences) -> str:
