@@ -3,8 +3,7 @@
 import io
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import TextIO
 
 from hbench.errors import DataError
@@ -47,43 +46,46 @@ def _is(stream: TextIO, number: int) -> bool:
 
 # Both act on the text, not on the octets: an interrupt between the system's write and the return
 # of a Python function for octets would leave them in the buffer, and they would be written twice.
+# Both are flushed once more as Python exits, when this module's names may be gone.
 class _Messages(io.TextIOWrapper):
     """Output that nobody needs."""
 
     def write(self, text: str) -> int:
-        with suppress(OSError):
+        try:
             super().write(text)
+        except OSError:
+            pass
         return len(text)
 
     def flush(self) -> None:
-        with suppress(OSError):
+        try:
             super().flush()
+        except OSError:
+            pass
 
 
 class _Result(io.TextIOWrapper):
     """Output that a caller needs."""
 
-    _failed = False  # or not read to its end; then the rest is dropped, also at the last flush
-
     def write(self, text: str) -> int:
-        if not self._failed:
-            with self._written():
-                super().write(text)
+        try:
+            super().write(text)
+        except OSError as error:
+            self._fail(error)
         return len(text)
 
     def flush(self) -> None:
-        if not self._failed:
-            with self._written():
-                super().flush()
-
-    @contextmanager
-    def _written(self) -> Iterator[None]:
         try:
-            yield
-        except BrokenPipeError:
-            self._failed = True
+            super().flush()
         except OSError as error:
-            self._failed = True
+            self._fail(error)
+
+    def _fail(self, error: OSError) -> None:
+        """Drop what was not written and what follows. Raises ``DataError`` if a reader waits."""
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, self.fileno())
+        os.close(nothing)
+        if not isinstance(error, BrokenPipeError):
             raise DataError(
                 f"stdout: can't be written: {error.strerror}",
                 "Check the free space where the output goes.",

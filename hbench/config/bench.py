@@ -96,7 +96,9 @@ class Valve(ConfigSection):
     """The three identical servo valves: static gain 2.15, dynamics 2.16."""
 
     gain: Annotated[float, q.quantity("m^2/V", gt=0, le=1e-3)]
-    bandwidth: q.Frequency
+    # Large piloted valves have 2 Hz, the fastest servo valves 1 kHz; above 3 kHz the plant's steps
+    # of 0.1 ms are unstable.
+    bandwidth: Annotated[float, q.quantity("Hz", ge=1, le=3000)]
     damping: q.Number
     limit: Annotated[float, q.quantity("V", gt=0, le=10)]  # the board's converter has +-10 V
 

@@ -63,7 +63,7 @@ Flow = Annotated[float, quantity("l/min", gt=0, le=1)]
 Volume = Annotated[float, quantity("cm^3", ge=0, le=1)]
 Mass = Annotated[float, quantity("kg", gt=0, le=1e5)]
 Density = Annotated[float, quantity("kg/m^3", gt=100, le=2000)]
-BulkModulus = Annotated[float, quantity("bar", ge=1e6, le=1e10)]
+BulkModulus = Annotated[float, quantity("bar", ge=1e6, le=5e9)]  # water glycol: 3.5e9
 Pressure = Annotated[float, quantity("bar", ge=0, le=1e8)]
 PositivePressure = Annotated[float, quantity("bar", gt=0, le=1e8)]
 PressureRate = Annotated[float, quantity("bar/s", ge=1e5, le=1e10)]

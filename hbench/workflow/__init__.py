@@ -18,8 +18,8 @@ _MODULES = {
     "campaign": (
         "Experiment",
         "MeasurementSummary",
-        "check_plant",
         "demand",
+        "doubts",
         "estimate",
         "load_experiment",
         "measure",
@@ -37,7 +37,7 @@ _MODULES = {
     "reconciliation": ("planned_effects", "reconcile", "write_diagnosis"),
     "exports": ("export",),
     "example_files": ("sized_files",),
-    "controllers": ("design", "write_design", "write_gains"),
+    "controllers": ("bench_doubts", "design", "write_design", "write_gains"),
     "simulation": (
         "phenomena",
         "replay",

@@ -143,9 +143,21 @@ def estimate(experiment: Experiment) -> ScheduleEstimate:
     )
 
 
-def check_plant(experiment: Experiment, plant: Path) -> None:
-    """Check the file of another plant for the virtual rig. Raises ``ConfigError``."""
-    physics_of(experiment.files["bench"]["content"], plant)
+def doubts(experiment: Experiment, plant: Path | None) -> tuple[str, ...]:
+    """Return what is implausible in the bench file, and in that of another plant for the rig.
+
+    Raises ``ConfigError`` for a plant file that can't be used.
+    """
+    from hbench.control.plausibility import implausible  # slow import: numba
+
+    bench = experiment.bench
+    physics = physics_of(experiment.files["bench"]["content"], plant) or bench
+    of_bench = implausible(bench)
+    of_plant = [words for words in implausible(physics) if words not in of_bench]
+    return (
+        *(f"{experiment.files['bench']['file']}: {words}" for words in of_bench),
+        *(f"{plant}: {words}" for words in of_plant),
+    )
 
 
 def demand(experiment: Experiment) -> "SteadyDemand | None":

@@ -8,6 +8,7 @@ from typing import Any
 
 from hbench.config.bench import Plant, merge, plant_sections
 from hbench.config.files.loading import read_yaml, validate
+from hbench.control.plausibility import implausible
 from hbench.errors import ConfigError
 from hbench.reconcile.contradicted_values import MODULUS, contradicted_values
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
@@ -31,6 +32,7 @@ _ORDER_ASSUMED = (
     "they were measured in another order, warming oil and drifting sensors are not found as such. "
     "Logs whose times are dates (t_s with 'unit: date-time' in the import map) give start times."
 )
+_DOUBT = "Implausible in the model file: {}."
 _ZERO = (
     "The model file has 0, or no value, for {}. A refit multiplies values, so it started from {}."
 )
@@ -86,6 +88,7 @@ def diagnosed(
     try:
         plant = _validated(sections, opposed, source)
         check_effects(plant, model_file)
+        doubts = [words for words in implausible(plant) if opposed or ".load" not in words]
         sections, zeros = _without_zeros(sections, plant)
         plant = _validated(sections, opposed, source)
         found = contradicted_values(bench, plant, runs)
@@ -120,6 +123,7 @@ def diagnosed(
         )
     )
     notes = list(diagnosis.notes)
+    notes += [_DOUBT.format(words) for words in doubts]
     if zeros:
         notes.append(_ZERO.format(listed(list(zeros)), listed(list(zeros.values()))))
     notes += [

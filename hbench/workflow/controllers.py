@@ -10,6 +10,7 @@ from hbench.config.bench import Bench, parse_bench
 from hbench.config.files.edited_yaml import with_values
 from hbench.config.files.loading import read_text, read_yaml
 from hbench.config.files.yaml_text import parse_yaml
+from hbench.control.plausibility import implausible
 from hbench.errors import ConfigError, ConvergenceError
 from hbench.experiment.progress import Report
 from hbench.model.build import plant_parameters
@@ -86,6 +87,12 @@ def design(
     proposed = replace(proposed, other_ratios=others)
     proposed = replace(proposed, loops=analyzed(list(proposed.gains.values())).loops)
     return replace(present, proposal=proposed)
+
+
+def bench_doubts(bench_file: Path) -> tuple[str, ...]:
+    """Return what is implausible in a bench file. Raises ``ConfigError``."""
+    bench = parse_bench(read_yaml(bench_file), str(bench_file))
+    return tuple(f"{bench_file}: {words}" for words in implausible(bench))
 
 
 def _basis(bench: Bench, file: Path) -> DesignBasis:

@@ -44,6 +44,7 @@ def sized_files(examples: Mapping[str, str], size: Size) -> SizedFiles:
     that loop is slower. Raises ``ConvergenceError`` where no gains keep their margins.
     """
     from hbench.control.grid import GAIN_MARGIN_DB, PHASE_MARGIN_DEG, grid, operating_point
+    from hbench.control.stopping import stopping_time_s
     from hbench.model.build import plant_parameters
     from hbench.model.pressure_level import level_travel
 
@@ -58,7 +59,14 @@ def sized_files(examples: Mapping[str, str], size: Size) -> SizedFiles:
         "settle_time": f"{rules.settle_time * size.time:.2g} s",
         "settle_travel": f"{1e3 * settle_travel:.0f} mm",
     }
-    files = {BENCH_FILE: _with_gains(sized(examples[EXAMPLE_BENCH], size), found)}
+    computed = _gains(found)
+    example = parse_bench(yaml.safe_load(examples[EXAMPLE_BENCH]), EXAMPLE_BENCH)
+    of_example_s = stopping_time_s(plant_parameters(example), example.limits)
+    longer = stopping_time_s(par, bench.limits) / of_example_s
+    if longer > 1.0:
+        stopping_s = longer * example.limits.stopping_time
+        computed["limits", "stopping_time"] = f"{1e3 * stopping_s:.2g} ms"
+    files = {BENCH_FILE: _with_values(sized(examples[EXAMPLE_BENCH], size), computed)}
     for name, text in examples.items():
         if name != EXAMPLE_BENCH:
             text = sized(text, size)
@@ -90,13 +98,18 @@ def _slowest(found: "Proposed") -> float:
     return min(found.bandwidths_rad_s)
 
 
-def _with_gains(bench: str, found: "Proposed") -> str:
-    """Return the text of a bench file with other gains."""
+def _gains(found: "Proposed") -> dict[tuple[str, ...], str]:
+    """Return the gains of a bench file by their path."""
     gains: dict[tuple[str, ...], str] = {}
     for (key, unit), (gain, tau) in zip(_UNITS.items(), found.loops, strict=True):
         gains["controllers", key, "gain"] = f"{gain:.4g} {unit}"
         gains["controllers", key, "time_constant"] = f"{1e3 * tau:.4g} ms"
-    return with_values(bench, lambda path, _: gains.get(path), _COMMENT)
+    return gains
+
+
+def _with_values(bench: str, values: Mapping[tuple[str, ...], str]) -> str:
+    """Return the text of a bench file with computed values, by their path."""
+    return with_values(bench, lambda path, _: values.get(path), _COMMENT)
 
 
 def _with_screening(schedule: str, values: Mapping[str, str]) -> str:

@@ -118,6 +118,21 @@ def test_check_reads_the_file_of_another_plant(hbench, short_schedule, tmp_path)
     assert done.returncode == 2 and "position_friction.slop" in done.stderr
 
 
+def test_check_reports_what_is_implausible(hbench, short_schedule, tmp_path):
+    schedule = short_schedule(bench={"moving_mass": {"test": "5000 kg"}})
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("friction: {test: {stiction: 50 N}}\n")
+    done = hbench("run", schedule, "--check", "--plant", plant, "--json")
+    assert done.returncode == 0
+    of_bench, of_plant = json.loads(done.stdout)["notes"]
+    assert of_bench.startswith("bench.yaml: limits.stopping_time = 15 ms; ")
+    assert of_plant.startswith(f"{plant}: friction.test.stiction = 50 N; ")
+    words = " ".join(done.stderr.split())
+    assert f"note: {of_bench}" in words and f"note: {of_plant}" in words
+    done = hbench("design", schedule.parent / "bench.yaml")
+    assert "note: " in done.stderr and "limits.stopping_time = 15 ms; " in done.stderr
+
+
 def test_effects_are_those_of_a_check(hbench, short_schedule):
     done = hbench("run", short_schedule(), "-o", "out", "--effects")
     assert done.returncode == 2 and "--check" in done.stderr

@@ -105,6 +105,17 @@ def test_values_that_the_flows_contradict_are_replaced_by_the_measured_ones(monk
     assert words.count("Wrong dead volumes look the same") == 1
 
 
+def test_a_value_in_the_model_file_that_no_bench_has_is_noted(monkeypatch, tmp_path):
+    monkeypatch.setattr("hbench.workflow.campaign_diagnosis.diagnose", lambda task: made.named())
+    model = tmp_path / "model.yaml"
+    model.write_text(MODEL.read_text().replace("stiction: 450 N", "stiction: 45 N"))
+    result = run(SAMPLE, "--model", model, "-o", tmp_path / "out")
+    assert (
+        "Implausible in the model file: friction.test.stiction = 45 N; static friction is at least "
+        "coulomb = 80 N."
+    ) in " ".join(result.stdout.split())
+
+
 def test_deviations_that_do_not_matter_are_those_of_the_library():
     (option,) = (p for p in get_command(app).commands["reconcile"].params if p.name == "material")
     assert option.default == pytest.approx(100 * MATERIAL)

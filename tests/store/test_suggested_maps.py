@@ -511,6 +511,36 @@ def test_a_sign_that_the_balance_of_forces_does_not_determine_is_a_guess(logs):
     assert any("guesses to check: x_m" in note for note in suggestion.notes)
 
 
+AREA_ROD_M2 = np.pi / 4 * (PISTON_M**2 - 0.025**2)
+
+
+@pytest.mark.parametrize("behind_bar", [(20.0, 45.0), (0.0, 0.0)], ids=["not logged", "open"])
+def test_the_pressure_of_the_rod_side_that_is_not_logged_turns_no_position(logs, behind_bar):
+    """A valve drives both chambers: without one of them its pressure resembles friction."""
+    rng = np.random.default_rng(1)
+    for number, load in enumerate((0, 1000, 2000), start=1):
+        run = there_and_back(0.05, load, number)
+        out = np.gradient(run["x_m"]) > 0
+        p_tr = 1e5 * np.where(out, *behind_bar) + 0.05 * load / AREA_ROD_M2
+        p_tr = p_tr if behind_bar[0] else 0.0 * p_tr
+        area_p = np.pi / 4 * PISTON_M**2
+        force = run["f_applied_n"] + np.where(out, 300.0, -300.0)
+        columns = {
+            "t [s]": run["t_s"],
+            "Position [mm]": 1e3 * run["x_m"],
+            "pA [bar]": (force + p_tr * AREA_ROD_M2) / area_p / 1e5 + rng.normal(0, 0.02, len(out)),
+            "Load cell [kN]": run["f_applied_n"] / 1e3,
+        }
+        pd.DataFrame(columns).to_csv(logs / f"{number}.csv", index=False)
+    suggestion = suggest_map(logs)
+    words = " ".join(suggestion.text.replace("\n  #", "").split())
+    opened = behind_bar == (0.0, 0.0)
+    assert "scale: -1}" not in suggestion.text
+    assert ("the balance of forces does not determine its sign" in words) != opened
+    assert any("guesses to check: x_m" in note for note in suggestion.notes) != opened
+    assert ("the balance of forces gives" in words) == opened
+
+
 def test_times_of_day_that_pass_midnight_are_reported(logs):
     def late(row, cells):
         seconds = 86_399.0 + float(cells[0])

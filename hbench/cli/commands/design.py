@@ -56,14 +56,18 @@ def design(
         raise typer.BadParameter("needs BENCH, the file to write to", param_hint="'--write'")
 
     from hbench import workflow
+    from hbench.cli.printed import remark
     from hbench.cli.progress import ProgressLine
     from hbench.config.files.examples import example_path
     from hbench.report.design.text import design_json, design_text
 
+    file = bench or example_path("bench-aau.yaml")
+    for words in workflow.bench_doubts(file):
+        remark(f"note: {words}")
     progress = ProgressLine(sys.stderr)
     try:
         result = workflow.design(
-            bench or example_path("bench-aau.yaml"),
+            file,
             point=given,
             source=bench is None,
             ratio=ratio if propose else None,

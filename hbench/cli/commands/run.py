@@ -87,8 +87,11 @@ def run(
     )
     if effects and not check:
         raise typer.BadParameter("needs --check", param_hint="'--effects'")
+    doubts = workflow.doubts(experiment, plant)
+    for words in doubts:
+        remark(f"note: {words}")
     if check:
-        _check(experiment, estimate, plant, effects, as_json)
+        _check(experiment, estimate, plant, effects, doubts, as_json)
         return
     if output is None:
         if serial is None or resume:
@@ -161,18 +164,17 @@ def _check(
     estimate: "ScheduleEstimate",
     plant: Path | None,
     effects: bool,
+    doubts: tuple[str, ...],
     as_json: bool,
 ) -> None:
     """Print what the runs need of the bench, and with ``effects`` what they would show."""
     from hbench import workflow
 
-    if plant is not None:
-        workflow.check_plant(experiment, plant)
     demand = workflow.demand(experiment)
     found = {"effects": _effects(experiment, plant, as_json)} if effects else {}
     if as_json:
         steady = {"steady_demand": None if demand is None else vars(demand)}
-        values = vars(estimate) | steady | found
+        values = vars(estimate) | steady | {"notes": doubts} | found
         typer.echo(as_object("estimate", name=experiment.schedule.name, **values))
         return
     if demand is not None:

@@ -4,7 +4,9 @@
 
 with the friction F_c > 0, for a position that increases when the cylinder extends and a force that
 is positive when it opposes extension. The coefficients are fitted to the means over the sections of
-constant speed.
+constant speed. Without P_r in the files, the rod side is taken as open to the air. If c shows that
+it is not, the sign of the position and the area are not determined: a pressure that is not logged
+may change with the direction, like friction, and with the load.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,6 +21,7 @@ from hbench.store.suggesting.choice import GUESS, Choice
 _SIGMAS = 5.0  # a coefficient nearer to zero is not determined
 _LEAST = 8  # sections
 _EXACT = 0.03  # of a diameter, its standard error
+_OPEN = 0.1  # of the largest A_p P_p: the constant c of a rod side that is open to the air
 
 
 class ForceBalance(NamedTuple):
@@ -61,7 +64,12 @@ def force_balance(
     rest = force - matrix / scale @ found
     variance = rest @ rest / (len(force) - len(found))
     se = np.sqrt(variance * np.diag(np.linalg.inv((matrix / scale).T @ (matrix / scale)))) / scale
-    return _result(found / scale, se, has_rod, len(rows))
+    result = _result(found / scale, se, has_rod, len(rows))
+    constant_n, its_se = abs(found[-1]), se[-1]
+    closed = constant_n > _OPEN * abs(found[0]) and constant_n > _SIGMAS * its_se
+    if not has_rod and closed:
+        return result._replace(position_sign=0, bore_m=None)
+    return result
 
 
 def _result(found: np.ndarray, se: np.ndarray, has_rod: bool, sections: int) -> ForceBalance:
