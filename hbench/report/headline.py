@@ -249,7 +249,7 @@ def _tile(
     points = "percentage points" if unit == "%" else unit  # not per cent of the value
     widest = half_width(scale * max(halves)) if halves else ""
     most = f"; U up to {widest} {points}" if halves else ""
-    yield Tile(_ends(known, scale), unit, f"{caption}{most}", anchor)
+    yield Tile(_ends(known, scale, known), unit, f"{caption}{most}", anchor)
 
 
 def _of_series(numbers: Sequence[HeadlineNumber | None], series: Sequence[HeadlineSeries]) -> str:
@@ -281,20 +281,22 @@ def _span_words(
         most = "up to " if len(numbers) > 1 else ""
         points = "percentage points" if unit == "%" else unit
         remarks.append(f"U {most}{half_width(max(halves))} {points}{_shares(numbers, unit)}")
+    several = len(sides) > 1
     text = listed(
         [
-            f"{_ends(side, scale)} {unit}{f' {DIRECTION_WORDS[way]}' if len(sides) > 1 else ''}"
+            f"{_ends(side, scale, numbers)} {unit}{f' {DIRECTION_WORDS[way]}' if several else ''}"
             for way, side in sides.items()
         ]
     )
     return f"{text} ({'; '.join(remarks)})" if remarks else text
 
 
-def _ends(numbers: Iterable[HeadlineNumber], scale: float) -> str:
-    """Return the smallest and the largest number, rounded as in the table of all of them."""
+def _ends(numbers: Iterable[HeadlineNumber], scale: float, every: Iterable[HeadlineNumber]) -> str:
+    """Return the smallest and the largest number, rounded alike for all parts of ``every`` one."""
     halves = ((each.value, each.u95) for each in numbers)
     return span_with_intervals(
-        [(scale * value, None if half is None else scale * half) for value, half in halves]
+        [(scale * value, None if half is None else scale * half) for value, half in halves],
+        max((scale * each.u95 for each in every if each.u95 is not None), default=None),
     )
 
 

@@ -279,6 +279,8 @@ def test_a_misfit_of_all_laws_is_stated_on_the_page_in_the_terminal_and_in_json(
     assert verdict(found).startswith(said)
     assert "use " not in verdict(found).partition("points.")[2]
     assert said in " ".join(identification_text(found).split())
+    table = identification_page(found, ()).partition("Misfit of the laws</h2>")[2]
+    assert "Misfit (%)" in table and "All forces are root mean squares." in ordinary_spaces(table)
     misfit = json.loads(identification_json(found))["laws"][0]["misfit"]
     assert (misfit["misfit_n"], misfit["share"], misfit["describes"]) == (41.0, 0.205, False)
     fits = replace(law("lugre", 40.0), misfit=replace(poor, misfit_n=4.0))

@@ -10,6 +10,7 @@ from hbench.analysis.identification.steady_curves import laws_along_curves
 from hbench.records import Fit, IdentifiedLaw, QualityCheck
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.quality.verdict import quality_verdict
+from hbench.report.campaign.terminal import summary_text
 from hbench.report.identification.text import parameter_words
 from hbench.report.render.document import page
 from hbench.report.render.markdown import markdown
@@ -76,6 +77,9 @@ def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
     assert made.tab.endswith("(simulated, incomplete)")  # also in the header of each sheet
     text = page(made)
     assert text.index('class="alarm"') < text.index('class="banner') < text.index("<h2")
+    terminal = " ".join(summary_text(broken).split())
+    assert "(simulated) ABORTED CAMPAIGN: 56 of 96 planned runs were completed." in terminal
+    assert "ended early: the board stopped." in terminal and terminal.count("56 of 96") == 1
     summary = dict(made.sections[0].facts)
     assert f"{len(small.runs)} steady runs" in summary["Measured"]
     assert "of which 1 was interrupted" in summary["Measured"]

@@ -304,6 +304,20 @@ def test_a_tile_of_some_series_counts_them(small):
     assert f", over {len(others)} of {len(others) + 1} series." in document.verdict
 
 
+def test_the_verdict_and_the_tile_round_the_same_friction_alike(small):
+    first, second, *_ = small.headline.series
+    known = first.friction_n
+    values = (("extend", 448.6, 88.9), ("extend", 503.9, 100.1), ("retract", 509.7, 82.9))
+    series = tuple(
+        replace(second, direction=way, friction_n=replace(known, value=value, u95=half))
+        for way, value, half in values
+    )
+    headline = replace(small.headline, series=series)
+    document = report_document(replace(small, headline=headline), ())
+    assert "450–500 N extending and 510 N retracting" in ordinary_spaces(document.verdict)
+    assert document.sections[0].tiles[0].value == "450–510"
+
+
 def test_a_load_cell_that_differs_from_the_set_load_is_explained_without_efficiency_too(small):
     def explanation(difference_n):
         curves = tuple(

@@ -26,7 +26,7 @@ def test_results_and_exceptions_come_back(process):
     assert process.call(killers.double, 21) == 42
     with pytest.raises(KeyError, match="gone"):
         process.call(killers.fail, "gone")
-    with pytest.raises((AttributeError, PicklingError), match="pickle"):
+    with pytest.raises((AttributeError, PicklingError), match="unpicklable"):
         process.call(killers.unpicklable)
     assert process.call(killers.double, 1) == 2
 

@@ -21,7 +21,7 @@ uint16_t hb_probe_cobs_decode(const unsigned char *in, uint16_t count, unsigned 
 
 /* Copies up to capacity records of the log, HB_RECORD_WORDS words each, from record number first
  * on, without the protocol; returns their number. */
-uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32_t capacity);
+uint32_t hb_probe_records(const hb_host *host, uint32_t first, uint16_t *words, uint32_t capacity);
 
 /* Gives the log's next record a number, as after so many records. */
 void hb_probe_skip_records(hb_host *host, uint32_t next);

@@ -56,7 +56,7 @@ _IMPORTED = {  # of another bench's logs
 _ABORTED, _UNFINISHED = "aborted", "unfinished"  # codes of the reasons
 _NO_REASON = "No fault is recorded: the campaign was interrupted, or is still running."
 _BY_OPERATOR = "interrupted by the operator"
-_OF_COMPLETED = "All numbers on this page are those of the completed runs."
+_OF_COMPLETED = "All numbers are those of the completed runs."
 
 
 def reason_counts(results: Results) -> Counter[str]:

@@ -14,7 +14,7 @@ from hbench.report.campaign.fit_tables import label_and_unit, law_words, paramet
 from hbench.report.campaign.motion_rows import motion_lines
 from hbench.report.campaign.page_tables import balance_table, band_table, trend_table
 from hbench.report.campaign.quality.verdict import quality_verdict
-from hbench.report.campaign.reasons import reason_counts
+from hbench.report.campaign.reasons import aborted_words, reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.campaign.table_columns import BALANCE, OF_DIRECTIONS
 from hbench.report.drift import drift_reserve, drift_words
@@ -75,16 +75,18 @@ def summary_text(results: Results, decision: str = "") -> str:
     bands = [line for each in _band_tables(results) for line in ("", *table_lines(each))]
     moving = ["", *moving] if moving else []
     drift = possible_drift_words(results)
+    alarm = aborted_words(results)
     verdict = (
         f"{decision} by the last hbench accept." if decision else "",
         headline_words(results),
-        quality_verdict(results.quality, stated=bool(drift)),
+        quality_verdict(results.quality, not alarm, stated=bool(drift)),
         "" if drift else drift_reserve(results.drift),
         _ANCHOR.sub("report.html", _REFERENCE.sub("", next_step_words(results))),
     )
     verdicts = wrapped(" ".join(filter(None, verdict)).replace("–", " to "))
     paragraphs = [line for note in notes for line in wrapped(note)]
-    lines = [head, *wrapped(counts), *verdicts, *table, *bands, *moving, *([""] if bands else [])]
+    top = [head, *wrapped(alarm), *wrapped(counts), *verdicts]
+    lines = [*top, *table, *bands, *moving, *([""] if bands else [])]
     text = "\n".join([*lines, *paragraphs])
     text = text.replace("−", "-").replace("²", "^2").replace("±", "+-")
     return text.replace("–", " to ")  # not every terminal can show them

@@ -11,8 +11,8 @@ from hbench.sentences import capital
 
 MISFIT = "Misfit of the laws"
 _HEAD = (
-    *("Law", "Motion", "Friction (N)", "Error (N)", "Scatter (N)", "Misfit (N)", "Share (%)"),
-    "Fits",
+    *("Law", "Motion", "Friction (N)", "Error (N)", "Scatter (N)", "Misfit (N)", "Misfit (%)"),
+    "Describes it",
 )
 _STEADY, _MOVING = "steady", "reversing"
 _WHERE = {_STEADY: "at steady speeds", _MOVING: "in reversing motions"}
@@ -22,12 +22,13 @@ _NOT_ITS_OWN = (
 )
 MISFIT_FACT = (
     "Misfit",
-    "Root mean square of the measured friction less that of the law, without the scatter of the "
-    "trials, and without what errors of the instruments within their tolerances explain (an offset "
-    "of the force where they are not known). In motion it is the part that is the same in all "
-    "runs, less the mean of each run. A law does not describe friction if the misfit is "
-    f"significant and more than {100 * NEGLIGIBLE_MISFIT:g} % of friction. Shifted: errors of the "
-    "instruments would explain most of the error.",
+    "All forces are root mean squares. The error is the measured friction less that of the law. "
+    "The misfit is the error without the scatter of the trials, and without what errors of the "
+    "instruments within their tolerances explain (an offset of the force where they are not "
+    "known); its percentage is that of friction. In reversing motions friction and error are less "
+    "their mean over each run, and the misfit is the part that is the same in all runs. A law does "
+    f"not describe friction if the misfit is significant and more than {100 * NEGLIGIBLE_MISFIT:g} "
+    "% of friction. Shifted: errors of the instruments would explain most of the error.",
 )
 
 Compared = list[tuple[str, LackOfFit]]

@@ -156,13 +156,17 @@ def alike(values: Collection[float]) -> str:
     return _range(number(low, decimals), number(high, decimals))
 
 
-def span_with_intervals(values: Collection[tuple[float, float | None]]) -> str:
+def span_with_intervals(
+    values: Collection[tuple[float, float | None]], widest: float | None = None
+) -> str:
     """Write the range of values with half-widths, both ends rounded as the less certain one.
 
-    An end that would keep a single digit is rounded by its own half-width: ``1.7–16.1``.
+    Ranges of parts of the values are rounded alike with the ``widest`` half-width of all. An end
+    that would keep a single digit is rounded by its own half-width: ``1.7–16.1``.
     """
     ends = (min(values, key=itemgetter(0)), max(values, key=itemgetter(0)))
-    widest = max((half for _, half in ends if half is not None), default=None)
+    if widest is None:
+        widest = max((half for _, half in ends if half is not None), default=None)
     return _range(*(_rounded(value, half, widest) for value, half in ends))
 
 
