@@ -335,3 +335,14 @@ def test_positions_outside_the_stroke_are_refused(runs, model):
     error = refused(longer, model)
     assert error.message.startswith("x_m: positions from") and "stroke" in error.message
     assert "offset" in error.hint
+
+
+def test_a_stroke_that_the_campaign_states_otherwise_is_refused(runs, model):
+    stated = [
+        replace(run, plan=replace(run.plan, specimen=replace(SPECIMEN, stroke_m=0.4)))
+        for run in runs
+    ]
+    refuse_contradictions(sessions(stated), model)
+    test = model.par.test._replace(stroke_m=4.0)
+    error = refused(stated, replace(model, par=model.par._replace(test=test)))
+    assert error.message.startswith("test_cylinder.stroke: 4000 mm in the model file, 400 mm")

@@ -26,11 +26,14 @@ from hbench.reconcile.measured.moving_windows import moving_windows
 from hbench.reconcile.measured.session import Session
 
 _SUPPLY = 0.25  # relative deviation of the median: a source that droops falls by less
-_OUTSIDE = 0.05  # of the stroke: the zero of a position sensor may be off by so much
+_OUTSIDE = (
+    0.05  # of the stroke: a position sensor's zero, or a stated stroke, may be off by so much
+)
 
 
 def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     """Raise ``DataError`` where positions, commands or forces contradict the logs or the model."""
+    _refuse_stroke(logs[0].runs[0].plan.specimen.stroke_m, model.par.test.stroke_m)
     _refuse_positions(logs, model.par.test.stroke_m)
     _refuse_supply(logs, model.par.supply.pressure_pa)
     moving = moving_windows(logs, model)
@@ -46,6 +49,21 @@ def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
             refuse_areas(name, cylinder, fit, stated.get(name))
             fits[name] = fit
     refuse_one_scale(fits, cylinders)
+
+
+def _refuse_stroke(stated_m: float | None, stroke_m: float) -> None:
+    """Raise ``DataError`` for a stroke in the model that is not that of the measured cylinder.
+
+    The volumes of the chambers, and so all flows, follow from it.
+    """
+    if stated_m is None or abs(stroke_m / stated_m - 1) <= _OUTSIDE:
+        return
+    raise DataError(
+        f"test_cylinder.stroke: {1e3 * stroke_m:.4g} mm in the model file, {1e3 * stated_m:.4g} mm "
+        "in the import map or the campaign's bench file (limit: "
+        f"{100 * _OUTSIDE:.0f} % difference)",
+        "Correct the one that is wrong.",
+    )
 
 
 def _refuse_positions(logs: Sequence[Session], stroke_m: float) -> None:
