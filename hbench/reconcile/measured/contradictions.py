@@ -26,9 +26,8 @@ from hbench.reconcile.measured.moving_windows import moving_windows
 from hbench.reconcile.measured.session import Session
 
 _SUPPLY = 0.25  # relative deviation of the median: a source that droops falls by less
-_OUTSIDE = (
-    0.05  # of the stroke: a position sensor's zero, or a stated stroke, may be off by so much
-)
+# Of the stroke: the zero of a position sensor, or a stated stroke, may be off by so much.
+_OUTSIDE = 0.05
 
 
 def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
