@@ -41,6 +41,19 @@ def finds(monkeypatch):
     return set_
 
 
+@pytest.fixture
+def tasks(monkeypatch):
+    """The tasks that the command has diagnosed."""
+    found = []
+
+    def diagnose(task):
+        found.append(task)
+        return made.named()
+
+    monkeypatch.setattr("hbench.workflow.campaign_diagnosis.diagnose", diagnose)
+    return found
+
+
 def test_the_verdict_is_on_stdout_and_the_page_in_the_folder(finds, tmp_path):
     finds(made.named())
     result = run(SAMPLE, "--model", MODEL, "-o", tmp_path / "out")
@@ -51,15 +64,8 @@ def test_the_verdict_is_on_stdout_and_the_page_in_the_folder(finds, tmp_path):
     assert log[0].endswith(f"reading {SAMPLE}") and log[-1].endswith("  finished")
 
 
-def test_values_of_zero_in_the_model_file_are_refitted_from_small_ones(monkeypatch, tmp_path):
+def test_values_of_zero_in_the_model_file_are_refitted_from_small_ones(tasks, tmp_path):
     """No viscous friction and no dead volumes are what a user writes who does not know them."""
-    tasks = []
-
-    def diagnose(task):
-        tasks.append(task)
-        return made.named()
-
-    monkeypatch.setattr("hbench.workflow.campaign_diagnosis.diagnose", diagnose)
     model = tmp_path / "model.yaml"
     text = MODEL.read_text().replace("tank: 2 bar", "tank: 0 bar")
     model.write_text(re.sub(r"viscous: 2500 N s/m", "viscous: 0 N s/m", text))
@@ -77,15 +83,8 @@ def test_values_of_zero_in_the_model_file_are_refitted_from_small_ones(monkeypat
     ) in words
 
 
-def test_values_that_the_flows_contradict_are_replaced_by_the_measured_ones(monkeypatch, tmp_path):
+def test_values_that_the_flows_contradict_are_replaced_by_the_measured_ones(tasks, tmp_path):
     """Oil alone is twenty times as stiff as this bench with its hoses; no refit gets so far."""
-    tasks = []
-
-    def diagnose(task):
-        tasks.append(task)
-        return made.named()
-
-    monkeypatch.setattr("hbench.workflow.campaign_diagnosis.diagnose", diagnose)
     model = tmp_path / "model.yaml"
     text = MODEL.read_text().replace("bulk_modulus: 700 bar", "bulk_modulus: 1.4 GPa")
     model.write_text(text.replace("gain: 7.43e-7", "gain: 1.5e-6"))
