@@ -137,12 +137,6 @@ class ParameterEstimates:
     def _names(self) -> tuple[str, ...]:
         return tuple(self.model.data.names[i] for i in self.chosen)
 
-    def draws(self, count: int, seed: int = 1) -> list[Hypothesis]:
-        """Return hypotheses drawn from the parameters' uncertainty, within their bounds."""
-        rng = np.random.default_rng(seed)
-        drawn = rng.multivariate_normal(self.beta, self.covariance, count, method="svd")
-        return [self.hypothesis(np.clip(beta, self.low, self.high)) for beta in drawn]
-
     def _parameter(
         self, i: int, value: float, se: float, ends: tuple[float, float], unit: str
     ) -> FitParameter:

@@ -12,6 +12,7 @@ from hbench.reconcile.separation.missing_data import MISSING
 from hbench.reconcile.strokes.series import stroke_pairs
 from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE, StrokeTask, diagnose_strokes
 from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
+from hbench.report.diagnosis.summary import answers
 from hbench.units import to_si
 
 BORE_M = 0.040
@@ -100,6 +101,18 @@ def test_trials_of_files_with_other_positions_are_repeats():
     assert len({pair.plan for pair in stroke_pairs(as_imported)}) == len(BARS)
     found = diagnosed(only=tuple(as_imported))
     assert {each.name for each in found.alternatives} >= {"load_friction"}
+
+
+def test_parameters_that_one_speed_does_not_separate_are_no_excuse_for_a_gap():
+    """Only their sum is determined; a correct model with it fits at every load."""
+    friction = {"coulomb": "60 N", "stiction": "190 N", "stribeck_velocity": "30 mm/s",
+                "viscous": "700 N s/m"}  # fmt: skip
+    model = MODEL | {"friction": {"test": MODEL["friction"]["test"] | friction}}
+    found = diagnosed(model, one_speed=strokes(lambda bar: 150.0, bars=(20, 40, 60, 80)))
+    assert found.verdict == "none"
+    total = found.gap_heldout.total
+    assert 1.0 <= total.floor < 1.5 < 10 < total.before
+    assert dict(answers(found))["What to do"].startswith("Use model.yaml")
 
 
 @pytest.fixture(scope="module")

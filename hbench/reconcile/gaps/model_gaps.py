@@ -61,9 +61,19 @@ def expected_variance(final: LinearisedModel, estimates: ParameterEstimates) -> 
 
     That by the residuals alone: where they are far below what is material, so is this.
     """
+    return residual_variance(final, estimates, estimates.sandwich)
+
+
+def residual_variance(
+    final: LinearisedModel, estimates: ParameterEstimates, covariance: np.ndarray
+) -> np.ndarray:
+    """Return the variance (w, c) of the residuals by a covariance of the parameters, in scatters.
+
+    By the columns: of parameters that only their sum determines, draws would leave the fit.
+    """
     names = [final.data.names[i] for i in estimates.chosen]
     columns = np.stack([np.nan_to_num(final.columns[name]) for name in names], axis=-1)
-    variance = np.einsum("wcj,jk,wck->wc", columns, estimates.sandwich, columns, optimize=True)
+    variance = np.einsum("wcj,jk,wck->wc", columns, covariance, columns, optimize=True)
     return variance / final.gap_map.scatter**2
 
 

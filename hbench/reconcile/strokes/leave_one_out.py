@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.reconcile.estimates import ParameterEstimates
-from hbench.reconcile.gaps.gap_map import GapMap, gap_of
+from hbench.reconcile.gaps.gap_map import GapMap, column_means, gap_of
+from hbench.reconcile.gaps.model_gaps import residual_variance
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.reconcile.strokes.stroke_search import SeriesSearch
 from hbench.records import BeforeAfter, GapTable, HeldOutLoad
 
-_DRAWS = 8
 StageGaps = dict[str, GapMap]  # before, refitted, after: of some points, parameters from others
 
 
@@ -40,14 +39,10 @@ def leave_each_load_out(
     ]
 
 
-def gap_floor(strokes: MeasuredStrokes, best: ParameterEstimates) -> np.ndarray:
+def gap_floor(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
     """Return the gaps (c,) of a correct model with parameters as uncertain as these."""
-    centre = strokes.gap_map(best.hypothesis(best.beta))
-    squares = [
-        ((strokes.gap_map(drawn).difference - centre.difference) / centre.scatter) ** 2
-        for drawn in best.draws(_DRAWS)
-    ]
-    return np.sqrt(1 + np.mean(squares, axis=(0, 1)))
+    variance = residual_variance(final, estimates, estimates.covariance)
+    return np.sqrt(1 + column_means(variance))
 
 
 def gap_table(stages: Sequence[StageGaps], floor: np.ndarray | None = None) -> GapTable:

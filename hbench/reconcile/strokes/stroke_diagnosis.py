@@ -198,7 +198,7 @@ def _assembled(
     point, practice = strokes_in_practice(strokes, best, fits)
     before = result.refitted.gap_map
     after = strokes.gap_map(best, before)
-    train = gap_table([gaps_at(search, start, names, indices)], gap_floor(strokes, estimates))
+    train = gap_table([gaps_at(search, start, names, indices)], gap_floor(final, estimates))
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,

@@ -119,7 +119,11 @@ def estimated(name: str, fit: ParameterEstimates) -> dict[str, tuple[float, floa
     )
     factor = float(student_factor(whole_dof(dof)))
     best = _coefficients(name, fit.hypothesis(fit.beta))
-    drawn = [_coefficients(name, each) for each in fit.draws(_DRAWS)]
+    betas = np.random.default_rng(1).multivariate_normal(
+        fit.beta, fit.covariance, _DRAWS, method="svd"
+    )
+    within = np.clip(betas, fit.low, fit.high)
+    drawn = [_coefficients(name, fit.hypothesis(beta)) for beta in within]
     return {
         quantity: (of(best), factor * float(np.std([of(each) for each in drawn])))
         for quantity, (of, _) in QUANTITIES.get(name, {}).items()
