@@ -33,17 +33,15 @@ def test_an_interrupted_campaign_reports_the_runs_and_points_that_are_missing(
     (point,) = cut.quality.completeness.short_points
     assert (point.v_ref_m_s, point.accepted, point.planned) == (0.12, 0, 2)
     assert check(cut, "trials_per_point").value == 0
-    words = (
-        "incomplete: 2 of 4 planned runs were not completed; 1 of 2 points has no accepted trial"
-    )
     text = " ".join(summary_text(cut).split())
-    assert words in text
-    assert "50 % of the planned runs were completed (poor below 80 %)" in text
+    assert "ABORTED CAMPAIGN: 2 of 4 planned runs were completed. Run 0003 (steady, 120" in text
+    assert "ended early: interrupted by the operator." in text
+    assert "1 point has no accepted trial. Next step: continue the campaign" in text
 
     on_the_rig(schedule, folder, resume=True)
     whole = workflow.analyze(folder)
     assert whole.quality.completeness.not_completed == whole.quality.completeness.short_points == ()
-    assert check(whole, "complete").grade == "good" and "incomplete" not in summary_text(whole)
+    assert check(whole, "complete").grade == "good" and "ABORTED" not in summary_text(whole)
 
 
 def test_adaptive_speeds_that_are_not_decided_count_as_the_most_runs_that_may_follow(
