@@ -382,6 +382,22 @@ def test_an_efficiency_map_has_a_dot_for_each_measured_point_and_says_its_units(
         assert axes.get_xlim() == same.get_xlim() and axes.get_ylim() == same.get_ylim()
 
 
+def test_no_level_is_written_where_the_colours_of_a_map_end(stribeck):
+    """White on white, a part of the number would be missing."""
+    from hbench.report.campaign.figures.efficiency_map import efficiency_map
+
+    labels = []
+    for figure in efficiency_map(stribeck).values():
+        figure.draw_without_rendering()
+        for axes in (each for each in figure.axes if each.get_ylabel().startswith("Load")):
+            inside = axes.dataLim.transformed(axes.transData).padded(1.0)
+            for text in axes.texts:
+                box = text.get_window_extent()
+                labels.append(text.get_text())
+                assert inside.count_contains(box.corners()) == 4, text.get_text()
+    assert labels
+
+
 def test_two_loads_make_no_efficiency_map(small):
     from hbench.report.campaign.figures.efficiency_map import has_efficiency_map
 

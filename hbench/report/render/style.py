@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
@@ -191,6 +192,18 @@ def common_levels(arrays: Iterable[np.ndarray]) -> np.ndarray | None:
     if not len(known):
         return None
     return MaxNLocator(_LEVELS).tick_values(float(known.min()), float(known.max()))
+
+
+def label_contours(axes: Axes, lines: ContourSet) -> None:
+    """Write every other level on its line; none that the end of the colours would cut.
+
+    The limits of the axes must be set.
+    """
+    inside = axes.dataLim.transformed(axes.transData)
+    for text in list(axes.clabel(lines, list(lines.levels)[1::2], fontsize=8, fmt="%g")):
+        corners = text.get_window_extent().corners()
+        if inside.count_contains(corners) < len(corners):
+            text.remove()
 
 
 def columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

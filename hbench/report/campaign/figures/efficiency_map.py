@@ -41,12 +41,10 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
         known = bool(np.isfinite(u95).all())
         figure = style.new_figure(height_in=6.0 if known else 3.8)
         panels = figure.subplots(2 if known else 1, sharex=True, squeeze=False)[:, 0]
-        _map(figure, panels[0], (speed, load, value), levels[0], "Efficiency (%)")
+        _map(figure, panels[0], (speed, load, value), limits, levels[0], "Efficiency (%)")
         if known:
             label = "U, trials and instruments (%)"
-            _map(figure, panels[1], (speed, load, u95), levels[1], label)
-        for axes in panels:
-            axes.set(xlim=limits[0], ylim=limits[1])
+            _map(figure, panels[1], (speed, load, u95), limits, levels[1], label)
         panels[-1].set_xlabel("Speed |v| (mm/s)")
         style.head(panels[0], f"Efficiency map, {within_title(name)}", results)
         style.read_as(figure, style.OF_MAPS)
@@ -90,6 +88,7 @@ def _map(
     figure: Figure,
     axes: Axes,
     points: tuple[np.ndarray, np.ndarray, np.ndarray],
+    limits: tuple[tuple[float, float], tuple[float, float]],
     levels: np.ndarray | None,
     label: str,
 ) -> None:
@@ -99,7 +98,8 @@ def _map(
     mesh = Triangulation(speed, load, corners)
     filled = axes.tricontourf(mesh, value, levels=levels, cmap="cividis")
     lines = axes.tricontour(mesh, value, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5)
-    axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
+    axes.set(xlim=limits[0], ylim=limits[1])
+    style.label_contours(axes, lines)
     (dots,) = axes.plot(speed, load, label="_measured", **style.DOTS)
     behind(dots, {without_math(label): value})
     axes.set_ylabel("Load |$F_L$| (kN)")

@@ -204,12 +204,12 @@ def surfaces(results: Results) -> dict[str, Figure]:
         lines = axes.contour(
             v, load, friction, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5
         )
-        axes.clabel(lines, list(lines.levels)[1::2], fontsize=8, fmt="%g")
         points = np.array([(speed, force) for force in load for speed in v])
         (dots,) = axes.plot(*points.T, label="_measured", **style.DOTS)
         behind(dots, {"Friction |F| (N)": friction.ravel()})
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Load against the motion (kN)")
         axes.set(xlim=speeds, ylim=loads)
+        style.label_contours(axes, lines)
         axes.grid(visible=False)
         figure.colorbar(filled, ax=axes, label="Friction |F| (N)")
         name = ", ".join(filter(None, (surface.label, TITLES[surface.direction])))
