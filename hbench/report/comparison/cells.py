@@ -18,9 +18,9 @@ from hbench.report.render.word_tables import with_columns
 
 SIGNIFICANT, NOT_SIGNIFICANT = "significant", "not significant"
 MAY_BE_DRIFT = "may be drift"
-_WITH_U, _TRIALS = "B − A ± U", "B − A ± trials"
+WITH_U, TRIALS = "B − A ± U", "B − A ± trials"
 P_TRIALS = "p, trials"
-HEAD = ("A", "B", _WITH_U, _TRIALS, "Verdict", P_TRIALS)
+HEAD = ("A", "B", WITH_U, TRIALS, "Verdict", P_TRIALS)
 
 
 def difference_table(
@@ -37,8 +37,8 @@ def difference_table(
     first = len(head)
     own = " ± U" if any("±" in cell for row in rows for cell in row[first : first + 2]) else ""
     head = (*head, f"A{own}", f"B{own}", *HEAD[2:], *behind)
-    with_u = any("±" in row[head.index(_WITH_U)] for row in rows)
-    left_out = head.index(_TRIALS if with_u else _WITH_U)
+    with_u = any("±" in row[head.index(WITH_U)] for row in rows)
+    left_out = head.index(TRIALS if with_u else WITH_U)
     kept = [i for i in range(len(head)) if i != left_out]
     return with_columns(WordTable(title, head, rows), kept)
 

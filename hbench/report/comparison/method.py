@@ -2,8 +2,13 @@
 
 from hbench.records import CampaignDifferences
 from hbench.records.numbers import SIGNIFICANCE
-from hbench.report.comparison.cells import MAY_BE_DRIFT, P_TRIALS
-from hbench.report.comparison.tables import has_drift_column, hidden_curves, unseparated
+from hbench.report.comparison.cells import MAY_BE_DRIFT, P_TRIALS, TRIALS
+from hbench.report.comparison.tables import (
+    has_drift_column,
+    hidden_curves,
+    speeds_table,
+    unseparated,
+)
 from hbench.report.comparison.verdict import drift_words
 from hbench.sentences import capital
 
@@ -75,7 +80,7 @@ def read_facts(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     known = any(each is not None and each.u95 is not None for each in tested)
     if not known:
         return _READ_TRIALS
-    both = differences.mean_of_curves is not None and differences.mean_of_curves.speeds
+    both = TRIALS in speeds_table(differences).head
     return (("U", _U.format(coverage=_coverage(differences))), *(_READ_TRIALS if both else ()))
 
 

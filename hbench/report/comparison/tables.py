@@ -14,10 +14,11 @@ from hbench.records import (
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.comparison.cells import (
-    HEAD,
     MAY_BE_DRIFT,
     NOT_SIGNIFICANT,
     SIGNIFICANT,
+    TRIALS,
+    WITH_U,
     cells,
     difference_table,
     label_of,
@@ -31,6 +32,8 @@ from hbench.report.render.numbers import (
     with_interval,
 )
 from hbench.units import from_si
+
+_CLEARLY_MORE = 1.1  # times the interval of the trials
 
 
 def means_tables(differences: CampaignDifferences) -> tuple[WordTable, WordTable]:
@@ -125,20 +128,24 @@ def _over_curves(differences: CampaignDifferences, drift_too: bool) -> list[tupl
 
 
 def speeds_table(differences: CampaignDifferences) -> WordTable:
-    """Return the difference of friction at each speed, in the mean over the curves."""
+    """Return the difference of friction at each speed, in the mean over the curves.
+
+    With its U, and with the intervals of the trials where these are clearly smaller.
+    """
     mean = differences.mean_of_curves
     speeds = mean.speeds if mean else ()
-    known = any(each.u95_n is not None for each in speeds)
-    rows = tuple(
-        (
-            number(1e3 * each.v_m_s, 1),
-            *([with_interval(each.value_n, each.u95_n)] if known else []),
-            with_interval(each.value_n, each.ci95_n),
-        )
-        for each in speeds
-    )
+    columns = {
+        "Speed (mm/s)": [number(1e3 * each.v_m_s, 1) for each in speeds],
+        WITH_U: [with_interval(each.value_n, each.u95_n) for each in speeds],
+        TRIALS: [with_interval(each.value_n, each.ci95_n) for each in speeds],
+    }
+    known = [(each.u95_n, each.ci95_n) for each in speeds if each.u95_n is not None]
+    if len(known) < len(speeds):
+        del columns[WITH_U]
+    elif all(u95_n < _CLEARLY_MORE * ci95_n for u95_n, ci95_n in known):
+        del columns[TRIALS]
     title = "Friction (N): B − A at each speed, means over the curves"
-    return WordTable(title, ("Speed (mm/s)", *HEAD[2 if known else 3 : 4]), rows)
+    return WordTable(title, tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
 
 def mean_verdict(differences: CampaignDifferences) -> str:
