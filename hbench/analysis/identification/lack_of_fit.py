@@ -1,4 +1,4 @@
-"""Lack of fit of identified laws: the part of their errors that repeats from trial to trial.
+"""Lack of fit of the identified laws: the error of a law that repeats from trial to trial.
 
 At steady speeds (N. R. Draper and H. Smith, Applied Regression Analysis, 1998, section 2.1), with
 the means of n_i trials at n points, a law with p parameters fitted to them, and the variance s^2
