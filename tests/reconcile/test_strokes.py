@@ -12,7 +12,10 @@ from hbench.reconcile.separation.missing_data import MISSING
 from hbench.reconcile.strokes.series import stroke_pairs
 from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE, StrokeTask, diagnose_strokes
 from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
+from hbench.report.diagnosis.heading import title_words
 from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.verdict import verdict_words
+from hbench.report.diagnosis.words.change import alternative_sets
 from hbench.units import to_si
 
 BORE_M = 0.040
@@ -113,6 +116,33 @@ def test_parameters_that_one_speed_does_not_separate_are_no_excuse_for_a_gap():
     total = found.gap_heldout.total
     assert 1.0 <= total.floor < 1.5 < 10 < total.before
     assert dict(answers(found))["What to do"].startswith("Use model.yaml")
+
+
+def test_of_two_balances_one_effect_each_is_missing():
+    """Friction that rises with pressure, and an offset: no single effect explains both."""
+    both = tuple(
+        replace(
+            run,
+            run=replace(run.run, f_applied_n=run.run.f_applied_n - 25),
+            means=replace(
+                run.means,
+                f_applied_n=run.means.f_applied_n - 25,
+                friction_n=run.means.friction_n + 25,
+            ),
+        )  # fmt: skip
+        for run in strokes(lambda bar: 30.0 + 2.0 * bar)
+    )
+    found = diagnosed(both=both)
+    sets = [[each.name for each in some] for some in alternative_sets(found)]
+    assert [set(names) for names in sets] == [
+        {"load_friction", "seal_pressure_friction"},
+        {"load_cell_offset", "pressure_offset"},
+    ]
+    assert "ne of 2 effects, and one of 2 others, not distinguishable" in title_words(found)
+    words = verdict_words(found)
+    assert words.count("ne of these effects is missing in the model") == 2
+    assert "these data cannot distinguish the effects of a set." in words
+    assert "from case to case" not in words
 
 
 @pytest.fixture(scope="module")

@@ -183,7 +183,11 @@ def _assembled(
     priors = nuisances(strokes.plant)
     factors, best = search.factors(estimates), estimates.hypothesis(estimates.beta)
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
-    alternatives = tuple(candidate for step in result.steps for candidate in step.ambiguous)
+    alternatives = tuple(
+        replace(candidate, balance=step.balance)
+        for step in result.steps
+        for candidate in step.ambiguous
+    )
     undecided = {step.balance for step in result.steps if step.ambiguous}
     unexplained = tuple(
         gap for gap in unexplained_gaps(strokes.ranked_gaps(best)) if gap.name not in undecided

@@ -41,6 +41,7 @@ class Candidate:
     parameters: dict[str, FloatOrNan]
     tried: Literal["full", "linear"]  # at its fitted coefficients, or by its columns alone
     threshold: FloatOrNan = 0.0  # that its score must exceed
+    balance: str = ""  # of steady strokes, whose gap it would explain; empty: those of its law
 
 
 @dataclass(frozen=True)

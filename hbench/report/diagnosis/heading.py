@@ -3,6 +3,7 @@
 from hbench.records import Diagnosis
 from hbench.report.campaign.sections.settings import provenance_facts
 from hbench.report.diagnosis.names import in_words
+from hbench.report.diagnosis.words.change import alternative_sets
 from hbench.sentences import capital, counted, listed
 
 _LONGEST = 60  # letters of the names of effects in a title
@@ -32,14 +33,20 @@ def _verdict(diagnosis: Diagnosis) -> str:
             words = _counted(len(sure), len(others))
         return capital(words)
     if diagnosis.verdict == "ambiguous":
-        names = [in_words(candidate.name) for candidate in diagnosis.alternatives]
-        either = listed(names, "or")
-        if len(either) > _LONGEST:
-            either = f"one of {len(names)} effects"
-        return f"{capital(either)}, not distinguishable"
+        return f"{capital(_either(diagnosis))}, not distinguishable"
     if diagnosis.verdict == "none":
         return "No missing effect found"
     return "Unknown deviation" if diagnosis.where else "Too few data for a verdict"
+
+
+def _either(diagnosis: Diagnosis) -> str:
+    """Return the effects of the ambiguous sets, or how many there are of each."""
+    sets = [[in_words(each.name) for each in some] for some in alternative_sets(diagnosis)]
+    either = ", and ".join(listed(names, "or") for names in sets)
+    if len(either) <= _LONGEST:
+        return either
+    first, *others = map(len, sets)
+    return ", and ".join([f"one of {first} effects", *(f"one of {n} others" for n in others)])
 
 
 def _counted(sure: int, others: int) -> str:

@@ -45,6 +45,7 @@ from hbench.report.diagnosis.words.candidate import (
 from hbench.report.diagnosis.words.change import (
     READINGS,
     TEST_FRICTION,
+    alternative_sets,
     alternatives,
     common_error,
     friction_words,
@@ -92,6 +93,10 @@ _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
 _OWN_EFFECT = (
     "A cause that the catalogue does not contain can be added as an effect of your own "
     "(configs/README.md, HBENCH_EFFECTS); then reconcile again."
+)
+_APPROXIMATE = (
+    "The laws of the catalogue are approximations: the effect with the better score may be the "
+    "wrong one."
 )
 _MEANWHILE = (
     "Until then, model.yaml reproduces a part of this deviation by its unnamed law, within the "
@@ -146,7 +151,9 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         own = "Second deviation" if diagnosis.effects else ""
         for question, sentence in _ambiguous(diagnosis):
             yield _of(own, question), sentence
-        yield _SCORES, closeness(diagnosis.alternatives)
+        for candidates in alternative_sets(diagnosis):
+            yield _SCORES, closeness(candidates)
+        yield _SCORES, _APPROXIMATE
     if diagnosis.effects:
         yield _REMAINDER, remainder(diagnosis)
         yield from _remaining(diagnosis)

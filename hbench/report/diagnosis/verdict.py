@@ -23,6 +23,7 @@ from hbench.report.diagnosis.words.agreement import (
     total_words,
 )
 from hbench.report.diagnosis.words.change import (
+    alternative_sets,
     alternatives,
     friction_words,
     largest_words,
@@ -240,11 +241,18 @@ def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
     sensors = {each.name for each in diagnosis.practice if wrong_readings(each)}
-    wrong = all(candidate.name in sensors for candidate in diagnosis.alternatives)
-    what = "errors of the instruments is present" if wrong else "effects is missing in the model"
-    names = listed([in_words(candidate.name) for candidate in diagnosis.alternatives], "or")
+    sets = alternative_sets(diagnosis)
+    present = list[str]()
+    for candidates in sets:
+        wrong = all(each.name in sensors for each in candidates)
+        what = (
+            "errors of the instruments is present" if wrong else "effects is missing in the model"
+        )
+        names = listed([in_words(each.name) for each in candidates], "or")
+        present.append(f"{'also, ' if present else ''}one of these {what}: {names}")
     also = [f"{in_words(each.name)} ({coefficients_words(each)})" for each in diagnosis.effects]
-    yield f"One of these {what}: {names}; these data cannot distinguish them."
+    apart = "the effects of a set" if sets[1:] else "them"
+    yield f"{capital('. '.join(map(capital, present)))}; these data cannot distinguish {apart}."
     yield f"Added before: {'; '.join(also)}." if also else ""
     yield _cases(diagnosis)
     yield friction_words(diagnosis, brief=True)

@@ -25,9 +25,7 @@ def closeness(candidates: Sequence[Candidate]) -> str:
     scores = [f"{in_words(each.name)} {number(each.score, 0)}" for each in candidates]
     return (
         "Share of the gap beyond the repeatability that each explains in cross-validation: "
-        f"{', '.join(explained)}. Their scores ({', '.join(scores)} nats) are too close to decide. "
-        "The laws of the catalogue are approximations: the effect with the better score may be the "
-        "wrong one."
+        f"{', '.join(explained)}. Their scores ({', '.join(scores)} nats) are too close to decide."
     )
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter
+from hbench.records import Candidate, Change, Diagnosis, EffectInPractice, FitParameter
 from hbench.records.reconcile.diagnosis import MOTION_BALANCE
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -51,6 +51,14 @@ def alternatives(diagnosis: Diagnosis) -> list[EffectInPractice]:
     return [known[each.name] for each in diagnosis.alternatives if each.name in known]
 
 
+def alternative_sets(diagnosis: Diagnosis) -> list[list[Candidate]]:
+    """Return the ambiguous sets: of each one effect is missing. Strokes have one a balance."""
+    sets = dict[str, list[Candidate]]()
+    for candidate in diagnosis.alternatives:
+        sets.setdefault(candidate.balance, []).append(candidate)
+    return list(sets.values())
+
+
 def changes_of(effect: EffectInPractice) -> list[Change]:
     """Return what an effect changes.
 
@@ -67,7 +75,7 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     itself: its measured value is right then. In brief, by how much the values differ.
     """
     chosen = alternatives(diagnosis)
-    if len(chosen) < 2:
+    if len(chosen) < 2 or alternative_sets(diagnosis)[1:]:  # with two sets two are missing
         return ""
     if of_strokes(diagnosis):
         return _friction_of_strokes(chosen)
