@@ -1,4 +1,4 @@
-"""Lack of fit of the identified laws: the error of a law that repeats from trial to trial.
+"""How badly the identified laws fit: the error of a law that repeats from trial to trial.
 
 At steady speeds (N. R. Draper and H. Smith, Applied Regression Analysis, 1998, section 2.1), with
 the means of n_i trials at n points, a law with p parameters fitted to them, and the variance s^2
@@ -48,7 +48,7 @@ _FEWEST_RUNS = 3
 def with_lack_of_fit(
     laws: Sequence[IdentifiedLaw], curves: Sequence[Curve], motions: Sequence[LoggedMotion]
 ) -> tuple[IdentifiedLaw, ...]:
-    """Return the laws with their lack of fit at the points of ``curves`` and along ``motions``.
+    """Return the laws, each with its lack of fit at the ``curves``' points and along ``motions``.
 
     Only dynamic laws are compared along motions: static laws contain no presliding.
     """
