@@ -14,8 +14,9 @@ from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE, StrokeTask, dia
 from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 from hbench.report.diagnosis.heading import title_words
 from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.tables.change_tables import candidates_table
+from hbench.report.diagnosis.tables.gap_tables import loads_table
 from hbench.report.diagnosis.verdict import verdict_words
-from hbench.report.diagnosis.words.change import alternative_sets
 from hbench.units import to_si
 
 BORE_M = 0.040
@@ -133,7 +134,7 @@ def test_of_two_balances_one_effect_each_is_missing():
         for run in strokes(lambda bar: 30.0 + 2.0 * bar)
     )
     found = diagnosed(both=both)
-    sets = [[each.name for each in some] for some in alternative_sets(found)]
+    sets = [[each.name for each in some] for some in found.alternative_sets]
     assert [set(names) for names in sets] == [
         {"load_friction", "seal_pressure_friction"},
         {"load_cell_offset", "pressure_offset"},
@@ -143,6 +144,16 @@ def test_of_two_balances_one_effect_each_is_missing():
     assert words.count("ne of these effects is missing in the model") == 2
     assert "these data cannot distinguish the effects of a set." in words
     assert "from case to case" not in words
+    table = loads_table(found)
+    assert "with load friction and load cell offset" in table.head
+    for load in found.held_out_loads:
+        assert (
+            max(load.also.values()) < 1.5 < 10 < load.refitted
+        )
+    assert found.next_experiment.count("Tests that distinguish ") == 2
+    assert "load cell offset and pressure offset: " in found.next_experiment
+    assert "they differ by" not in candidates_table(found).head
+    assert not [text for text in found.missing if "steps" in text or "hold" in text]
 
 
 @pytest.fixture(scope="module")

@@ -67,6 +67,7 @@ from hbench.sentences import listed
 
 FEWEST_LOADS = 4  # with two strokes in each direction
 _SAME_AREA = 0.002
+_NOT_OF_STROKES = ("reversals", "steps", "hold")  # experiments that this method does not use
 _BALANCE_TEXTS = {
     "force_band": "the friction band",
     "force_middle": "the mean offset of both directions",
@@ -111,7 +112,8 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
         f"run {run.run.plan.run}: {'; '.join(run.reasons)}" for run in screened if not run.accepted
     )
     accepted = [run.run for run in screened if run.accepted]
-    missing = tuple(missing_experiments(accepted).values())
+    usable = missing_experiments(accepted).items()
+    missing = tuple(text for code, text in usable if code not in _NOT_OF_STROKES)
     sensor, pairs = has_force_sensor(screened), _repeated(screened)
     loads = len({pair.plan for pair in pairs})
     if loads < FEWEST_LOADS:
@@ -196,9 +198,12 @@ def _assembled(
     verdict, why = _decide_verdict(result, unconfirmed, unexplained)
     points = frozenset(start.gap_map.points)
     indices = np.arange(len(points))
-    for candidate in alternatives:
-        joined = (*names, candidate.name)
-        fits[candidate.name] = search.estimates(search.refit(start, joined), joined)
+    with_alternative = {
+        candidate.name: (*names, *_best_elsewhere(result, candidate), candidate.name)
+        for candidate in alternatives
+    }
+    for name, joined in with_alternative.items():
+        fits[name] = search.estimates(search.refit(start, joined), joined)
     point, practice = strokes_in_practice(strokes, best, fits)
     before = result.refitted.gap_map
     after = strokes.gap_map(best, before)
@@ -214,7 +219,7 @@ def _assembled(
         effects=effects,
         alternatives=alternatives,
         rest=unexplained,
-        next_experiment=_next_experiment(alternatives),
+        next_experiment=_next_experiment(result),
         gap_heldout=with_floor(gap_table(by_load), train),
         gap_train=train,
         ranking=result.steps[0].evaluated,
@@ -233,8 +238,8 @@ def _assembled(
         held_out_loads=held_out_loads(
             by_load,
             {
-                candidate.name: leave_each_load_out(search, start, (*names, candidate.name))
-                for candidate in alternatives
+                name: leave_each_load_out(search, start, joined)
+                for name, joined in with_alternative.items()
             },
         ),
         working_point=point,
@@ -271,10 +276,25 @@ def _decide_verdict(
     return "none", NO_RESIDUALS
 
 
-def _next_experiment(alternatives: Sequence[Candidate]) -> str | None:
-    inspect = (EFFECTS[candidate.name].inspect for candidate in alternatives)
-    tests = dict.fromkeys(filter(None, inspect))
-    return f"Tests that distinguish them: {'; '.join(tests)}." if tests else None
+def _best_elsewhere(result: StrokeSearchResult, candidate: Candidate) -> tuple[str, ...]:
+    """Return the best of each ambiguous set to which a candidate does not belong."""
+    return tuple(
+        step.ambiguous[0].name
+        for step in result.steps
+        if step.ambiguous and step.balance != candidate.balance
+    )
+
+
+def _next_experiment(result: StrokeSearchResult) -> str | None:
+    sets = [step.ambiguous for step in result.steps if step.ambiguous]
+    sentences = []
+    for candidates in sets:
+        names = [candidate.name for candidate in candidates]
+        tests = dict.fromkeys(filter(None, (EFFECTS[name].inspect for name in names)))
+        them = listed([name.replace("_", " ") for name in names]) if sets[1:] else "them"
+        if tests:
+            sentences.append(f"Tests that distinguish {them}: {'; '.join(tests)}.")
+    return " ".join(sentences) or None
 
 
 def _added_effects(

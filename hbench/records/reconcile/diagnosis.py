@@ -267,6 +267,14 @@ class Diagnosis:
         return {effect.name: effect for effect in self.practice}
 
     @property
+    def alternative_sets(self) -> list[list[Candidate]]:
+        """The ambiguous sets: of each one effect is missing. Strokes have one for each balance."""
+        sets = dict[str, list[Candidate]]()
+        for candidate in self.alternatives:
+            sets.setdefault(candidate.balance, []).append(candidate)
+        return list(sets.values())
+
+    @property
     def confirmed(self) -> tuple[AddedEffect, ...]:
         """The effects that the revised model contains: those that held-out runs confirm."""
         return tuple(effect for effect in self.effects if effect.confirmed)

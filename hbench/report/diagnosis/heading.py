@@ -3,7 +3,6 @@
 from hbench.records import Diagnosis
 from hbench.report.campaign.sections.settings import provenance_facts
 from hbench.report.diagnosis.names import in_words
-from hbench.report.diagnosis.words.change import alternative_sets
 from hbench.sentences import capital, counted, listed
 
 _LONGEST = 60  # letters of the names of effects in a title
@@ -41,7 +40,7 @@ def _verdict(diagnosis: Diagnosis) -> str:
 
 def _either(diagnosis: Diagnosis) -> str:
     """Return the effects of the ambiguous sets, or how many there are of each."""
-    sets = [[in_words(each.name) for each in some] for some in alternative_sets(diagnosis)]
+    sets = [[in_words(each.name) for each in some] for some in diagnosis.alternative_sets]
     either = ", and ".join(listed(names, "or") for names in sets)
     if len(either) <= _LONGEST:
         return either

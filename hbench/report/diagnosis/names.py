@@ -262,9 +262,11 @@ def added_words(diagnosis: Diagnosis) -> str:
 
 
 def also_words(diagnosis: Diagnosis, name: str) -> str:
-    """Return the model with one more effect of the ambiguous set."""
-    and_effects = "the effects and " if diagnosis.confirmed else ""
-    return f"with {and_effects}{in_words(name)}"
+    """Return the model with one more effect of an ambiguous set, and the best of the other sets."""
+    sets = [[each.name for each in candidates] for candidates in diagnosis.alternative_sets]
+    others = [in_words(names[0]) for names in sets if name not in names]
+    effects = ["the effects"] if diagnosis.confirmed else []
+    return f"with {listed([*effects, in_words(name), *others])}"
 
 
 def compared_model(diagnosis: Diagnosis) -> str:

@@ -45,7 +45,6 @@ from hbench.report.diagnosis.words.candidate import (
 from hbench.report.diagnosis.words.change import (
     READINGS,
     TEST_FRICTION,
-    alternative_sets,
     alternatives,
     common_error,
     friction_words,
@@ -151,7 +150,7 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         own = "Second deviation" if diagnosis.effects else ""
         for question, sentence in _ambiguous(diagnosis):
             yield _of(own, question), sentence
-        for candidates in alternative_sets(diagnosis):
+        for candidates in diagnosis.alternative_sets:
             yield _SCORES, closeness(candidates)
         yield _SCORES, _APPROXIMATE
     if diagnosis.effects:

@@ -23,7 +23,6 @@ from hbench.report.diagnosis.words.agreement import (
     total_words,
 )
 from hbench.report.diagnosis.words.change import (
-    alternative_sets,
     alternatives,
     friction_words,
     largest_words,
@@ -241,7 +240,7 @@ def _no_improvement(diagnosis: Diagnosis, effect: AddedEffect) -> str:
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
     sensors = {each.name for each in diagnosis.practice if wrong_readings(each)}
-    sets = alternative_sets(diagnosis)
+    sets = diagnosis.alternative_sets
     present = list[str]()
     for candidates in sets:
         wrong = all(each.name in sensors for each in candidates)

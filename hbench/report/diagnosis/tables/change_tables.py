@@ -36,8 +36,11 @@ def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
 
 
 def candidates_table(diagnosis: Diagnosis) -> WordTable:
-    """Return what each effect of the ambiguous set would change, and by how much they differ."""
-    chosen = alternatives(diagnosis)
+    """Return what each effect of the ambiguous set would change, and by how much they differ.
+
+    Of two sets one effect each is missing: their sizes are not compared.
+    """
+    chosen, one_set = alternatives(diagnosis), len(diagnosis.alternative_sets) == 1
     by_name = [{change.quantity: change for change in changes_of(effect)} for effect in chosen]
     computed = all(map(wrong_readings, chosen))
     rows = []
@@ -45,10 +48,11 @@ def candidates_table(diagnosis: Diagnosis) -> WordTable:
         known = [changes.get(name) for changes in by_name]
         unit = next(change.unit for change in known if change)
         values = [change.at_point if change else 0.0 for change in known]
-        differs = f"{significant(max(values) - min(values), 2)} {unit}"
+        differs = [f"{significant(max(values) - min(values), 2)} {unit}"] if one_set else []
         row = _row(name, computed=computed)
-        rows.append((row, *(interval(c) if c else f"0 {unit}" for c in known), differs))
-    head = ("at the working point", *(in_words(effect.name) for effect in chosen), "they differ by")
+        rows.append((row, *(interval(c) if c else f"0 {unit}" for c in known), *differs))
+    last = ["they differ by"] if one_set else []
+    head = ("at the working point", *(in_words(effect.name) for effect in chosen), *last)
     title = "What each of these effects would change"
     return WordTable(title, head, tuple(rows) if len(chosen) > 1 else ())
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from hbench.records import Candidate, Change, Diagnosis, EffectInPractice, FitParameter
+from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter
 from hbench.records.reconcile.diagnosis import MOTION_BALANCE
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -51,14 +51,6 @@ def alternatives(diagnosis: Diagnosis) -> list[EffectInPractice]:
     return [known[each.name] for each in diagnosis.alternatives if each.name in known]
 
 
-def alternative_sets(diagnosis: Diagnosis) -> list[list[Candidate]]:
-    """Return the ambiguous sets: of each one effect is missing. Strokes have one a balance."""
-    sets = dict[str, list[Candidate]]()
-    for candidate in diagnosis.alternatives:
-        sets.setdefault(candidate.balance, []).append(candidate)
-    return list(sets.values())
-
-
 def changes_of(effect: EffectInPractice) -> list[Change]:
     """Return what an effect changes.
 
@@ -75,7 +67,7 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     itself: its measured value is right then. In brief, by how much the values differ.
     """
     chosen = alternatives(diagnosis)
-    if len(chosen) < 2 or alternative_sets(diagnosis)[1:]:  # with two sets two are missing
+    if len(chosen) < 2 or diagnosis.alternative_sets[1:]:  # with two sets two are missing
         return ""
     if of_strokes(diagnosis):
         return _friction_of_strokes(chosen)
@@ -107,17 +99,19 @@ def friction_words(diagnosis: Diagnosis, *, brief: bool = False) -> str:
 
 
 def second_deviation(diagnosis: Diagnosis) -> str:
-    """Return the possible causes of a deviation beside named effects, with their main changes."""
-    practice = diagnosis.in_practice
-    parts, before = [], ""
-    for candidate in diagnosis.alternatives:
-        effect, size = practice.get(candidate.name), ""
-        for change in main_changes(effect)[-1:] if effect else ():
-            changed = "" if change.quantity == before else f"{quantity(change.quantity)} "
-            size, before = f" ({changed}{rounded(change, change.at_point)})", change.quantity
-        parts.append(f"{in_words(candidate.name)}{size}")
-    causes = " or ".join(parts)
-    return f"A second deviation may be due to {causes}."
+    """Return the possible causes of deviations beside named effects, with their main changes."""
+    practice, before = diagnosis.in_practice, ""
+    sets = []
+    for candidates in diagnosis.alternative_sets:
+        parts = []
+        for candidate in candidates:
+            effect, size = practice.get(candidate.name), ""
+            for change in main_changes(effect)[-1:] if effect else ():
+                changed = "" if change.quantity == before else f"{quantity(change.quantity)} "
+                size, before = f" ({changed}{rounded(change, change.at_point)})", change.quantity
+            parts.append(f"{in_words(candidate.name)}{size}")
+        sets.append(" or ".join(parts))
+    return f"A second deviation may be due to {', a third one to '.join(sets)}."
 
 
 def readings_words(effect: EffectInPractice) -> str:
