@@ -147,9 +147,7 @@ def test_of_two_balances_one_effect_each_is_missing():
     table = loads_table(found)
     assert "with load friction and load cell offset" in table.head
     for load in found.held_out_loads:
-        assert (
-            max(load.also.values()) < 1.5 < 10 < load.refitted
-        )
+        assert max(load.also.values()) < 1.5 < 10 < load.refitted
     assert found.next_experiment.count("Tests that distinguish ") == 2
     assert "load cell offset and pressure offset: " in found.next_experiment
     assert "they differ by" not in candidates_table(found).head

@@ -261,7 +261,35 @@ def test_one_direction_alone_is_drawn_without_a_half_band(seals):
     curves = tuple(c for c in seals.curves if c.direction == "extend")
     alone = replace(seals, curves=curves, bands=(), band_trends=())
     axes, *below = pressure.friction_pressure(alone)[""].axes
-    assert len(axes.containers) == 2 and not any(panel.containers for panel in below)
+    assert len(axes.containers) == 2 and not below
+
+
+def test_two_speeds_at_each_pressure_are_two_series(seals):
+    def with_fast(curve):
+        (point,) = curve.points
+        return replace(curve, points=(point, replace(point, v_m_s=4 * point.v_m_s)))
+
+    fast = tuple(replace(band, v_m_s=4 * band.v_m_s) for band in seals.bands)
+    both = replace(
+        seals,
+        curves=tuple(map(with_fast, seals.curves)),
+        bands=seals.bands + fast,
+        band_trends=(),
+    )
+    axes, below, _ = pressure.friction_pressure(both)[""].axes
+    assert {"O-ring, 20.0 mm/s, extending", "O-ring, 80.0 mm/s, extending"} <= set(series(axes))
+    for bars in (*axes.containers, *below.containers):
+        assert list(bars.lines[0].get_xdata()) == [1, 3, 5, 7]  # each pressure once
+
+
+def test_a_direction_that_lost_speeds_is_drawn_over_speed_beside_the_other(small):
+    lost = [c for c in small.curves if c.direction == "retract"]
+    kept = tuple(c for c in small.curves if c.direction == "extend")
+    short = replace(small, curves=kept + tuple(replace(c, points=c.points[:2]) for c in lost))
+    assert not pressure.has_pressures(short)
+    figures = friction.friction_magnitude(short)
+    assert set(figures) == {"extend", "retract"}
+    assert len(figures["retract"].axes[0].containers[0].lines[0].get_xdata()) == 2
 
 
 def test_the_lines_of_half_band_and_middle_are_drawn_over_their_pressures(seals):

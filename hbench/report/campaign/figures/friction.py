@@ -41,9 +41,13 @@ _ASIDE = 0.006  # distance of residuals at one speed, relative to the highest sp
 
 
 def over_velocity(results: Results) -> tuple[Curve, ...]:
-    """Return the steady curves that have enough speeds to be drawn over velocity."""
-    chosen = (curve for curve in results.curves if KINDS[curve.kind].has_constant_speed)
-    return without_common_rod_pressure(curve for curve in chosen if curve.over_velocity)
+    """Return the steady curves of labels of which one has enough speeds for a curve over velocity.
+
+    Others of such a label, as of a direction of which trials were rejected, are drawn beside it.
+    """
+    steady = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
+    labels = {(curve.kind, curve.label) for curve in steady if curve.over_velocity}
+    return without_common_rod_pressure(c for c in steady if (c.kind, c.label) in labels)
 
 
 def friction_magnitude(results: Results, title: str = "Friction") -> dict[str, Figure]:
