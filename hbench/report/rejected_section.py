@@ -38,7 +38,8 @@ def rejected_sections(results: Results, drawings: tuple[Drawing, ...]) -> tuple[
         sections.append(Section("Rejected runs", words, parts=parts, anchor="rejected"))
     remarks = page_tables.remark_table(results)
     if remarks.rows:
-        title = f"Remarks on accepted runs ({len(remarks.rows)})"
+        runs = sum(run.accepted and bool(run.notes) for run in results.runs)
+        title = f"Remarks on accepted runs ({runs})"
         folded = len(remarks.rows) > LONG_LIST or None
         sections.append(Section(title, tables=(remarks,), folded=folded, anchor="run-remarks"))
     return tuple(sections)

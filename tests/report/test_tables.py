@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from hbench.records import Results, WordTable
+from hbench.report.campaign import page_tables
 from hbench.report.campaign.fit_tables import correlation_table
 from hbench.report.campaign.motion_tables import MOTION_TABLES
 from hbench.report.campaign.results_document import results_json
@@ -405,3 +406,17 @@ def test_a_bold_row_of_a_pdf_takes_no_room_from_rows_that_need_it():
         set_table(pen, ("Quantity", "Decision"), rows, (), bold=bold)
         broken.append([text.get_text() for text in pen.done[0].texts])
     assert broken[0] == broken[1] and rows[0][0] in broken[0]
+
+
+def test_runs_with_the_same_remark_have_one_row(small):
+    accepted = [run for run in small.runs if run.accepted]
+    same = [replace(run, notes=("the reference was not logged",)) for run in accepted[:3]]
+    own = replace(accepted[3], notes=("another",))
+    found = page_tables.remark_table(replace(small, runs=(*same, own, *accepted[4:])))
+    remark, trial = map(found.head.index, ("Remark", "Trial"))
+    (shared, single) = [[cell.text for cell in row] for row in found.rows]
+    assert shared[0] == f"{same[0].run.plan.run} and 2 others"
+    assert (shared[remark], single[remark]) == ("the reference was not logged", "another")
+    trials = {run.run.plan.trial for run in same}
+    assert shared[trial] == (str(*trials) if len(trials) == 1 else "several")
+    assert single[0] == own.run.plan.run

@@ -1,6 +1,6 @@
 """Tables of the page: records as rows of text, in display units."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from math import copysign, hypot, sqrt
 from statistics import fmean, stdev
@@ -38,7 +38,7 @@ from hbench.report.render.numbers import (
     with_minus,
 )
 from hbench.report.render.word_tables import Cell, Table
-from hbench.sentences import capital
+from hbench.sentences import capital, counted
 from hbench.units import from_si
 
 _RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
@@ -287,13 +287,21 @@ def cause_table(results: Results) -> Table:
 
 
 def remark_table(results: Results) -> Table:
-    """Return the remarks on accepted runs."""
-    rows = [
-        (*_run(plan), "; ".join(run.notes))
-        for run, plan in _planned(results)
-        if run.accepted and run.notes
-    ]
-    return table((*_RUN, "Remark"), rows)
+    """Return the remarks on accepted runs; runs with the same one have one row."""
+    remarks = defaultdict[str, list[tuple[str, ...]]](list)
+    for run, plan in _planned(results):
+        if run.accepted and run.notes:
+            remarks["; ".join(run.notes)].append(_run(plan))
+    return table((*_RUN, "Remark"), [(*_common(rows), text) for text, rows in remarks.items()])
+
+
+def _common(rows: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
+    """Return several runs as one row, with the values that all have; a single run as it is."""
+    names, *columns = zip(*rows, strict=True)
+    if len(names) == 1:
+        return rows[0]
+    values = (column[0] if len(set(column)) == 1 else "several" for column in columns)
+    return f"{names[0]} and {counted(len(names) - 1, 'other')}", *values
 
 
 def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:
