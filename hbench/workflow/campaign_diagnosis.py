@@ -56,12 +56,16 @@ _UNITS = {  # of values, by the last key of their path
 def no_flows_without(runs: Sequence[Run], model_file: Path) -> tuple[str, ...]:
     """Return the channels without which no run determines a flow; none if some run does.
 
-    Those of the test cylinder suffice if the model's file describes the valve. Raises
-    ``ConfigError``.
+    Those of the test cylinder suffice if the model's file describes the valve: a run that has them
+    lacks nothing but that. Raises ``ConfigError``.
     """
-    known = FLOWS if "valve" in read_yaml(model_file) else FLOWS[-1:]
+    has_valve = "valve" in read_yaml(model_file)
+    known = FLOWS if has_valve else FLOWS[-1:]
     missing = [channels_missing(run, balance) for run in runs for balance in known]
-    return min(missing, key=len, default=CHANNELS_OF[known[0]])
+    channels = min(missing, key=len, default=CHANNELS_OF[known[0]])
+    if channels and not has_valve and not all(channels_missing(run, FLOWS[0]) for run in runs):
+        return (f"a section 'valve' in {model_file.name}",)
+    return channels
 
 
 def diagnosed(
