@@ -108,21 +108,27 @@ class ParameterEstimates:
     def may_be_zero(self, name: str) -> bool:
         """Return whether an effect's coefficients together do not differ from 0 (95 %).
 
-        Wald's test, with F for k coefficients, also where each of k intervals contains 0. Those
-        that change nothing in these data, as of a bench without a load cylinder, do not count.
+        Wald's test, with F for k coefficients, also where each of k intervals contains 0. The
+        shape of the law is the fitted one: of an effect that is 0 no data determine it, and where
+        size and shape are a product neither alone differs from 0. Coefficients that change nothing
+        in these data, as of a bench without a load cylinder, do not count.
         """
         known = effect_coefficients(name)
-        keys = [
-            which
-            for which in self.model.coefficients_of([name])
-            if which in known and self._is_shown(".".join(which))
+        shown = [
+            which for which in self.model.coefficients_of([name]) if self._is_shown(".".join(which))
         ]
+        keys = [which for which in shown if which in known]
         if not keys:
             return True
-        rows = [self.chosen.index(self.model.column(which)) for which in keys]
+        rows, shapes = (
+            [self.chosen.index(self.model.column(which)) for which in some]
+            for some in (keys, [which for which in shown if which not in known])
+        )
         off = np.array([self.model.hypothesis.coefficient(w) / typical_size(w) for w in keys])
         off += self.beta[rows]
-        square = off @ np.linalg.solve(self.covariance[np.ix_(rows, rows)], off)
+        together = self.covariance[np.ix_(rows, shapes)]
+        given = together @ np.linalg.solve(self.covariance[np.ix_(shapes, shapes)], together.T)
+        square = off @ np.linalg.solve(self.covariance[np.ix_(rows, rows)] - given, off)
         return bool(square <= len(rows) * fdtri(len(rows), self.dof[rows].min(), 0.95))
 
     def degrees_of_freedom(self, which: CoefficientKey) -> float:

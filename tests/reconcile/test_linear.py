@@ -596,6 +596,25 @@ def test_whether_coefficients_together_may_be_0(measured, values, correlation, m
     assert estimates.may_be_zero("internal_leakage") == may_be_zero
 
 
+@pytest.mark.parametrize(("correlation", "may_be_zero"), [(0.0, True), (-0.95, False)])
+def test_an_effect_whose_size_and_shape_are_a_product_is_not_0(measured, correlation, may_be_zero):
+    """Its size is 1.5 standard errors from 0, or 4.8 at the fitted shape."""
+    keys = ["internal_leakage.test", "internal_leakage.exponent"]
+    model = model_of(measured, keys, Hypothesis())
+    covariance, none = np.array([[1.0, correlation], [correlation, 1.0]]), np.full(2, np.inf)
+    estimates = ParameterEstimates(
+        measured.plant,
+        model,
+        (0, 1),
+        np.array([1.5, 0.0]),
+        *[covariance] * 2,
+        np.full(2, 40.0),
+        -none,
+        none,
+    )
+    assert estimates.may_be_zero("internal_leakage") == may_be_zero
+
+
 @pytest.mark.parametrize(("test", "may_be_zero"), [(6.0, False), (1.5, True)])
 def test_a_coefficient_that_changes_nothing_does_not_make_an_effect_0(measured, test, may_be_zero):
     """Without a load cylinder no data determine its leak, with one degree of freedom."""

@@ -11,9 +11,24 @@ from hbench.report.diagnosis.words.place import at_point_words
 from tests.support.independent.weight_bench import NONE, Effects, write_weight_campaign
 
 AT = datetime(2026, 1, 1, tzinfo=UTC)
-HIDDEN = {  # with the names that reconcile gives
+HIDDEN = {  # with the effects that are named
     "none": (NONE,),
+    "rod side leaks": (Effects(rod_leak=0.004), "external_leakage"),
     "piston side leaks": (Effects(cap_leak=0.004), "external_leakage"),
+    "slow spool": (Effects(lag_s=0.004), "valve_lag"),
+    "spool with play": (Effects(play_v=0.06), "valve_hysteresis"),
+    "overlap": (Effects(overlap_v=0.08), "valve_deadband"),
+    "uneven valve": (Effects(uneven=0.15), "valve_asymmetry"),
+    "return line": (Effects(tank=0.2), "tank_back_pressure"),
+    "weak supply": (Effects(droop=0.6), "supply_droop"),
+    "seals": (Effects(seal=1.5), "seal_pressure_friction"),
+    "guides": (Effects(guide=0.03), "load_friction"),
+    "film": (Effects(film_s=0.03), "friction_lag"),
+    "worn bore": (Effects(bore=0.15), "position_friction"),
+    "cushion": (Effects(cushion=8000.0), "end_cushion"),
+    "mass": (Effects(mass_kg=60.0), "added_mass"),
+    "wrong load cell": (Effects(cell_gain=0.02), "load_cell_gain"),
+    "wrong transducer": (Effects(gain=0.015), "pressure_gain"),
 }
 
 

@@ -256,6 +256,10 @@ def test_a_share_that_suffices_and_a_score_that_does_not_are_explained_once(comp
     reason = {"load_friction": "it leaves most of the gap of runs outside the fit"}
     text = summary(replace(compared, ranking=(refined,), ruled_out=reason))
     assert f"It is not named: refined with the model's values, {reason['load_friction']}." in text
+    for verdict in ("unknown", "none"):
+        found = replace(compared, verdict=verdict, ranking=(refined,), ruled_out=reason)
+        text = " ".join(ordinary_spaces(diagnosis_text(found)).split())
+        assert "Load friction would explain 35 % of the gap, but is ruled out: it leaves" in text
 
 
 def test_what_several_deviations_have_in_common_is_inspected_first(compared):

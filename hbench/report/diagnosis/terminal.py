@@ -35,7 +35,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     ]
     tables = map(in_page_words, diagnosis_tables(diagnosis))
     blocks += ["\n".join(table_lines(table)) for table in tables]
-    if diagnosis.verdict == "unknown":
+    if not diagnosis.effects:
         blocks.append(_paragraphs(ruled_out_words(diagnosis)))
     notes = [line for note in diagnosis.notes for line in wrapped(note)]  # keys of files are kept
     blocks += [_paragraphs(*caveats(diagnosis)), "\n".join(notes)]
