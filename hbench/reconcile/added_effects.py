@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.parameters import CylinderParameters
 from hbench.reconcile.diagnosis_fields import added_effect, fitted_shape, with_place
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.linearised import LinearisedModel, changed_balances
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.search_result import SearchResult, SearchStep
 from hbench.records import AddedEffect
@@ -54,14 +53,14 @@ def small_effects(
 def held_out_gaps(
     steps: Sequence[SearchStep], model: LinearisedModel, name: str, held_out: np.ndarray
 ) -> tuple[float, float]:
-    """Return the gaps of the balances that an effect touches, before it was added and in a model.
+    """Return the gaps of the balances that an effect changes, before it was added and in a model.
 
     ``held_out`` are indices of operating points. The level of friction of each run is left out as
     far as it may wander: that of a few runs would decide.
     """
-    balances = EFFECTS[name].balances
     before = next(step.before for step in steps if step.added == name)
     without, with_it = (each.gap_map.without_levels() for each in (before, model))
+    balances = changed_balances(without, model, name, held_out)
     return without.gap(balances, held_out), with_it.gap(balances, held_out)
 
 

@@ -16,11 +16,17 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence.likelihood import Priors
 from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.evidence.window_sums import products
-from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
+from hbench.reconcile.gaps.gap_map import GapMap, column_means
+from hbench.reconcile.hypothesis import (
+    CoefficientKey,
+    Hypothesis,
+    effect_coefficients,
+    typical_size,
+)
 from hbench.reconcile.learned.table import is_mode, mode_of
 from hbench.reconcile.measured.disturbances import is_disturbance, limits
 from hbench.reconcile.nuisance import BOUND, REPLACED, nuisances, standard_deviation
+from hbench.records.reconcile.diagnosis import LEAST_EXPLAINED
 
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default
@@ -241,3 +247,24 @@ def _allowed(which: CoefficientKey, value: float) -> float:
     if value == row.to_si(row.default):
         return value
     return min(max(value, row.to_si(row.low)), row.to_si(row.high))
+
+
+def changed_balances(
+    without: GapMap, model: LinearisedModel, name: str, points: np.ndarray
+) -> frozenset[str]:
+    """Return the balances that an effect of a model changes enough to explain a quarter of a gap.
+
+    The gap is that ``without`` it at some ``points``. Refitted values move it in other balances,
+    which is no evidence of the effect. All that the effect touches where it changes none so much.
+    """
+    touched = EFFECTS[name].balances
+    windows, change = np.isin(without.point, points), np.zeros_like(without.difference)
+    for which in effect_coefficients(name):
+        if (column := model.columns.get(".".join(which))) is not None:
+            change += model.hypothesis.coefficient(which) / typical_size(which) * column
+    with np.errstate(divide="ignore", invalid="ignore"):
+        squares = column_means((change / without.scatter)[windows] ** 2)
+    excess = column_means(without.excess[windows])
+    enough = squares > LEAST_EXPLAINED * np.maximum(excess, 0.0)
+    changed = (each for each, large in zip(without.names, enough, strict=True) if large)
+    return frozenset(touched).intersection(changed) or frozenset(touched)

@@ -33,7 +33,7 @@ def without_unconfirmed(
 ) -> SearchResult:
     """Return the result with those effects alone in its final model that held-out points confirm.
 
-    An effect is confirmed if it reduces their gap in the balances that it touches. One that does
+    An effect is confirmed if it reduces their gap in the balances that it changes. One that does
     not is no longer named where that gap is too large for an agreement: something else is missing.
     Nor is one that leaves significant gaps and reduces that of all balances by less than a quarter:
     what causes them may have caused its part too.

@@ -1,6 +1,6 @@
 """The revised model has what the search fitted, and is the given one where it used nothing."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 from hbench.config.stroke_model import parse_strokes
 from hbench.reconcile import revised_model
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
-from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.hypothesis import Hypothesis, typical_size
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.revised_model import revised, revision, without_unconfirmed
 from hbench.reconcile.search_result import SearchResult, SearchStep
@@ -87,7 +87,7 @@ def model_with(force, supply, unexplained=()):
     found = StatedMap(
         names, gaps, ones, ones, *places, points, ("first", "second"), points, stated=unexplained
     )
-    return SimpleNamespace(gap_map=found)
+    return SimpleNamespace(gap_map=found, columns={}, hypothesis=Hypothesis())
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def force_alone(residuals):
     found = StatedMap(
         ("force_test",), residuals[:, None], ones, ones, *places, point, ("first",), point, (level,)
     )
-    return SimpleNamespace(gap_map=found)
+    return SimpleNamespace(gap_map=found, columns={}, hypothesis=Hypothesis())
 
 
 def confirmed(mass_after, droop_before, droop_after):
@@ -146,6 +146,21 @@ def confirmed(mass_after, droop_before, droop_after):
     search = SimpleNamespace(without=lambda model, removed, others: model_with(1.5, droop_after))
     result = SearchResult(None, refitted, steps, final)
     return without_unconfirmed(search, result, np.array([1])), refitted, final
+
+
+@pytest.mark.parametrize(("of_flow", "is_confirmed"), [(0.01, True), (3.0, False)])
+def test_a_gap_that_an_effect_does_not_change_refutes_nothing(of_flow, is_confirmed):
+    """With it the force's gap falls from 3 to 1.2, and refitted values raise the flow's."""
+    without, final = model_with(3.0, 4.0), model_with(1.2, 5.5)
+    for model in (without, final):
+        model.gap_map = replace(model.gap_map, names=("force_test", "flow_tp"))
+    rise = ("oil_warming", "rise")
+    final.hypothesis = Hypothesis().with_coefficients({rise: typical_size(rise)})
+    final.columns = {"oil_warming.rise": np.array([[3.0, of_flow]] * 2)}
+    result = SearchResult(None, without, (SearchStep(without, (), "oil_warming", ()),), final)
+    search = SimpleNamespace(without=None)
+    confirmed = without_unconfirmed(search, result, np.array([1])).confirmed
+    assert confirmed == (("oil_warming",) if is_confirmed else ())
 
 
 @pytest.mark.parametrize(("left", "named"), [(5.8, False), (4.0, True)])

@@ -20,7 +20,12 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
-from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
+from hbench.reconcile.linearised import (
+    LinearisedModel,
+    changed_balances,
+    linearise,
+    linearise_residuals,
+)
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.search.candidates import CandidateEvaluator, EvaluatedCandidate
 
@@ -107,8 +112,9 @@ class EffectRefinement(CandidateEvaluator):
         out = np.setdiff1d(np.arange(len(model.gap_map.points)), self.train)
         if not len(out):
             return True
-        gaps = (each.gap_map.without_levels() for each in (without, model))
-        before, after = (each.gap(EFFECTS[name].balances, out) for each in gaps)
+        gaps = [each.gap_map.without_levels() for each in (without, model)]
+        balances = changed_balances(gaps[0], model, name, out)
+        before, after = (each.gap(balances, out) for each in gaps)
         return before > max(after, 1.0)
 
     def without_superfluous(
