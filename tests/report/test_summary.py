@@ -166,6 +166,10 @@ def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
     bump = replace(named, effects=(added("position_friction", 9.0),),
                    practice=(replace(only, name="position_friction"),))  # fmt: skip
     assert "it changes nothing: it acts at other places of the stroke." in summary(bump)
+    warming = replace(named, effects=(added("oil_warming", 9.0),),
+                      practice=(replace(only, name="oil_warming"),))  # fmt: skip
+    assert "it acts later in the campaign, as the oil warms." in summary(warming)
+    assert "nothing with cold oil at the working point" in ordinary_spaces(verdict_words(warming))
     largest = "the friction of the test cylinder by up to 60 N (in 95 % of the motion), but"
     assert largest in ordinary_spaces(verdict_words(replace(named, practice=(only,))))
 

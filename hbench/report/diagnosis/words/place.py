@@ -30,7 +30,11 @@ from hbench.sentences import capital, listed, plural
 
 CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, places or changes in a sentence
-_OF_PLACE = ("position_friction", "end_cushion")
+_ELSEWHERE = {  # where an effect acts that changes nothing in steady motion at the working point
+    "position_friction": "at other places of the stroke.",
+    "end_cushion": "at other places of the stroke.",
+    "oil_warming": "later in the campaign, as the oil warms.",
+}
 AT_POINT = "At the working point,"  # which is described elsewhere
 _OF_CHANGES = "only while speed or pressure changes."
 _WAYS = {**DIRECTION_WORDS, "rest": "at rest"}
@@ -62,9 +66,8 @@ def at_point_words(point: WorkingPoint | None, effect: EffectInPractice) -> str:
         return ""
     changes = main_changes(effect)
     if not changes:
-        return f"{where_words(point)} it changes nothing: it acts " + (
-            "at other places of the stroke." if effect.name in _OF_PLACE else _OF_CHANGES
-        )
+        where = _ELSEWHERE.get(effect.name, _OF_CHANGES)
+        return f"{where_words(point)} it changes nothing: it acts {where}"
     clauses = change_clauses(effect, changes, point)
     return f"{where_words(point)} {listed(clauses)}."
 
@@ -76,7 +79,8 @@ def size_words(diagnosis: Diagnosis, effect: EffectInPractice) -> str:
     """
     point, changes = diagnosis.working_point, _first_changes(diagnosis, effect)
     if point is None or not changes:
-        nowhere = "" if point is None else ", but nothing in steady motion at the working point"
+        still = "with cold oil" if effect.name == "oil_warming" else "in steady motion"
+        nowhere = "" if point is None else f", but nothing {still} at the working point"
         return f"It changes {largest_words(effect)}{extent_words(diagnosis)}{nowhere}."
     clauses = change_clauses(effect, changes, point, brief=True)
     here = {rounded(change, abs(change.at_point)) for change in changes}
