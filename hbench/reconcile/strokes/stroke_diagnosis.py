@@ -33,13 +33,14 @@ from hbench.reconcile.strokes.leave_one_out import (
     leave_each_load_out,
     with_floor,
 )
-from hbench.reconcile.strokes.series import (
-    MeasuredStrokes,
+from hbench.reconcile.strokes.pairs import (
     StrokePair,
     has_force_sensor,
+    repeats,
     stroke_pairs,
     with_unknown_load,
 )
+from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.reconcile.strokes.stroke_practice import strokes_in_practice
 from hbench.reconcile.strokes.stroke_search import (
     OF_THE_SEAL,
@@ -65,7 +66,7 @@ from hbench.records import (
 )
 from hbench.sentences import listed
 
-FEWEST_LOADS = 4  # with two strokes in each direction
+FEWEST_LOADS = 4  # with two strokes in each direction at one speed
 _SAME_AREA = 0.002
 _BALANCE_TEXTS = {
     "force_band": "the friction band",
@@ -117,7 +118,8 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
     if loads < FEWEST_LOADS:
         shortfall = (
             f"at least {FEWEST_LOADS} loads or pressures with two or more strokes in each "
-            f"direction{'' if sensor else ' at the same positions'}; these runs have {loads}"
+            f"direction at one speed{'' if sensor else ' and at the same positions'}; these runs "
+            f"have {loads}"
         )
         no_force = all(run.run.f_applied_n is None for run in screened)
         shortfalls = (*([_APPLIED_FORCE] if no_force else []), shortfall, *missing)
@@ -141,8 +143,7 @@ def _repeated(screened: Sequence[ScreenedRun]) -> tuple[StrokePair, ...]:
     pairs = stroke_pairs(screened)
     if not has_force_sensor(screened):
         pairs = with_unknown_load(pairs)
-    plans = [pair.plan for pair in pairs]
-    return tuple(pair for pair in pairs if plans.count(pair.plan) > 1)
+    return tuple(pair for runs in repeats(pairs).values() for run in runs for pair in run)
 
 
 def _check_areas(task: StrokeTask, pairs: Sequence[StrokePair]) -> None:

@@ -1,0 +1,72 @@
+"""Strokes at several set speeds: the mean friction is not that at the mean speed."""
+
+import numpy as np
+import pytest
+
+from hbench.reconcile.strokes.pairs import repeats, stroke_pairs
+from hbench.records import Run, RunPlan, ScreenedRun, SteadyMeans
+from tests.reconcile.test_strokes import AREA, MODEL, SPECIMEN, diagnosed
+
+FRICTION = {
+    "law": "tustin",
+    "coulomb": "180 N",
+    "stiction": "320 N",
+    "stribeck_velocity": "15 mm/s",
+    "viscous": "900 N s/m",
+}
+# The pump is too small for the fast strokes at the large loads.
+SPEEDS_MM_S = {5: (10, 40, 100, 160), 15: (10, 40, 100, 160), 30: (10, 40, 100), 45: (10, 40)}
+
+
+def friction_n(v_m_s):
+    return np.sign(v_m_s) * (180 + 140 * np.exp(-abs(v_m_s) / 0.015)) + 900 * v_m_s
+
+
+def stroke(number, bar, v_m_s, trial, share=1.0, offset_n=0.0):
+    f_test = bar * 1e5 * AREA
+    lost = share * friction_n(v_m_s) + offset_n
+    plan = RunPlan(f"{number}", "steady", trial, v_m_s, SPECIMEN, f_load_n=f_test)
+    means = SteadyMeans(0.0, 1.0, 100, v_m_s, lost, f_test, f_test - lost, bar * 1e5, 0.0)
+    t = np.linspace(0.0, 1.0, 101)
+    run = Run(
+        plan,
+        t,
+        v_m_s * t,
+        p_tp_pa=np.full(len(t), bar * 1e5),
+        f_applied_n=f_test - lost + 0.1 * np.sin(9 * t),
+    )
+    return ScreenedRun(run, (), means)
+
+
+def campaign(speeds=SPEEDS_MM_S, offset_n=0.0):
+    rng = np.random.default_rng(0)
+    plans = [
+        (bar, way * 1e-3 * speed, trial)
+        for trial in (1, 2, 3)
+        for bar, of_load in speeds.items()
+        for speed in of_load
+        for way in (1, -1)
+    ]
+    return tuple(
+        stroke(i, *plan, 1 + 0.005 * rng.standard_normal(), offset_n)
+        for i, plan in enumerate(plans)
+    )
+
+
+def test_an_exact_model_agrees_at_each_load_whatever_speeds_it_was_measured_at():
+    """With the mean of a load's speeds as its speed the given model was 15 to 23 N off."""
+    found = diagnosed(MODEL | {"friction": {"test": FRICTION}}, one=campaign())
+    assert found.verdict == "none"
+    assert max(load.before for load in found.held_out_loads) < 2.0  # newtons
+    for name in ("coulomb", "viscous"):
+        factor = found.refitted[f"friction.test.{name}"]
+        assert factor.value == pytest.approx(1.0, abs=0.05)
+        assert factor.ci95[0] < 1.0 < factor.ci95[1]
+
+
+def test_a_speed_without_a_second_trial_is_left_out_and_not_taken_as_a_repeat_of_another():
+    runs = [run for run in campaign() if run.run.plan.trial == 1]
+    assert not repeats(stroke_pairs(runs))
+    second = [run for run in campaign({15: (40, 100)}) if run.run.plan.trial == 2]
+    (of_load,) = repeats(stroke_pairs([*runs, *second])).values()
+    assert [[pair.speed_m_s for pair in run] for run in of_load] == [[0.04, 0.1]] * 2
