@@ -1,11 +1,19 @@
 """Strokes at several set speeds: the mean friction is not that at the mean speed."""
 
+import re
+
 import numpy as np
 import pytest
 
+from hbench.config.sensors import Instruments
+from hbench.config.stroke_model import parse_strokes
+from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.strokes.pairs import repeats, stroke_pairs
-from hbench.records import Run, RunPlan, ScreenedRun, SteadyMeans
-from tests.reconcile.test_strokes import AREA, MODEL, SPECIMEN, diagnosed
+from hbench.reconcile.strokes.series import MeasuredStrokes
+from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
+from hbench.records import Provenance, Run, RunPlan, ScreenedRun, SteadyMeans
+from tests.reconcile.test_strokes import AREA, SPECIMEN
+from tests.reconcile.test_strokes import MODEL as OTHER
 
 FRICTION = {
     "law": "tustin",
@@ -14,6 +22,13 @@ FRICTION = {
     "stribeck_velocity": "15 mm/s",
     "viscous": "900 N s/m",
 }
+MODEL = OTHER | {"friction": {"test": FRICTION}}
+INSTRUMENTS = Instruments.model_validate(
+    {
+        "force": {"tolerance": "0.5 %", "of": "full_scale", "full_scale": "10 kN"},
+        "pressure": {"tolerance": "0.5 %", "of": "full_scale", "full_scale": "100 bar"},
+    }
+)  # 50 N; 0.5 bar, which are 63 N on the piston
 # The pump is too small for the fast strokes at the large loads.
 SPEEDS_MM_S = {5: (10, 40, 100, 160), 15: (10, 40, 100, 160), 30: (10, 40, 100), 45: (10, 40)}
 
@@ -53,9 +68,21 @@ def campaign(speeds=SPEEDS_MM_S, offset_n=0.0):
     )
 
 
+def diagnosed(runs, instruments=None):
+    task = StrokeTask(
+        provenance=Provenance("made", "imported", "", "", "2026-01-01", "2026-01-01"),
+        model="model.yaml",
+        plant_data=MODEL,
+        plant=parse_strokes(MODEL, "model"),
+        series={"one": runs},
+        instruments=instruments,
+    )
+    return diagnose_strokes(task)
+
+
 def test_an_exact_model_agrees_at_each_load_whatever_speeds_it_was_measured_at():
     """With the mean of a load's speeds as its speed the given model was 15 to 23 N off."""
-    found = diagnosed(MODEL | {"friction": {"test": FRICTION}}, one=campaign())
+    found = diagnosed(campaign())
     assert found.verdict == "none"
     assert max(load.before for load in found.held_out_loads) < 2.0  # newtons
     for name in ("coulomb", "viscous"):
@@ -70,3 +97,23 @@ def test_a_speed_without_a_second_trial_is_left_out_and_not_taken_as_a_repeat_of
     second = [run for run in campaign({15: (40, 100)}) if run.run.plan.trial == 2]
     (of_load,) = repeats(stroke_pairs([*runs, *second])).values()
     assert [[pair.speed_m_s for pair in run] for run in of_load] == [[0.04, 0.1]] * 2
+
+
+def test_an_offset_within_the_tolerance_of_the_instruments_is_fitted_and_not_named():
+    """Without instruments 40 N were an offset to look for, in either sensor."""
+    found = diagnosed(campaign(dict.fromkeys(SPEEDS_MM_S, (40,)), offset_n=40.0), INSTRUMENTS)
+    assert found.verdict == "none" and not found.alternatives
+    assert max(load.refitted for load in found.held_out_loads) < 2.0  # newtons
+    assert set(found.within_tolerance) <= set(found.revised["effects"])
+    assert found.zero_tolerances["f_applied"] == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize(
+    ("slope_n_bar", "words"),
+    [(1.0, ""), (9.0, r"it would be 405 N of friction where 2\d\d N were .*45 bar.*")],
+)
+def test_a_friction_of_seals_larger_than_all_that_was_measured_is_ruled_out(slope_n_bar, words):
+    strokes = MeasuredStrokes(parse_strokes(MODEL, "model"), stroke_pairs(campaign()))
+    name = "seal_pressure_friction"
+    effect = Hypothesis(effects={name: {"test_piston": slope_n_bar / 1e5, "test_rod": 0.0}})
+    assert re.fullmatch(words, strokes.excess_friction(effect, name))

@@ -29,6 +29,7 @@ import numpy as np
 
 from hbench.analysis.rounding import is_constant
 from hbench.config.scaling import scaled
+from hbench.config.sensors import Instruments
 from hbench.config.stroke_model import StrokePlant
 from hbench.model.effects.catalogue import EFFECTS, changed_by, read_effects
 from hbench.model.parameters import PlantParameters
@@ -37,7 +38,8 @@ from hbench.reconcile.gaps.gap_map import GapMap, by_point, column_means, gap_ma
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, effect_coefficients, stepped
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import WindowedRun
-from hbench.reconcile.nuisance import BACKGROUND, nuisances
+from hbench.reconcile.nuisance import BACKGROUND, nuisances, sensor_tolerances
+from hbench.reconcile.practice.fitted import without_effect
 from hbench.reconcile.strokes.load_cell import (
     load_cell_reading,
     plant_with_test_cylinder,
@@ -87,6 +89,7 @@ class MeasuredStrokes:
     plant: StrokePlant  # the given model
     pairs: tuple[StrokePair, ...]
     load_is_known: bool = True  # False without a force sensor
+    instruments: Instruments | None = None  # as the campaign states them
 
     @property
     def balances(self) -> tuple[str, ...]:
@@ -112,10 +115,20 @@ class MeasuredStrokes:
         """The same strokes with the factors ``levels`` applied to the given model."""
         return replace(self, plant=scaled(self.plant, self.levels))
 
-    @property
+    @cached_property
     def tolerances(self) -> Mapping[CoefficientKey, float]:
-        """Limits [SI] of the coefficients that are nuisances within them: none is known."""
-        return {}
+        """Limits [SI] of the coefficients that are nuisances within them, of stated instruments.
+
+        A gain of the load cell represents that of the pressures too, which may add to it.
+        """
+        if self.instruments is None or not self.load_is_known:
+            return {}
+        strokes = [stroke for pair in self.pairs for stroke in (pair.extend, pair.retract)]
+        largest_pa = max(max(stroke.p_tp_pa, stroke.p_tr_pa) for stroke in strokes)
+        largest_n = max(abs(stroke.f_applied_n) for stroke in strokes)
+        limits = sensor_tolerances(self.instruments, largest_pa, largest_n)
+        limits["load_cell_gain", "error"] += self.instruments.pressure.tolerance
+        return {which: limit for which, limit in limits.items() if which in self.observable}
 
     @property
     def start(self) -> Hypothesis:
@@ -172,6 +185,29 @@ class MeasuredStrokes:
             )
         )
         return contradiction(name, extend, retract)
+
+    def excess_friction(self, hypothesis: Hypothesis, name: str) -> str:
+        """Return where an effect has more friction than was measured; empty if it has not.
+
+        That of the law would be negative. A search does not see it: it is linear in the changes.
+        """
+        without = self._values(without_effect(hypothesis, name))[:, 0]
+        of_effect = without - self._values(hypothesis)[:, 0]
+        areas = self.plant.test_cylinder
+        measured = np.array(
+            [
+                (lost_force(pair.extend, areas) - lost_force(pair.retract, areas)) / 2
+                for pair in self.mean_pairs
+            ]
+        )
+        worst = int(np.argmax(of_effect - measured))
+        if of_effect[worst] <= measured[worst]:
+            return ""
+        pair = self.mean_pairs[worst].extend
+        return (
+            f"it would be {of_effect[worst]:.0f} N of friction where {measured[worst]:.0f} N were "
+            f"measured (piston side {pair.p_tp_pa / 1e5:.3g} bar, {1e3 * pair.v_m_s:.3g} mm/s)"
+        )
 
     def columns(self, hypothesis: Hypothesis, names: Iterable[str]) -> Columns:
         """Return the columns ``names`` at a hypothesis: changes by one unit, times -1.

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hbench.config.sensors import Instruments
 from hbench.config.stroke_model import StrokePlant
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
@@ -22,7 +23,7 @@ from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.nuisance import nuisances
+from hbench.reconcile.nuisance import nuisances, zero_tolerances
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.separation.missing_data import missing_experiments
 from hbench.reconcile.strokes.leave_one_out import (
@@ -99,6 +100,7 @@ class StrokeTask(ModelledData):
 
     plant: StrokePlant  # of the model
     series: Mapping[str, Sequence[ScreenedRun]]  # by label, the requested one first
+    instruments: Instruments | None = None  # as the campaign states them
 
 
 def diagnose_strokes(task: StrokeTask) -> Diagnosis:
@@ -133,7 +135,7 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
             if more[0].plan.specimen == pairs[0].plan.specimen and has_force_sensor(runs) == sensor:
                 of_cylinder[other] = more
     series = [
-        start_search(MeasuredStrokes(task.plant, of_series, sensor))
+        start_search(MeasuredStrokes(task.plant, of_series, sensor, task.instruments))
         for of_series in of_cylinder.values()
     ]
     return _assembled(task, list(of_cylinder), series, missing, left_out)
@@ -201,6 +203,7 @@ def _assembled(
         joined = (*names, candidate.name)
         fits[candidate.name] = search.estimates(search.refit(start, joined), joined)
     point, practice = strokes_in_practice(strokes, best, fits)
+    sections = revised(task.plant_data, factors, best)
     before = result.refitted.gap_map
     after = strokes.gap_map(best, before)
     train = gap_table([gaps_at(search, start, names, indices)], gap_floor(final, estimates))
@@ -229,7 +232,13 @@ def _assembled(
         ruled_out=ruled_out,
         missing=missing,
         left_out=left_out,
-        revised=revised(task.plant_data, factors, best),
+        revised=sections,
+        within_tolerance=tuple(
+            name
+            for name in dict.fromkeys(name for name, _ in strokes.tolerances)
+            if name in sections.get("effects", {})
+        ),
+        zero_tolerances=zero_tolerances(strokes.tolerances),
         notes=tuple(_notes(labels, search, names, alternatives)),
         held_out_loads=held_out_loads(
             by_load,
