@@ -1,6 +1,7 @@
 """Strokes at several set speeds: the mean friction is not that at the mean speed."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -97,6 +98,23 @@ def test_a_speed_without_a_second_trial_is_left_out_and_not_taken_as_a_repeat_of
     second = [run for run in campaign({15: (40, 100)}) if run.run.plan.trial == 2]
     (of_load,) = repeats(stroke_pairs([*runs, *second])).values()
     assert [[pair.speed_m_s for pair in run] for run in of_load] == [[0.04, 0.1]] * 2
+
+
+def test_speeds_that_nobody_set_belong_together_by_their_rank():
+    """Retraction was 3 % slower; with a speed in one direction alone they count as one."""
+    measured = [
+        replace(run, run=replace(run.run, plan=replace(plan, v_ref_m_s=v, speed_is_measured=True)))
+        for run in campaign()
+        for plan in [run.run.plan]
+        for v in [plan.v_ref_m_s * (1 if plan.v_ref_m_s > 0 else 0.97)]
+    ]
+    of_loads = repeats(stroke_pairs(measured)).values()
+    assert [len(runs[0]) for runs in of_loads] == [4, 4, 3, 2]
+    assert {pair.speed_m_s for run in of_loads for pairs in run for pair in pairs} == {
+        0.01, 0.04, 0.1, 0.16,
+    }  # fmt: skip
+    without = [run for run in measured if run.run.plan.v_ref_m_s != -0.04 * 0.97]
+    assert {len(run) for runs in repeats(stroke_pairs(without)).values() for run in runs} == {1}
 
 
 def test_an_offset_within_the_tolerance_of_the_instruments_is_fitted_and_not_named():

@@ -1,6 +1,6 @@
 """Pairs of steady strokes of another bench: one in each direction at one load and speed."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
 
@@ -10,8 +10,9 @@ from hbench.analysis.rounding import is_constant
 from hbench.config.bench import Bore
 from hbench.reconcile.strokes.load_cell import Stroke
 from hbench.reconcile.strokes.within_stroke import change_over_window
-from hbench.records import KINDS, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
+from hbench.records import KINDS, RunPlan, ScreenedRun, Specimen
 
+_FEWEST_STROKES = 2  # in each direction at one speed
 _LOAD_IN_BAND = 0.1  # share of the friction band that a difference of the load may have
 
 
@@ -20,7 +21,9 @@ class StrokePair:
     """Strokes in both directions at one load, pressure and speed."""
 
     plan: RunPlan  # of the load, without a speed
-    speed_m_s: float  # that was set; 0 where none was
+    speed_m_s: (
+        float  # that was set, or measured where there are several; 0 for one that was not set
+    )
     extend: Stroke
     retract: Stroke
 
@@ -31,16 +34,20 @@ def stroke_pairs(screened: Iterable[ScreenedRun]) -> tuple[StrokePair, ...]:
     Strokes of one trial share its set-up, so they are not independent repeats. Where no load has a
     second trial, successive strokes are paired and serve as repeats.
     """
-    strokes: dict[tuple[RunPlan, float], dict[tuple[int, str], list[Stroke]]] = {}
+    of_loads: dict[RunPlan, list[ScreenedRun]] = defaultdict(list)
     for run in screened:
-        means, plan = run.means, run.run.plan
-        if run.accepted and KINDS[plan.kind].has_constant_speed and means is not None:
+        plan = run.run.plan
+        if run.accepted and KINDS[plan.kind].has_constant_speed and run.means is not None:
             load = replace(
                 plan, run="", trial=0, v_ref_m_s=0.0, x_low_m=None, x_high_m=None
             )  # the positions to average over are those of a file
-            speed = 0.0 if plan.speed_is_measured else abs(plan.v_ref_m_s)
+            of_loads[load].append(run)
+    strokes: dict[tuple[RunPlan, float], dict[tuple[int, str], list[Stroke]]] = {}
+    for load, runs in of_loads.items():
+        speeds = _speeds([run.run.plan for run in runs])
+        for run, speed in zip(runs, speeds, strict=True):
             by_trial = strokes.setdefault((load, speed), defaultdict(list))
-            by_trial[plan.trial, plan.direction].append(_stroke(run.run, means))
+            by_trial[run.run.plan.trial, run.run.plan.direction].append(_stroke(run))
     repeated = any(len({trial for trial, _ in by_trial}) > 1 for by_trial in strokes.values())
     pairs = []
     for key, by_trial in strokes.items():
@@ -50,6 +57,22 @@ def stroke_pairs(screened: Iterable[ScreenedRun]) -> tuple[StrokePair, ...]:
                 extending, retracting = [_mean(extending)], [_mean(retracting)]
             pairs += [StrokePair(*key, *both) for both in zip(extending, retracting, strict=False)]
     return tuple(pairs)
+
+
+def _speeds(plans: Sequence[RunPlan]) -> list[float]:
+    """Return the speeds at which the runs of a load are compared.
+
+    Speeds that nobody set differ a little between the directions, so those of equal rank belong
+    together. They count as one, 0, where a direction has more of them or where one has no repeat.
+    """
+    runs = [(plan.direction, abs(plan.v_ref_m_s)) for plan in plans]
+    if not plans[0].speed_is_measured:
+        return [speed for _, speed in runs]
+    out, back = (sorted({v for way, v in runs if way == w}) for w in ("extend", "retract"))
+    if len(out) != len(back) or min(Counter(runs).values()) < _FEWEST_STROKES:
+        return [0.0] * len(runs)
+    common = dict(zip(back, out, strict=True))
+    return [speed if way == "extend" else common[speed] for way, speed in runs]
 
 
 def repeats(pairs: Iterable[StrokePair]) -> dict[RunPlan, list[tuple[StrokePair, ...]]]:
@@ -62,7 +85,9 @@ def repeats(pairs: Iterable[StrokePair]) -> dict[RunPlan, list[tuple[StrokePair,
         by_load.setdefault(pair.plan, {}).setdefault(pair.speed_m_s, []).append(pair)
     of_loads = {}
     for load, by_speed in by_load.items():
-        several = [by_speed[speed] for speed in sorted(by_speed) if len(by_speed[speed]) > 1]
+        several = [
+            by_speed[speed] for speed in sorted(by_speed) if len(by_speed[speed]) >= _FEWEST_STROKES
+        ]
         if several:
             of_loads[load] = list(zip(*several, strict=False))
     return of_loads
@@ -97,7 +122,9 @@ def with_unknown_load(pairs: Iterable[StrokePair]) -> tuple[StrokePair, ...]:
     return tuple(out)
 
 
-def _stroke(run: Run, means: SteadyMeans) -> Stroke:
+def _stroke(screened: ScreenedRun) -> Stroke:
+    run, means = screened.run, screened.means
+    assert means is not None
     assert means.p_tp_pa is not None and means.f_applied_n is not None  # of an accepted run
     centre = (means.t_start_s + means.t_stop_s) / 2
     x_m = run.x_m[(run.t_s >= means.t_start_s) & (run.t_s <= means.t_stop_s)]
