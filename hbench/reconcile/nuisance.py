@@ -161,7 +161,15 @@ def tolerances(
     limits |= {("valve_trim", key): _UNEVEN for key in ("ports", "inlets")}
     limits |= {("valve_deadband", key): _LAP_V for key in ("test", "load")}
     limits |= {("valve_asymmetry", key): _UNEVEN for key in ("test", "load", "load_apart")}
+    return limits | sensor_tolerances(instruments, largest_pa, largest_n)
+
+
+def sensor_tolerances(
+    instruments: Instruments | None, largest_pa: float, largest_n: float
+) -> dict[CoefficientKey, float]:
+    """Return those limits of ``tolerances`` that are of sensors."""
     pressure, force = _stated(instruments, largest_pa, largest_n)
+    limits = {}
     for name in _TRANSDUCERS:
         limits["pressure_offset", name] = _offset(pressure, largest_pa)
         limits["pressure_gain", name] = pressure.tolerance

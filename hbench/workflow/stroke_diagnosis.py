@@ -37,6 +37,7 @@ def diagnosed_strokes(
             plant=parse_strokes(stroke_sections(data), str(model_file)),
             plant_data=data,
             series=by_label,
+            instruments=campaign.setup().instruments,
         )
     )
 

@@ -19,7 +19,9 @@ from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.measured.balances import WindowedRun
-from hbench.reconcile.strokes.series import MeasuredStrokes, Stroke, StrokePair
+from hbench.reconcile.strokes.load_cell import Stroke
+from hbench.reconcile.strokes.pairs import StrokePair
+from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.records import RunPlan, Specimen
 from tests.support.analysis.shaking import shaken
 from tests.support.reconcile.products import column_products
@@ -131,7 +133,9 @@ def test_windows_at_one_place_are_in_one_region(seed):
 def test_a_constant_pressure_is_no_channel(p_tr, seed):
     pressures = shaken(np.full(6, p_tr), seed)
     strokes = [Stroke(0.0, 0.05, 1e6, float(p), 100.0) for p in pressures]
-    pairs = tuple(StrokePair(PLAN, *both) for both in zip(strokes[::2], strokes[1::2], strict=True))
+    pairs = tuple(
+        StrokePair(PLAN, 0.05, *both) for both in zip(strokes[::2], strokes[1::2], strict=True)
+    )
     assert not MeasuredStrokes(None, pairs)._rod_side_measured
     other = replace(pairs[0], extend=replace(strokes[0], p_tr_pa=1.01 * p_tr + 1e3))
     assert MeasuredStrokes(None, (other, *pairs[1:]))._rod_side_measured

@@ -291,6 +291,15 @@ def test_offsets_are_separated_by_a_zero_check_with_what_each_sensor_shows_then(
     assert "zero check" not in verdict_words(planned) + summary(planned)
 
 
+def test_of_offsets_without_readings_the_sensors_to_read_are_named_and_no_readings(offsets):
+    """Of steady strokes: "Read ." and "every sensor shows zero" were shown."""
+    force = Change("force_middle", "N", 92.0, None, 92.0, 92.0)
+    practice = tuple(replace(effect, changes=(force,)) for effect in offsets.practice)
+    rows = dict(answers(replace(offsets, practice=practice)))
+    assert "Read the load cell's zero and the zeros of the transducers." in rows["What to do"]
+    assert "Expected readings" not in rows
+
+
 def test_equal_errors_of_several_sensors_may_have_one_cause(offsets):
     assert "one effect with a value for each of the 2 sensors" in summary(offsets)
     assert "They are equal within their intervals, so a common cause" in summary(offsets)

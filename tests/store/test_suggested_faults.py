@@ -5,6 +5,7 @@ import pytest
 
 from hbench.config.files.yaml_text import parse_yaml
 from hbench.errors import DataError
+from hbench.store.suggesting.dialect import text_dialect
 from hbench.store.suggesting.suggest import suggest_map
 from tests.support.strokes import one_stroke
 
@@ -65,3 +66,12 @@ def test_names_in_a_comment_above_a_comment_of_units_are_those_of_the_columns(lo
         c: {"column": n, "unit": u} for n, (c, u) in enumerate(zip(channels, UNITS, strict=True), 1)
     }
     assert columns == expected
+
+
+def test_thousands_that_only_later_times_have_are_found():
+    """A time in ms reaches 1.000,0 after a thousand lines: it was no column of numbers."""
+    german = str.maketrans(".,", ",.")
+    rows = [f"{n:,.1f};{0.1 * n:.2f}".translate(german) for n in range(1200)]
+    layout = text_dialect("\n".join(["Zeit;Weg", *rows])).layout
+    assert (layout.decimal, layout.thousands) == (",", ".")
+    assert text_dialect("\n".join(["Zeit;Weg", *rows[:900]])).layout.thousands is None

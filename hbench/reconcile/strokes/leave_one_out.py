@@ -48,7 +48,7 @@ def gap_floor(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarr
 def gap_table(stages: Sequence[StageGaps], floor: np.ndarray | None = None) -> GapTable:
     """Return the gaps over several sets of points; ``floor`` (c,) are the floors."""
     values = {
-        stage: gap_of(np.mean([maps[stage].excess for maps in stages], axis=(0, 1)))
+        stage: gap_of(np.concatenate([maps[stage].excess for maps in stages]).mean(axis=0))
         for stage in ("before", "refitted", "after")
     }
     names = stages[0]["after"].names
@@ -80,15 +80,21 @@ def held_out_loads(
     """
     return tuple(
         HeldOutLoad(
-            load_n=float(maps["after"].load_n[0]),
+            load_n=float(maps["after"].load_n.mean()),
             **{stage: _force_error(maps[stage]) for stage in ("before", "refitted", "after")},
             also={name: _force_error(more[i]["after"]) for name, more in also.items()},
-            scatters=dict(zip(maps["after"].names, maps["after"].scatter[0].tolist(), strict=True)),
+            scatters=_scatters(maps["after"]),
         )
         for i, maps in enumerate(stages)
     )
 
 
 def _force_error(gaps: GapMap) -> float:
-    """Return the root mean square error [N] of both directions at one load."""
-    return float(np.sqrt(np.sum(gaps.difference**2)))
+    """Return the root mean square error [N] of both directions and all speeds at one load."""
+    return float(np.sqrt(np.sum(gaps.difference**2, axis=1).mean()))
+
+
+def _scatters(gaps: GapMap) -> dict[str, float]:
+    """Return the root mean square scatter [N] of each balance over the speeds of a load."""
+    pooled = np.sqrt(np.mean(gaps.scatter**2, axis=0))
+    return dict(zip(gaps.names, pooled.tolist(), strict=True))

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hbench.config.sensors import Instruments
 from hbench.config.stroke_model import StrokePlant
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
@@ -22,7 +23,7 @@ from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.nuisance import nuisances
+from hbench.reconcile.nuisance import nuisances, zero_tolerances
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.separation.missing_data import missing_experiments
 from hbench.reconcile.strokes.leave_one_out import (
@@ -33,13 +34,14 @@ from hbench.reconcile.strokes.leave_one_out import (
     leave_each_load_out,
     with_floor,
 )
-from hbench.reconcile.strokes.series import (
-    MeasuredStrokes,
+from hbench.reconcile.strokes.pairs import (
     StrokePair,
     has_force_sensor,
+    repeats,
     stroke_pairs,
     with_unknown_load,
 )
+from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.reconcile.strokes.stroke_practice import strokes_in_practice
 from hbench.reconcile.strokes.stroke_search import (
     OF_THE_SEAL,
@@ -65,7 +67,7 @@ from hbench.records import (
 )
 from hbench.sentences import listed
 
-FEWEST_LOADS = 4  # with two strokes in each direction
+FEWEST_LOADS = 4  # with two strokes in each direction at one speed
 _SAME_AREA = 0.002
 _NOT_OF_STROKES = ("reversals", "steps", "hold")  # experiments that this method does not use
 _BALANCE_TEXTS = {
@@ -99,6 +101,7 @@ class StrokeTask(ModelledData):
 
     plant: StrokePlant  # of the model
     series: Mapping[str, Sequence[ScreenedRun]]  # by label, the requested one first
+    instruments: Instruments | None = None  # as the campaign states them
 
 
 def diagnose_strokes(task: StrokeTask) -> Diagnosis:
@@ -119,7 +122,8 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
     if loads < FEWEST_LOADS:
         shortfall = (
             f"at least {FEWEST_LOADS} loads or pressures with two or more strokes in each "
-            f"direction{'' if sensor else ' at the same positions'}; these runs have {loads}"
+            f"direction at one speed{'' if sensor else ' and at the same positions'}; these runs "
+            f"have {loads}"
         )
         no_force = all(run.run.f_applied_n is None for run in screened)
         shortfalls = (*([_APPLIED_FORCE] if no_force else []), shortfall, *missing)
@@ -133,7 +137,7 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
             if more[0].plan.specimen == pairs[0].plan.specimen and has_force_sensor(runs) == sensor:
                 of_cylinder[other] = more
     series = [
-        start_search(MeasuredStrokes(task.plant, of_series, sensor))
+        start_search(MeasuredStrokes(task.plant, of_series, sensor, task.instruments))
         for of_series in of_cylinder.values()
     ]
     return _assembled(task, list(of_cylinder), series, missing, left_out)
@@ -143,8 +147,7 @@ def _repeated(screened: Sequence[ScreenedRun]) -> tuple[StrokePair, ...]:
     pairs = stroke_pairs(screened)
     if not has_force_sensor(screened):
         pairs = with_unknown_load(pairs)
-    plans = [pair.plan for pair in pairs]
-    return tuple(pair for pair in pairs if plans.count(pair.plan) > 1)
+    return tuple(pair for runs in repeats(pairs).values() for run in runs for pair in run)
 
 
 def _check_areas(task: StrokeTask, pairs: Sequence[StrokePair]) -> None:
@@ -205,6 +208,7 @@ def _assembled(
     for name, joined in with_alternative.items():
         fits[name] = search.estimates(search.refit(start, joined), joined)
     point, practice = strokes_in_practice(strokes, best, fits)
+    sections = revised(task.plant_data, factors, best)
     before = result.refitted.gap_map
     after = strokes.gap_map(best, before)
     train = gap_table([gaps_at(search, start, names, indices)], gap_floor(final, estimates))
@@ -233,7 +237,13 @@ def _assembled(
         ruled_out=ruled_out,
         missing=missing,
         left_out=left_out,
-        revised=revised(task.plant_data, factors, best),
+        revised=sections,
+        within_tolerance=tuple(
+            name
+            for name in dict.fromkeys(name for name, _ in strokes.tolerances)
+            if name in sections.get("effects", {})
+        ),
+        zero_tolerances=zero_tolerances(strokes.tolerances),
         notes=tuple(_notes(labels, search, names, alternatives)),
         held_out_loads=held_out_loads(
             by_load,

@@ -23,13 +23,15 @@ def strokes_in_practice(
 ) -> tuple[WorkingPoint, tuple[EffectInPractice, ...]]:
     """Return the working point, and what each effect changes; ``fits`` are by its name.
 
-    The working point is the mean extending stroke of the load in the middle of all, with the
-    residuals of the ``final`` hypothesis.
+    The working point is the mean extending stroke of the load in the middle of all and of the speed
+    in the middle of its speeds, with the residuals of the ``final`` hypothesis.
     """
-    pairs = strokes.mean_pairs
-    order = np.argsort([pair.extend.f_applied_n for pair in pairs], kind="stable")
-    middle = int(order[len(order) // 2])
-    stroke = pairs[middle].extend
+    runs = strokes.mean_runs
+    loads = [np.mean([pair.extend.f_applied_n for pair in run]) for run in runs]
+    of_load = int(np.argsort(loads, kind="stable")[len(runs) // 2])
+    of_speed = len(runs[of_load]) // 2
+    middle = sum(map(len, runs[:of_load])) + of_speed
+    stroke = runs[of_load][of_speed].extend
     residuals = strokes.gap_map(final).difference[middle]
     point = WorkingPoint(
         direction="extend",

@@ -8,7 +8,8 @@ it. Operating points are few, so null data sets are drawn by rotation (``rotated
 Series of one cylinder on one bench differ only in the seal, so they share the verdict: scores and
 null scores are summed. Effects that do not depend on the seal must have one coefficient in all
 series; an effect whose coefficients differ beyond their 95 % intervals is ruled out. So is an
-effect in the middle that can't cause its change within a stroke (``within_stroke.py``).
+effect in the middle that can't cause its change within a stroke (``within_stroke.py``), and one
+that would be more friction than was measured.
 """
 
 from collections.abc import Mapping, Sequence
@@ -186,13 +187,18 @@ def _step(
             if reason := next(filter(None, reasons), ""):
                 ruled_out[candidate.name] = reason
                 continue
+        estimates = [
+            search.estimates(model, (*added, candidate.name))
+            for search, model in zip(searches, with_effect[candidate.name], strict=True)
+        ]
+        reasons = [
+            search.measured.excess_friction(each.hypothesis(each.beta), candidate.name)
+            for search, each in zip(searches, estimates, strict=True)
+        ]
         if candidate.name not in OF_THE_SEAL:
-            estimates = [
-                search.estimates(model, (*added, candidate.name))
-                for search, model in zip(searches, with_effect[candidate.name], strict=True)
-            ]
-            if reason := _inconsistency(estimates, candidate.name):
-                ruled_out[candidate.name] = reason
+            reasons.append(_inconsistency(estimates, candidate.name))
+        if reason := next(filter(None, reasons), ""):
+            ruled_out[candidate.name] = reason
     accepted = [candidate for candidate in accepted if candidate.name not in ruled_out]
     rejected = (candidate for candidate in candidates if candidate not in accepted)
     candidates = (*accepted, *rejected)

@@ -47,7 +47,30 @@ def text_dialect(text: str) -> Dialect | None:
                 best = share, marks, rows
     share, marks, rows = best
     found = rows_dialect(rows, marks, lines) if share > 0.0 else None
-    return None if found is None else _with_comments_between(found, every)
+    if found is None:
+        return None
+    return _with_comments_between(_with_later_thousands(found, lines, every), every)
+
+
+def _with_later_thousands(
+    dialect: Dialect, lines: Sequence[tuple[int, str]], every: Sequence[str]
+) -> Dialect:
+    """Return the dialect with the mark of thousands that only numbers far below contain.
+
+    A time in ms reaches 1.000 after the lines that are read at the beginning.
+    """
+    layout = dialect.layout
+    if layout.thousands is not None or len(every) <= len(lines):
+        return dialect
+    step = max(1, len(every) // _MOST_LINES)
+    later = [(n, every[n - 1]) for n in range(len(every), lines[-1][0], -step)]
+    cells = {cell.strip() for _, row in _rows(later, layout.separator) for cell in row}
+    unread = [cell for cell in cells if not is_number(cell, layout.decimal, None)]
+    for decimal, mark in _marks(layout.separator):
+        if mark and decimal == layout.decimal:
+            if any(_number(decimal, mark).fullmatch(cell) for cell in unread):
+                return replace(dialect, layout=layout.model_copy(update={"thousands": mark}))
+    return dialect
 
 
 def _with_comments_between(dialect: Dialect, lines: Sequence[str]) -> Dialect:

@@ -91,7 +91,8 @@ def zero_check(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.next_schedule or not kinds or not all(map(_is_zero_check, kinds)):
         return []
     chosen = alternatives(diagnosis)
-    inspect = [effect.inspect for effect in chosen if readings_words(effect) and effect.inspect]
+    shown = [effect for effect in chosen if readings_words(effect)] or chosen
+    inspect = [effect.inspect for effect in shown if effect.inspect]
     return [
         "Next step: a zero check with the supply off.",
         f"Read {listed(inspect)}.",
@@ -101,11 +102,16 @@ def zero_check(diagnosis: Diagnosis) -> list[str]:
 
 
 def zero_readings(diagnosis: Diagnosis) -> str:
-    """Return what each sensor shows in the zero check; empty where none separates the set."""
+    """Return what each sensor shows in the zero check.
+
+    Empty where none separates the set, and where no readings are known, as of strokes.
+    """
     if not zero_check(diagnosis):
         return ""
     chosen = alternatives(diagnosis)
     errors = {effect.name: readings_words(effect) for effect in chosen}
+    if not any(errors.values()):
+        return ""
     shown = [
         f"with {in_words(name)}, {words or 'every sensor'} {'' if words else 'shows zero'}".strip()
         for name, words in errors.items()
