@@ -9,7 +9,8 @@ import yaml
 
 from hbench import workflow
 from hbench.config.stroke_model import parse_strokes
-from hbench.reconcile.strokes.stroke_diagnosis import NO_SENSOR_NOTE, StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.stroke_words import NO_SENSOR_NOTE
 from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.reconciliation import write_diagnosis

@@ -10,7 +10,8 @@ from hbench.config.stroke_model import parse_strokes
 from hbench.errors import ConfigError
 from hbench.reconcile.separation.missing_data import MISSING
 from hbench.reconcile.strokes.pairs import stroke_pairs
-from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE, StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.stroke_words import GAIN_NOTE
 from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 from hbench.report.diagnosis.heading import title_words
 from hbench.report.diagnosis.summary import answers

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from hbench.config.stroke_model import parse_strokes
-from hbench.reconcile.strokes.stroke_diagnosis import NO_SENSOR_NOTE, StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.stroke_words import NO_SENSOR_NOTE
 from hbench.records import Provenance
 from tests.support.linkage_strokes import AREAS, LOADS_N, half_bands, linkage_strokes
 

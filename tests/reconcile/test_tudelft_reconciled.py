@@ -11,7 +11,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE
+from hbench.reconcile.strokes.stroke_words import GAIN_NOTE
 from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.reconciliation import write_diagnosis

@@ -4,7 +4,7 @@ The gaps of held-out runs are those of each load in turn, with parameters from t
 effects of the model were chosen with all loads: four loads are too few to choose by three.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,6 @@ import numpy as np
 from hbench.config.sensors import Instruments
 from hbench.config.stroke_model import StrokePlant
 from hbench.errors import ConfigError
-from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
     ModelledData,
     added_effect,
@@ -44,11 +43,18 @@ from hbench.reconcile.strokes.pairs import (
 from hbench.reconcile.strokes.series import MeasuredStrokes
 from hbench.reconcile.strokes.stroke_practice import strokes_in_practice
 from hbench.reconcile.strokes.stroke_search import (
-    OF_THE_SEAL,
     SeriesSearch,
     StrokeSearchResult,
     search_series,
     start_search,
+)
+from hbench.reconcile.strokes.stroke_words import (
+    BALANCE_TEXTS,
+    DRIFT_NOTE,
+    NO_SENSOR_NOTE,
+    next_experiment,
+    not_tried,
+    stroke_notes,
 )
 from hbench.reconcile.verdict import (
     NO_RESIDUALS,
@@ -65,33 +71,13 @@ from hbench.records import (
     ScreenedRun,
     Verdict,
 )
-from hbench.sentences import listed
 
 FEWEST_LOADS = 4  # with two strokes in each direction at one speed
 _SAME_AREA = 0.002
 _NOT_OF_STROKES = ("reversals", "steps", "hold")  # experiments that this method does not use
-_BALANCE_TEXTS = {
-    "force_band": "the friction band",
-    "force_middle": "the mean offset of both directions",
-}
-NO_SENSOR_NOTE = (
-    "No force sensor: the applied force is not measured, so the load is unknown. Only the friction "
-    "band is compared, half the difference of both directions at the same positions. The mean of "
-    "both directions contains the load: a gain, an offset, a wrong area or an asymmetry of the "
-    "directions cannot be determined. The loads shown are the mean pressure forces of both "
-    "directions."
-)
-_DRIFT_NOTE = (
-    "A load that changes along the stroke appears as a drift of friction. To accept such strokes, "
-    "set screening.friction_drift in the import map above this change."
-)
 _APPLIED_FORCE = (
     "the applied force; without a force sensor set f_applied_n to 0 N in the constants of the "
     "import map, and the friction band alone is compared"
-)
-GAIN_NOTE = (
-    "load_cell_gain represents any gain error between pressure and force: load cell, pressure "
-    "transducer, or piston area of the model. Steady strokes show the same with each."
 )
 
 
@@ -128,7 +114,7 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
         no_force = all(run.run.f_applied_n is None for run in screened)
         shortfalls = (*([_APPLIED_FORCE] if no_force else []), shortfall, *missing)
         found = insufficient_data_diagnosis(task, shortfalls, left_out)
-        return found if sensor else replace(found, notes=(NO_SENSOR_NOTE, _DRIFT_NOTE))
+        return found if sensor else replace(found, notes=(NO_SENSOR_NOTE, DRIFT_NOTE))
     _check_areas(task, pairs)
     of_cylinder = {label: pairs}
     for other, runs in others:
@@ -223,7 +209,7 @@ def _assembled(
         effects=effects,
         alternatives=alternatives,
         rest=unexplained,
-        next_experiment=_next_experiment(result),
+        next_experiment=next_experiment(result),
         gap_heldout=with_floor(gap_table(by_load), train),
         gap_train=train,
         ranking=result.steps[0].evaluated,
@@ -233,7 +219,7 @@ def _assembled(
         residuals_before=residual_map(before, points, "N"),
         residuals_after=residual_map(after, points, "N"),
         heldout_runs=tuple(run.run.plan.run for run in task.series[labels[0]] if run.accepted),
-        not_tried=_not_tried(search),
+        not_tried=not_tried(search),
         ruled_out=ruled_out,
         missing=missing,
         left_out=left_out,
@@ -244,7 +230,7 @@ def _assembled(
             if name in sections.get("effects", {})
         ),
         zero_tolerances=zero_tolerances(strokes.tolerances),
-        notes=tuple(_notes(labels, search, names, alternatives)),
+        notes=tuple(stroke_notes(labels, search, names, alternatives)),
         held_out_loads=held_out_loads(
             by_load,
             {
@@ -257,14 +243,6 @@ def _assembled(
     )
 
 
-def _not_tried(search: SeriesSearch) -> dict[str, str]:
-    """Return the effects that strokes do not show, with the reason."""
-    reason = "does not change the mean of a steady stroke"
-    if not search.measured.load_is_known:
-        reason = "needs a force sensor, or does not change the friction band of steady strokes"
-    return {name: reason for name in EFFECTS if name not in search.candidates}
-
-
 def _decide_verdict(
     result: StrokeSearchResult, unconfirmed: Sequence[str], unexplained: Sequence[Gap]
 ) -> tuple[Verdict, str]:
@@ -272,7 +250,7 @@ def _decide_verdict(
     for step in result.steps:
         if step.ambiguous:
             sentences.append(
-                f"Not distinguishable for {_BALANCE_TEXTS[step.balance]}, scores in nats: "
+                f"Not distinguishable for {BALANCE_TEXTS[step.balance]}, scores in nats: "
                 f"{scores(step.ambiguous)}."
             )
     if unexplained:
@@ -293,18 +271,6 @@ def _best_elsewhere(result: StrokeSearchResult, candidate: Candidate) -> tuple[s
         for step in result.steps
         if step.ambiguous and step.balance != candidate.balance
     )
-
-
-def _next_experiment(result: StrokeSearchResult) -> str | None:
-    sets = [step.ambiguous for step in result.steps if step.ambiguous]
-    sentences = []
-    for candidates in sets:
-        names = [candidate.name for candidate in candidates]
-        tests = dict.fromkeys(filter(None, (EFFECTS[name].inspect for name in names)))
-        them = listed([name.replace("_", " ") for name in names]) if sets[1:] else "them"
-        if tests:
-            sentences.append(f"Tests that distinguish {them}: {'; '.join(tests)}.")
-    return " ".join(sentences) or None
 
 
 def _added_effects(
@@ -331,24 +297,3 @@ def _added_effects(
                 )
             )
     return tuple(effects)
-
-
-def _notes(
-    labels: Sequence[str],
-    search: SeriesSearch,
-    names: Sequence[str],
-    alternatives: Sequence[Candidate],
-) -> Iterator[str]:
-    if not search.measured.load_is_known:
-        yield NO_SENSOR_NOTE
-    yield (
-        "Leave-one-out: the gaps of held-out runs are predictions of each load with parameters "
-        "from the other loads. The effects were chosen with all loads."
-    )
-    if "load_cell_gain" in (*(candidate.name for candidate in alternatives), *names):
-        yield GAIN_NOTE
-    if len(labels) > 1:
-        yield (
-            f"Other series used as evidence: {', '.join(labels[1:])}. They are assumed to be the "
-            f"same cylinder with other seals; only {listed(OF_THE_SEAL)} may differ."
-        )
