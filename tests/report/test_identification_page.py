@@ -301,3 +301,5 @@ def test_errors_common_to_all_points_are_stated_without_a_verification():
         "error of the instruments, such as an offset of the force, would explain all but 6.8 N. "
         "No bench file."
     )
+    exactly = replace(found, laws=(replace(found.laws[0], misfit=replace(shifted, misfit_n=0.0)),))
+    assert "such as an offset of the force, would explain all of it. No bench" in verdict(exactly)

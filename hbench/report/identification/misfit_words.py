@@ -9,7 +9,7 @@ from hbench.report.campaign.fit_tables import law_words
 from hbench.report.render.numbers import significant
 from hbench.sentences import capital
 
-MISFIT = "Misfit of the laws"
+MISFIT = "Measured friction, and what each law misses of it"
 _HEAD = (
     *("Law", "Motion", "Friction (N)", "Error (N)", "Scatter (N)", "Misfit (N)", "Misfit (%)"),
     "Describes it",
@@ -28,7 +28,7 @@ MISFIT_FACT = (
     "known); its percentage is that of friction. In reversing motions friction and error are less "
     "their mean over each run, and the misfit is the part that is the same in all runs. A law does "
     f"not describe friction if the misfit is significant and more than {100 * NEGLIGIBLE_MISFIT:g} "
-    "% of friction. Shifted: errors of the instruments would explain most of the error.",
+    "% of friction. If shifted: errors of the instruments would explain most of the error.",
 )
 
 Compared = list[tuple[str, LackOfFit]]
@@ -95,14 +95,15 @@ def _closest_words(data: str, found: Compared) -> str:
     )
     if _is_shifted(fit):
         explained = "an error of the instruments, such as an offset of the force, would explain"
-        return f"{words}; {explained} all but {_short(fit.misfit_n)} N."
+        left = _short(fit.misfit_n)
+        return f"{words}; {explained} {'all of it' if left == '0' else f'all but {left} N'}."
     return f"{words}."
 
 
 def _verdict(fit: LackOfFit) -> str:
     if not fit.describes:
         return "no"
-    return "shifted" if _is_shifted(fit) else "yes"
+    return "if shifted" if _is_shifted(fit) else "yes"
 
 
 def _is_shifted(fit: LackOfFit) -> bool:

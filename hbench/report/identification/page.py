@@ -112,7 +112,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         Section(SUMMARY, tables=summary, parts=(terms,)) if summary else Section(),
         Section("Verification profile", drawings=shown, parts=rest if others else ()),
         Section("Friction over speed", (_STEADY,) if steady else (), drawings=steady),
-        Section(MISFIT, tables=misfits, facts=(MISFIT_FACT,) if misfits else ()),
+        Section("Misfit of the laws", tables=misfits, facts=(MISFIT_FACT,) if misfits else ()),
         Section(
             "Identified parameters",
             (_SECTION, interval_words(identification)),
