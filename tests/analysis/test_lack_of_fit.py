@@ -60,7 +60,7 @@ def tustin(measured):
     return next(law.misfit for law in laws if law.law == "tustin")
 
 
-@pytest.mark.parametrize("scatter", [0.002, 0.01, 0.04])
+@pytest.mark.parametrize("scatter", [0.002, pytest.param(0.01, marks=pytest.mark.slow), 0.04])
 @pytest.mark.parametrize("form", FORMS)
 def test_only_a_form_that_is_far_from_the_law_is_not_described(form, scatter):
     found = [tustin(curves(form, scatter, seed)) for seed in range(5)]
