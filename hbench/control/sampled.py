@@ -77,13 +77,15 @@ def broken_loop(
     L_i = C_i (G_ii - G_iJ (1 + C_J G_JJ)^-1 C_J G_Ji), with G of ``measurement_response``.
     """
     z = np.exp(1j * omega * TICK_S)
-    others = [i for i in range(3) if i != broken]
-    c = np.array([controller(pi, z) for pi in loops]).T
-    inner = c[:, others, None] * response[:, others][:, :, others]
-    drive = c[:, others, None] * response[:, others][:, :, [broken]]
-    answer = np.linalg.solve(np.eye(2) + inner, drive)
-    through = (response[:, [broken]][:, :, others] @ answer)[:, 0, 0]
-    return c[:, broken] * (response[:, broken, broken] - through)
+    i, (j, k) = broken, [loop for loop in range(3) if loop != broken]
+    c = [controller(pi, z) for pi in loops]
+    g = np.ascontiguousarray(np.moveaxis(response, 0, 2))
+    # Cramer's rule for the two loops that are closed.
+    jj, jk, kj, kk = 1 + c[j] * g[j, j], c[j] * g[j, k], c[k] * g[k, j], 1 + c[k] * g[k, k]
+    to_j, to_k = c[j] * g[j, i], c[k] * g[k, i]
+    u_j, u_k = kk * to_j - jk * to_k, jj * to_k - kj * to_j
+    through = (g[i, j] * u_j + g[i, k] * u_k) / (jj * kk - jk * kj)
+    return c[i] * (g[i, i] - through)
 
 
 def closed_loop_matrices(

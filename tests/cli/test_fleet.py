@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 from hbench.cli.main import app
 from hbench.errors import ConfigError, DataError
 from tests.support import ROOT
+from tests.support.cut_campaign import two_curves
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 DEADLY = ROOT / "tests" / "support" / "faults" / "deadly.py"
@@ -119,8 +120,8 @@ def test_another_working_speed_makes_other_rows(line, tmp_path, one_process):
 
 def test_a_copy_and_a_link_of_a_campaign_are_no_further_measurements(tmp_path):
     folder = tmp_path / "line"
-    shutil.copytree(SAMPLES / "stribeck-small", folder / "a")
-    shutil.copytree(SAMPLES / "stribeck-small", folder / "a copy")
+    two_curves(folder / "a")
+    two_curves(folder / "a copy")
     (folder / "link").symlink_to("a")
     done = fleet(folder / "a", folder / "a copy", folder / "link", "-o", tmp_path / "out", "--json")
     assert done.exit_code == 0, (done.output, done.exception)

@@ -45,7 +45,12 @@ def test_a_result_that_a_full_disk_does_not_take_is_an_error(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "redirections", [pytest.param("2>/dev/full", marks=needs_full), "2>&-", "<&- >&- 2>&-"]
+    "redirections",
+    [
+        pytest.param("2>/dev/full", marks=needs_full),
+        pytest.param("2>&-", marks=pytest.mark.slow),
+        "<&- >&- 2>&-",
+    ],
 )
 def test_a_measurement_goes_on_where_nothing_takes_its_messages(
     quick_schedule, tmp_path, redirections
@@ -60,7 +65,11 @@ def test_a_measurement_goes_on_where_nothing_takes_its_messages(
 
 @pytest.mark.parametrize(
     ("arguments", "code"),
-    [(["--help"], 0), (["simulate"], 0), (["accept", SAMPLE, "--limits", LIMITS, "--fail"], 6)],
+    [
+        (["--help"], 0),
+        pytest.param(["simulate"], 0, marks=pytest.mark.slow),
+        (["accept", SAMPLE, "--limits", LIMITS, "--fail"], 6),
+    ],
     ids=["help", "list", "verdict"],
 )
 def test_a_reader_that_has_ended_does_not_change_the_exit_code(tmp_path, arguments, code):
@@ -79,11 +88,12 @@ def test_a_reader_that_has_ended_does_not_change_the_exit_code(tmp_path, argumen
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no choice of a core")
-def test_what_an_interrupt_follows_at_once_is_written_once():
+@pytest.mark.parametrize("times", [2, pytest.param(20, marks=pytest.mark.slow)])
+def test_what_an_interrupt_follows_at_once_is_written_once(times):
     cores = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(cores)})  # so that the reader runs before the writer goes on
     try:
-        for _ in range(5):
+        for _ in range(times):
             started = subprocess.Popen(
                 [sys.executable, "-m", "hbench", "rig", "--socket", "localhost:0"],
                 stdout=subprocess.PIPE,

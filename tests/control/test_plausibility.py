@@ -75,7 +75,8 @@ def test_the_way_after_the_valves_close_is_that_of_the_simulated_plant(path, val
 
 
 @pytest.mark.parametrize("size", [Size(0.020, 0.014, 0.100, 40e5), Size(0.0203, 0.0089, 1.6, 88e5)])
-def test_init_writes_a_stopping_time_that_bounds_the_way_of_a_small_cylinder(size):
+def test_init_writes_a_stopping_time_that_bounds_the_way_of_a_small_cylinder(size, monkeypatch):
+    monkeypatch.setattr("hbench.workflow.example_files.RATIOS", (1.7,))  # seconds each
     of = parse_bench(yaml.safe_load(sized_files(EXAMPLES, size).files[BENCH_FILE]), "bench.yaml")
     longest_s = max(simulated_s(of, direction) for direction in (1, -1))
     assert 15e-3 < longest_s < of.limits.stopping_time < 1.6 * longest_s

@@ -15,6 +15,7 @@ from hbench.reconcile.evidence.cross_validation import (
 )
 from hbench.reconcile.evidence.likelihood import Fit, Priors, cost, maximum_likelihood, spread
 from hbench.reconcile.evidence.products import Products
+from hbench.reconcile.evidence.reweighted import _fit_all
 from tests.support.reconcile.products import all_products, column_products
 
 NOISE = 1e-3  # variance of d, in squares of the scatter
@@ -158,6 +159,14 @@ def test_nulls_are_fitted_as_if_their_signs_were_in_the_data():
         assert beta == pytest.approx(
             maximum_likelihood(turned.products(), freedom(2), [0, 1], points)[0]
         )
+
+
+def test_nulls_need_no_further_compilation():
+    """A compilation takes some 3 s."""
+    data, free = drawn(np.random.default_rng(4), [1.0, 0.5]).products(), freedom(2)
+    for signs in (None, random_signs(1, 30, seed=7), random_signs(3, 30, seed=7)):
+        maximum_likelihood(data, free, [0, 1], np.arange(25), signs)
+    assert len(_fit_all.signatures) == 1
 
 
 def test_random_signs_are_fair_and_repeatable():

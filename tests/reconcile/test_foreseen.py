@@ -11,13 +11,13 @@ import yaml
 from hbench.config.bench import merge, parse_bench, parse_plant, plant_sections
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
-from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.reconcile.separation.planned_runs import planned_effects
 from hbench.records import Provenance
 from tests.support import ROOT
 from tests.support.reconcile.blind import outcome, task_of
+from tests.support.reconcile.few_candidates import try_only
 from tests.support.reconcile.rounds import plans_of
 
 GENERATE = ROOT / "tests" / "support" / "hidden" / "generate.py"
@@ -147,9 +147,7 @@ def offer_alone(monkeypatch, experiments):
 
 def test_no_experiment_is_proposed_where_none_separates(bench, bench_data, monkeypatch):
     """A further load has the same acceleration: lag and mass stay alike."""
-    others = dict.fromkeys(set(EFFECTS) - CANDIDATES, "not in this test")
-    place = "hbench.reconcile.diagnose.observable_effects"
-    monkeypatch.setattr(place, lambda runs, plant: (tuple(CANDIDATES), others))
+    try_only(monkeypatch, *CANDIDATES)
     offer_alone(monkeypatch, [MORE])
     hidden = merge(UNTUNED, {"effects": {"added_mass": {"test": "50 kg"}}})
     found = diagnosed(bench, bench_data, POOR, hidden)

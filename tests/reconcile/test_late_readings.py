@@ -15,6 +15,7 @@ from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.diagnosis.words.delay import delay_words
 from tests.support import ROOT
 from tests.support.reconcile.blind import MODEL, task_of
+from tests.support.reconcile.few_candidates import try_only
 
 SAMPLES = ROOT / "data_samples" / "blind"
 COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
@@ -45,14 +46,22 @@ def diagnosed(campaign, change):
     return diagnose(replace(task, bench=None, runs=runs, plant_data=sections))
 
 
+def logged(run):
+    """A load cell behind a filter, a pressure that is read a record later, commands two later."""
+    return late(late(filtered(run, "f_applied_n"), 1, "p_tp_pa"), 2, *COMMANDS)
+
+
 @pytest.fixture(scope="module")
 def without_effect():
-    """A load cell behind a filter, a pressure that is read a record later, commands two later."""
+    """The diagnosis with the effects that are most like delays."""
+    with pytest.MonkeyPatch.context() as patch:
+        try_only(patch, "valve_lag", "friction_lag", "added_mass", "load_cell_gain")
+        return diagnosed("none-5", logged)
 
-    def logged(run):
-        return late(late(filtered(run, "f_applied_n"), 1, "p_tp_pa"), 2, *COMMANDS)
 
-    return diagnosed("none-5", logged)
+@pytest.mark.slow
+def test_late_channels_are_no_effect_of_the_whole_catalogue():
+    assert diagnosed("none-5", logged).verdict == "none"
 
 
 def test_a_filter_and_late_channels_are_no_effect(without_effect):

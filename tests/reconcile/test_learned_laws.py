@@ -116,7 +116,9 @@ def test_a_law_of_two_quantities_gets_a_table_over_both(bench, bench_data):
     assert "position" in table.knots and len(table.knots) == 2
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, 4))]
+)
 def test_friction_that_wanders_from_run_to_run_is_no_law(bench, bench_data, seed):
     one = one_balance(bench, bench_data, lambda x, v, drop: 0.0 * x, seed, level_n=6.0)
     gains = [gain for _, gain in best_tables(one, np.arange(POINTS))]

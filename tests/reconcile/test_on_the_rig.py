@@ -88,7 +88,15 @@ def test_of_twenty_refitted_campaigns_without_an_effect_hardly_any_has_a_gap(ben
     assert np.median(largest) < 1.5
 
 
-@pytest.mark.parametrize("balance", HIDDEN)
+@pytest.mark.parametrize(
+    "balance",
+    [
+        "force_test",
+        "flow_lp",
+        pytest.param("force_load", marks=pytest.mark.slow),
+        pytest.param("supply", marks=pytest.mark.slow),
+    ],
+)
 def test_the_balance_that_a_hidden_effect_touches_stands_first(bench, bench_data, balance):
     """Behind badly tuned parameters too, which are refitted and can't swallow it."""
     plan = schedule(speeds=("30 mm/s", "120 mm/s"))

@@ -220,6 +220,7 @@ def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):
         assert ordinary_spaces(text).count(f"{at}: the board stopped itself") == 3
 
 
+@pytest.mark.slow
 def test_every_figure_is_the_same_twice(design, drawings):
     for one, two in zip(drawings, draw_design(design), strict=True):
         assert one.svg == two.svg

@@ -114,6 +114,10 @@ def test_figures_have_words_and_data_and_name_the_unit(found, drawings):
     for drawing in drawings:
         assert drawing.csv.count(b"\n") > 8 and len(drawing.seen) > 40
         assert re.search(rb"\((N|%|mm/s|N s/m)\)", drawing.csv)
+
+
+@pytest.mark.slow
+def test_every_figure_is_the_same_twice(found, drawings):
     again = draw_fleet(found)
     assert [one.svg for one in again] == [one.svg for one in drawings]
 

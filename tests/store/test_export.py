@@ -15,6 +15,7 @@ from hbench.cli.main import app
 from hbench.errors import ConfigError
 from hbench.store.campaign.folder import load_campaign
 from tests.support import shared
+from tests.support.cut_campaign import two_curves
 from tests.support.seal_strokes import stroke_campaign, write_strokes
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
@@ -40,6 +41,12 @@ def exported(tmp_path_factory):
         return shared.once(f"export-{sample}-{kind}", make)
 
     return give
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """A campaign of eight runs."""
+    return two_curves(tmp_path_factory.mktemp("small") / "campaign")
 
 
 @pytest.fixture(scope="module")
@@ -296,26 +303,26 @@ def test_an_export_into_a_campaign_is_refused_and_no_log_is_replaced(tmp_path, e
         ("mat", "curves.mat"),
     ],
 )
-def test_an_export_of_runs_replaces_no_log_and_no_bench_file(tmp_path, kind, name):
+def test_an_export_of_runs_replaces_no_log_and_no_bench_file(tmp_path, small, kind, name):
     """Such as raw logs in the layout of an export, or the bench file that a user has edited."""
     own = tmp_path / name
     own.parent.mkdir(exist_ok=True)
     own.write_text("mine\n")
     with pytest.raises(ConfigError, match="exists already with other content, and"):
-        workflow.export(SAMPLES / "stribeck-small", tmp_path, kind)
+        workflow.export(small, tmp_path, kind)
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == [own]
     assert own.read_text() == "mine\n"
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
-def test_an_export_can_be_repeated_and_writes_the_same_bytes(tmp_path, kind):
+def test_an_export_can_be_repeated_and_writes_the_same_bytes(tmp_path, exported, kind):
     def content():
         return {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
 
-    count = workflow.export(SAMPLES / "stribeck-small", tmp_path, kind)
+    shutil.copytree(exported(kind), tmp_path, dirs_exist_ok=True)
     first = content()
     with mock.patch("time.asctime", lambda: "another time"):  # scipy writes it into a MATLAB file
-        assert workflow.export(SAMPLES / "stribeck-small", tmp_path, kind) == count
+        assert workflow.export(SAMPLES / "stribeck-small", tmp_path, kind) == len(first)
     assert content() == first
 
 

@@ -1,7 +1,6 @@
 """The rows of a fleet while it is made, where they come from, and its table."""
 
 import os
-import shutil
 import sqlite3
 import subprocess
 import sys
@@ -17,9 +16,7 @@ from hbench.records import QUANTITIES, FleetNumber, FleetRow
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
 from hbench.store.fleet.rows import ROWS, FleetRows
 from hbench.store.fleet.table import FleetTable, cells_of, shown_path, write_table
-from tests.support import ROOT
-
-SAMPLE = ROOT / "data_samples" / "stribeck-small"
+from tests.support.cut_campaign import two_curves
 
 
 def campaign(folder):
@@ -61,7 +58,7 @@ def test_logs_without_a_journal_are_a_campaign_and_links_to_folders_are_not_foll
 
 @pytest.mark.parametrize("kind", ["csv", "parquet", "mat", "excel", "modelica"])
 def test_an_export_beside_its_campaign_is_no_campaign(tmp_path, kind):
-    made = shutil.copytree(SAMPLE, tmp_path / "line" / "1")
+    made = two_curves(tmp_path / "line" / "1")
     workflow.export(made, tmp_path / "line" / "1-exported", kind)
     assert list(find_campaigns([str(tmp_path / "line")], print)) == [str(made)]
 

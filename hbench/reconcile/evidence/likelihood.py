@@ -81,7 +81,7 @@ def _best_fit(sums: Sums, priors: Priors) -> tuple[np.ndarray, np.ndarray]:
     given = Given(
         sums.columns.entries,
         np.ascontiguousarray(sums.mixed),
-        np.array(np.broadcast_to(sums.squares, (f, b, g))),
+        np.array(np.broadcast_to(sums.squares, (f, b, g)), order="C"),
         sums.noise,
         sums.windows,
         sums.points,

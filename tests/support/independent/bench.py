@@ -125,7 +125,8 @@ def stroke(bench, effects, start_m, end_m, speed, p_lp_ref, p_lr_ref, levels, du
             u[0] = 120.0 * (x_ref - x) + 150.0 * error_x + 22.0 * sign * v_ref
             u[1] = 0.06 * (p_lr_ref - p_lr) / BAR + error_lr
             u[2] = 0.06 * (p_lp_ref - p_lp) / BAR + error_lp
-            u = np.minimum(np.maximum(u, -10.0), 10.0)
+            for i in range(3):
+                u[i] = min(max(u[i], -10.0), 10.0)
         for i in range(3):
             drive = u[i] - spool[i]
             drive -= max(min(drive, effects.stick_v), -effects.stick_v)
@@ -191,7 +192,9 @@ def stroke(bench, effects, start_m, end_m, speed, p_lp_ref, p_lr_ref, levels, du
         v_logged += DT_S * (v - v_logged) / 0.003
         if tick % LOG_TICKS == 0 and t >= SKIPPED_S and row < len(out):
             out[row, 0], out[row, 1], out[row, 2] = t - SKIPPED_S, x, v_logged
-            out[row, 3:9] = shown
-            out[row, 9:] = u
+            for i in range(6):
+                out[row, 3 + i] = shown[i]
+            for i in range(3):
+                out[row, 9 + i] = u[i]
             row += 1
     return out[:row]

@@ -71,12 +71,16 @@ class Outcome:
     quantities: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
-def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
+def outcome(
+    folder: Path,
+    start: Mapping[str, float] | None = None,
+    candidates: Sequence[str] = CANDIDATES,
+) -> Outcome:
     """Reconcile one campaign, in this process alone; ``start`` are factors on the model."""
     started = time.process_time()
     task = task_of(folder)
     task = replace(task, plant=scaled(task.plant, start or {}))
-    measured, found, out = run_search(task, CANDIDATES)
+    measured, found, out = run_search(task, candidates)
     final = found.final.gap_map.in_units_of(found.refitted.gap_map)
     by_effects = found.with_small.gap_map.in_units_of(found.refitted.gap_map)
     left = unexplained_gaps(ranked_gaps(by_effects, np.zeros(len(BALANCES))))
