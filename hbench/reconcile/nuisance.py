@@ -44,7 +44,7 @@ FACTORS: Mapping[str, float] = {
         path: prior
         for side in ("test", "load")
         for path, prior in {
-            f"moving_mass.{side}": 0.1,
+            f"moving_mass.{side}": 0.2,
             **{f"friction.{side}.{name}": prior for name, prior in _FRICTION.items()},
         }.items()
     },
