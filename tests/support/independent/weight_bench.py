@@ -103,7 +103,6 @@ class Effects(NamedTuple):
     guide: float = 0.0  # share of the pressure force
     film_s: float = 0.0  # dry friction follows the speed with this lag
     bore: float = 0.0  # share of dry friction, with a period of 0.4 m
-    cushion: float = 0.0  # N s/m at the end of the last 0.1 m
     mass_kg: float = 0.0
     warming: float = 0.0  # share of viscous friction lost over the campaign
     cell_gain: float = 0.0
@@ -198,8 +197,6 @@ def _run(kind, weight_n, v_m_s, level, part, e):
         bristles += DT_S * v * (1.0 - bristles * BRISTLES_N_M / dry * math.copysign(1.0, v))
         viscous = VISCOUS * (1.0 - e.warming * part) * abs(v) ** 0.95 * 0.1**0.05
         friction = BRISTLES_N_M * bristles + math.copysign(viscous, v)
-        if x > 0.4 and v > 0.0:
-            friction += e.cushion * v * (x - 0.4) / 0.1
         a = (p_a * A_P - p_b * A_R - friction - weight_n) / (mass + TEST_KG + e.mass_kg)
         v += DT_S * a
         x += DT_S * v
