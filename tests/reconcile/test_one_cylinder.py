@@ -90,6 +90,16 @@ def test_the_hidden_effect_is_named_and_no_other(tmp_path, case):
     assert {effect.name for effect in found.effects} == set(names)
 
 
+@pytest.mark.slow
+def test_oil_that_warms_is_named_where_the_times_of_the_runs_are_known(tmp_path):
+    """Its size and its shape are a product, of which neither factor differs from 0."""
+    found = reconciled(campaign(tmp_path, Effects(warming=0.4), seed=2, dated=True))
+    (effect,) = found.effects
+    assert effect.name == "oil_warming" and effect.confirmed
+    change = next(c for c in found.practice[0].changes if c.quantity == "force_test")
+    assert 60 < change.largest < 120  # of 104 N at 100 mm/s in the last run
+
+
 def test_a_model_without_a_load_cylinder_is_refused_if_a_log_has_its_pressure(short, tmp_path):
     rules = yaml.safe_load((short / "map.yaml").read_text())
     rules["constants"] = {"p_lp_pa": "10 bar"}

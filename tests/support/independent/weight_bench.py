@@ -216,10 +216,12 @@ def write_weight_campaign(
     effects: Effects = NONE,
     weights_n: Sequence[int] = WEIGHTS_N,
     speeds_mm_s: Sequence[int] = SPEEDS_MM_S,
+    dated: bool = False,
 ) -> None:
     """Write ``logs/``, ``map.yaml`` and ``model.yaml`` of a campaign with hidden effects.
 
-    At the lightest and the heaviest weight there are also triangles and steps of the speed.
+    At the lightest and the heaviest weight there are also triangles and steps of the speed. The
+    times of ``dated`` logs have a date; a run begins each minute.
     """
     rng = np.random.default_rng([seed, 6])
     (out / "logs").mkdir(parents=True)
@@ -249,6 +251,14 @@ def write_weight_campaign(
         log = (log + scatter * rng.standard_normal(log.shape)) * units
         path = out / "logs" / f"{MAP['series'][kind]['label']}_{weight_n}N_{speed}_{trial}.csv"
         head = "t,x,pA,pB,pP,F,Y"
-        np.savetxt(path, log, fmt="%.7g", delimiter=",", header=head, comments="")
-    (out / "map.yaml").write_text(yaml.safe_dump(MAP))
+        if dated:
+            ms = np.round(1e3 * log[:, 0]).astype(int) + order * 60_000
+            rows = [",".join(f"{value:.7g}" for value in row[1:]) for row in log]
+            times = np.datetime64("2026-03-01T09:00:00.000") + ms.astype("timedelta64[ms]")
+            lines = [f"{time},{row}" for time, row in zip(times, rows, strict=True)]
+            path.write_text("\n".join([head, *lines, ""]))
+        else:
+            np.savetxt(path, log, fmt="%.7g", delimiter=",", header=head, comments="")
+    columns = MAP["columns"] | ({"t_s": {"column": "t", "unit": "date-time"}} if dated else {})
+    (out / "map.yaml").write_text(yaml.safe_dump(MAP | {"columns": columns}))
     (out / "model.yaml").write_text(yaml.safe_dump(MODEL))
