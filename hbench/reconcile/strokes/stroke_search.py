@@ -131,8 +131,8 @@ def start_search(strokes: MeasuredStrokes) -> tuple[SeriesSearch, LinearisedMode
 def search_series(series: Sequence[tuple[SeriesSearch, LinearisedModel]]) -> StrokeSearchResult:
     """Search for effects; ``series`` are those of one cylinder, the requested one first."""
     searches = [search for search, _ in series]
-    models = [search.refit(start, ()) for search, start in series]
-    refitted, steps = models[0], []
+    start = models = [search.refit(given, ()) for search, given in series]
+    steps: list[StrokeSearchStep] = []
     assumed: tuple[str, ...] = ()
     for balance in searches[0].measured.balances:
         while True:
@@ -144,9 +144,29 @@ def search_series(series: Sequence[tuple[SeriesSearch, LinearisedModel]]) -> Str
             models, assumed = extended, (*assumed, best)
             if step.added is None:
                 break
+    steps = [_beside_the_others(searches, start, assumed, step) for step in steps]
     names = tuple(step.added for step in steps if step.added)
-    final = models[0] if assumed == names else searches[0].refit(refitted, names)
-    return StrokeSearchResult(refitted, tuple(steps), final)
+    final = models[0] if assumed == names else searches[0].refit(start[0], names)
+    return StrokeSearchResult(start[0], tuple(steps), final)
+
+
+def _beside_the_others(
+    searches: Sequence[SeriesSearch],
+    start: Sequence[LinearisedModel],
+    assumed: Sequence[str],
+    step: StrokeSearchStep,
+) -> StrokeSearchStep:
+    """Return a step beside the effects that were found after it, if it adds another one there.
+
+    Where the middle is far off, errors of the sensors within their tolerances are fitted to it, and
+    their part of the band lets one of two equal laws look better than the other.
+    """
+    if step.added is None or assumed[-1] == step.added:
+        return step
+    others = tuple(name for name in assumed if name != step.added)
+    models = [search.refit(model, others) for search, model in zip(searches, start, strict=True)]
+    again, _ = _step(searches, models, others, step.balance)
+    return step if again.added == step.added else again
 
 
 def _step(
