@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ import pytest
 from hbench.config.stroke_model import parse_strokes
 from hbench.errors import ConfigError
 from hbench.reconcile.separation.missing_data import MISSING
+from hbench.reconcile.strokes import stroke_search
 from hbench.reconcile.strokes.pairs import stroke_pairs
 from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.stroke_search import StrokeSearchStep
 from hbench.reconcile.strokes.stroke_words import GAIN_NOTE
-from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
+from hbench.records import Candidate, Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 from hbench.report.diagnosis.heading import title_words
 from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.tables.change_tables import candidates_table
@@ -153,6 +156,32 @@ def test_of_two_balances_one_effect_each_is_missing():
     assert "load cell offset and pressure offset: " in found.next_experiment
     assert "they differ by" not in candidates_table(found).head
     assert not [text for text in found.missing if "steps" in text or "hold" in text]
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_an_effect_of_the_band_is_decided_beside_those_of_the_middle(monkeypatch, alone):
+    """Without them one of two equal laws looked better: a search with scripted steps."""
+
+    def step(searches, models, added, balance):
+        beside = "load_cell_offset" in added
+        if balance == "force_middle":
+            names = () if beside else ("load_cell_offset", "pressure_offset")
+        elif "load_friction" in added:
+            names = ()
+        else:
+            names = ("load_friction",) if alone or not beside else ("seals", "load_friction")
+        rivals = tuple(Candidate(name, 9.0, 1.0, 1.0, {}, "full", 3.0) for name in names)
+        one = names[0] if len(names) == 1 else None
+        return StrokeSearchStep(balance, None, rivals, one, () if one else rivals, {}), models
+
+    monkeypatch.setattr(stroke_search, "_step", step)
+    measured = SimpleNamespace(balances=("force_band", "force_middle"))
+    search = SimpleNamespace(measured=measured, refit=lambda model, names: (*model, *names))
+    found = stroke_search.search_series([(search, ())])
+    assert found.names == (("load_friction",) if alone else ())
+    sets = [[each.name for each in one.ambiguous] for one in found.steps if one.ambiguous]
+    band = [] if alone else [["seals", "load_friction"]]
+    assert sets == [*band, ["load_cell_offset", "pressure_offset"]]
 
 
 @pytest.fixture(scope="module")
