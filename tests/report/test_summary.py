@@ -225,6 +225,16 @@ def test_the_verdict_of_an_ambiguous_set_says_what_each_effect_means_for_frictio
     )  # fmt: skip
     text = verdict_words(both)
     assert text.startswith("One of these errors of the instruments is present: load cell gain or")
+
+    def with_interval(effect, *ends):
+        first, *others = effect.changes
+        return replace(effect, changes=(replace(first, ci95=ends), *others))
+
+    for ends, doubtful in (((-10.0, 50.0), True), ((10.0, 50.0), False)):
+        fitted = (with_interval(CELL, -9.0, 100.0), with_interval(other, *ends))
+        words = verdict_words(replace(both, practice=fitted))
+        assert ("errors of the instruments may be present" in words) == doubtful
+        assert ("(each may be 0 within its 95 % intervals); these data" in words) == doubtful
     assert (
         "At the working point, load cell gain would mean that the load cell shows 50 N too much; "
         "load cell offset would mean that the load cell shows 20 N too much. The friction of the "

@@ -27,6 +27,7 @@ from hbench.report.diagnosis.words.change import (
     friction_words,
     largest_words,
     main_changes,
+    may_be_none,
     second_deviation,
     wrong_readings,
 )
@@ -244,11 +245,16 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
     present = list[str]()
     for candidates in sets:
         wrong = all(each.name in sensors for each in candidates)
+        doubtful = wrong and all(map(may_be_none, alternatives(diagnosis)))
+        verb = "may be" if doubtful else "is"
         what = (
-            "errors of the instruments is present" if wrong else "effects is missing in the model"
+            f"errors of the instruments {verb} present"
+            if wrong
+            else "effects is missing in the model"
         )
         names = listed([in_words(each.name) for each in candidates], "or")
-        present.append(f"{'also, ' if present else ''}one of these {what}: {names}")
+        zero = " (each may be 0 within its 95 % intervals)" if doubtful else ""
+        present.append(f"{'also, ' if present else ''}one of these {what}: {names}{zero}")
     also = [f"{in_words(each.name)} ({coefficients_words(each)})" for each in diagnosis.effects]
     apart = "the effects of a set" if sets[1:] else "them"
     yield f"{capital('. '.join(map(capital, present)))}; these data cannot distinguish {apart}."

@@ -167,6 +167,12 @@ def wrong_readings(effect: EffectInPractice) -> int:
     return sum(change.quantity in READINGS for change in effect.changes)
 
 
+def may_be_none(effect: EffectInPractice) -> bool:
+    """Return whether the error of an instrument may be 0 (95 %) in each of its readings."""
+    ends = [change.ci95 for change in effect.changes if change.quantity in READINGS]
+    return bool(ends) and all(end is not None and end[0] <= 0.0 <= end[1] for end in ends)
+
+
 def main_changes(effect: EffectInPractice) -> list[Change]:
     """Return the changes at the working point: the largest of each group."""
     chosen = []
