@@ -19,6 +19,7 @@ from hbench.records import Candidate, Provenance, Run, RunPlan, ScreenedRun, Spe
 from hbench.report.diagnosis.heading import title_words
 from hbench.report.diagnosis.summary import answers
 from hbench.report.diagnosis.tables.change_tables import candidates_table
+from hbench.report.diagnosis.tables.effect_tables import alternatives_table
 from hbench.report.diagnosis.tables.gap_tables import loads_table
 from hbench.report.diagnosis.verdict import verdict_words
 from hbench.units import to_si
@@ -155,6 +156,9 @@ def test_of_two_balances_one_effect_each_is_missing():
     assert found.next_experiment.count("Tests that distinguish ") == 2
     assert "load cell offset and pressure offset: " in found.next_experiment
     assert "they differ by" not in candidates_table(found).head
+    candidates = alternatives_table(found)
+    why = candidates.head.index("why not named")
+    assert {row[why] for row in candidates.rows} == {"not distinguished"}
     assert not [text for text in found.missing if "steps" in text or "hold" in text]
 
 

@@ -85,12 +85,13 @@ def _size(size: float) -> str:
 
 def _obstacles(diagnosis: Diagnosis, candidate: Candidate) -> str:
     """Return what is too small for a candidate to be named, or that it is ruled out or worse."""
+    if candidate.name in {each.name for each in diagnosis.alternatives}:
+        return "not distinguished"
     if small := too_small(candidate):
         return ", ".join(small)
     if candidate.name in diagnosis.ruled_out:
         return "ruled out"
-    found = {each.name for each in diagnosis.effects}
-    found |= {each.name for each in diagnosis.alternatives}
+    found = {each.name for each in (*diagnosis.effects, *diagnosis.alternatives)}
     best = max((each.score for each in diagnosis.ranking if each.name in found), default=None)
     worse = candidate.name not in found and best is not None and candidate.score < best
     return "lower score" if worse else NONE
