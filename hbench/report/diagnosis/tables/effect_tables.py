@@ -91,7 +91,8 @@ def _obstacles(diagnosis: Diagnosis, candidate: Candidate) -> str:
         return ", ".join(small)
     if candidate.name in diagnosis.ruled_out:
         return "ruled out"
-    found = {each.name for each in (*diagnosis.effects, *diagnosis.alternatives)}
+    found = {each.name for each in diagnosis.effects}
+    found |= {each.name for each in diagnosis.alternatives}
     best = max((each.score for each in diagnosis.ranking if each.name in found), default=None)
     worse = candidate.name not in found and best is not None and candidate.score < best
     return "lower score" if worse else NONE
