@@ -147,7 +147,7 @@ def test_uneven_times_give_the_same_verdict(leaking, found, tmp_path):
 def test_a_supply_pressure_that_is_a_constant_of_the_map_is_not_compared(leaking, tmp_path):
     rules = yaml.safe_load((leaking / "map.yaml").read_text())
     del rules["columns"]["p_s_pa"]
-    rules |= {"constants": {"p_s_pa": "140 bar"}, "resample": "50 Hz"}
+    rules["constants"] = {"p_s_pa": "160 bar"}
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
     workflow.import_runs(leaking / "logs", tmp_path / "campaign", tmp_path / "map.yaml", lambda: AT)
     (tmp_path / "model.yaml").write_text((leaking / "model.yaml").read_text())
