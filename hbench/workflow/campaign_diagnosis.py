@@ -54,10 +54,10 @@ _UNITS = {  # of values, by the last key of their path
 
 
 def no_flows_without(runs: Sequence[Run], model_file: Path) -> tuple[str, ...]:
-    """Return the channels without which no run determines a flow; none if some run does.
+    """Return what is missing to determine a flow: channels, or the model's valve; empty if nothing.
 
-    Those of the test cylinder suffice if the model's file describes the valve: a run that has them
-    lacks nothing but that. Raises ``ConfigError``.
+    The channels of the test cylinder suffice if the model's file describes the valve. Where a run
+    has them and the file does not, the valve is what is missing. Raises ``ConfigError``.
     """
     has_valve = "valve" in read_yaml(model_file)
     known = FLOWS if has_valve else FLOWS[-1:]

@@ -48,7 +48,7 @@ _FEWEST_RUNS = 3
 def with_lack_of_fit(
     laws: Sequence[IdentifiedLaw], curves: Sequence[Curve], motions: Sequence[LoggedMotion]
 ) -> tuple[IdentifiedLaw, ...]:
-    """Return the laws, each with its lack of fit at the ``curves``' points and along ``motions``.
+    """Return each law with its misfit at the points of ``curves`` and along ``motions``.
 
     Only dynamic laws are compared along motions: static laws contain no presliding.
     """

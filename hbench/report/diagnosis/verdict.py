@@ -245,7 +245,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
     present = list[str]()
     for candidates in sets:
         wrong = all(each.name in sensors for each in candidates)
-        doubtful = wrong and all(map(may_be_none, alternatives(diagnosis)))
+        doubtful = wrong and all(may_be_none(diagnosis.in_practice[e.name]) for e in candidates)
         verb = "may be" if doubtful else "is"
         what = (
             f"errors of the instruments {verb} present"
