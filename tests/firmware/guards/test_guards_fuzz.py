@@ -14,7 +14,11 @@ CLANG = (
     "-g -DPLAY_FUZZ -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all "
     "-fno-sanitize-coverage=trace-cmp"  # it would take three quarters of the time
 )
-LIMITS = "-seed=1 -max_len=1000 -detect_leaks=0 -timeout=20 -entropic_scale_per_exec_time=1"
+LIMITS = (
+    "-seed=1 -max_len=1000 -detect_leaks=0 -timeout=20 -entropic_scale_per_exec_time=1 "
+    # A process counts the peak of its parent, here of all tests before, as its own.
+    "-rss_limit_mb=0 -malloc_limit_mb=100"
+)
 _ROUNDS = 3
 # Files whose branches the scripts must cover.
 REACHED = (
