@@ -628,19 +628,24 @@ def test_the_gap_of_a_larger_effect_is_not_held_against_a_smaller_one():
 
 @pytest.mark.parametrize(("beyond", "shows"), [(0.0, False), (3.0, True)])
 def test_an_asymmetry_must_show_in_steady_motion_beyond_the_offsets(beyond, shows):
-    """Steady motion is offset, which a nuisance within 1 explains, and so are starts by more."""
+    """Steady motion is offset, which a nuisance within 1 explains, and so are starts by more.
+
+    At rest, where most windows are, the force is anything up to that of friction.
+    """
     rng, points = np.random.default_rng(6), 40
-    ones = np.ones((points, 2, 2))
+    windows = np.array([1, 1, 20])
+    ones = np.ones((points, 3, 2)) * np.sqrt(windows)[:, None]
     ones[:, 1, 0] = 0.0  # at starts the offset changes nothing
-    d = np.stack([0.8 + beyond + 0.1 * rng.standard_normal(points), np.full(points, 5.0)], axis=1)
+    steady = 0.8 + beyond + 0.1 * rng.standard_normal(points)
+    d = np.stack([steady, np.full(points, 5.0), np.full(points, -4.0)], axis=1) * np.sqrt(windows)
     data = Products(
         names=("load_cell_offset.force", "direction_asymmetry.test"),
         columns=column_products(np.einsum("pgj,pgk->pgjk", ones, ones)),
         mixed=d[..., None] * ones,
         squares=d**2,
-        noise=np.full((points, 2), 0.01),
-        windows=np.ones((points, 2)),
-        groups=(("force_test", "steady"), ("force_test", "unsteady")),
+        noise=np.full((points, 3), 0.01),
+        windows=np.tile(windows, (points, 1)),
+        groups=tuple(("force_test", motion) for motion in ("steady", "unsteady", "rest")),
     )
     tight = Priors(
         np.zeros(2), np.array([0.6, np.nan]), np.array([-1.0, 0.0]), np.array([1.0, 0.0])
