@@ -327,12 +327,16 @@ def test_an_effect_that_is_not_small_is_not_named_for_another_reason_and_explain
     module = "hbench.reconcile.search.campaign_search.unexplained_at"
     monkeypatch.setattr(module, lambda gap_map, points: gap_map.left)
     before, after = (
-        SimpleNamespace(gap_map=SimpleNamespace(points=range(5), left=left))
+        SimpleNamespace(gap_map=SimpleNamespace(points=range(5), left=left), columns={})
         for left in (["flow_tp"], [])
     )
     candidate = Candidate("end_cushion", 12.0, 0.7, size, {}, "full", 5.0)
 
     class Found(CampaignSearch):
+        def with_columns(self, model, names):
+            assert names == ["end_cushion.damping"]  # the refined model of another effect has none
+            return model
+
         def _step(self, model, added):
             evaluated = (EvaluatedCandidate(candidate, None),)
             return SearchStep(model, evaluated, "end_cushion", ()), after
@@ -479,6 +483,49 @@ def test_what_is_missing_whichever_rival_is_right_is_added(best, missing, added)
         assert not found.ambiguous
     else:
         assert found is step
+
+
+def test_a_set_beside_an_effect_that_is_ruled_out_is_decided_again_without_it():
+    tried = []
+
+    class Search(CampaignSearch):
+        def _refitted(self):
+            return "given", "refitted", ""
+
+        def _with_candidates(self, model):
+            return model
+
+        def _step(self, model, added):
+            tried.append((model, added, self.candidates))
+            if "entrained_air" not in self.candidates:
+                return SearchStep(model, (), None, ()), None
+            if added:
+                return SearchStep(model, (), None, tuple(close)), None
+            return SearchStep(model, (), "entrained_air", ()), "with air"
+
+        def _step_beside_each(self, model, added, step):
+            return step, None
+
+        def _has_gaps(self, model):
+            return False
+
+        def without_superfluous(self, model, names):
+            return model, ()
+
+        def refined_and_named(self, model, names):
+            return "without air", dict.fromkeys(names, "it is too small")
+
+    close = [Candidate("pressure_gain", 35.0, 0.6, 1.0, {}, "full", 5.0)]
+    close.append(replace(close[0], name="pressure_offset", score=34.0))
+    every = ("entrained_air", "pressure_gain", "pressure_offset")
+    result = Search(SimpleNamespace(), np.arange(40), every).run()
+    assert not result.names and not result.steps[-1].ambiguous
+    assert set(result.ruled_out) == {"entrained_air"} and result.final == "without air"
+    assert tried == [
+        ("refitted", (), every),
+        ("with air", ("entrained_air",), every),
+        ("without air", (), every[1:]),
+    ]
 
 
 def test_a_fresh_start_keeps_what_was_fitted_and_needs_no_coefficients_of_what_was_not():

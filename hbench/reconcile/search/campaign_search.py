@@ -26,10 +26,11 @@ false names is then below 5 % (ForwardStop: G'Sell, Wager, Chouldechova and Tibs
 the Royal Statistical Society B 78, 2016), as far as random signs imitate residuals without an
 effect.
 
-What becomes of added effects is ``refinement.py``.
+What becomes of added effects is ``refinement.py``. An ambiguous set that was found beside an
+effect that is then ruled out is searched again without this effect.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -66,34 +67,58 @@ class CampaignSearch(EffectRefinement):
         """Refit the nuisances of the given model, then search for effects."""
         self.stage("refitting the poorly known values of the model")
         given, refitted, refused = self._refitted()
-        keys = [".".join(c) for name in self.candidates for c in effect_coefficients(name)]
-        new = [key for key in keys if key not in refitted.columns]
-        current = refitted = self.with_columns(refitted, new)
-        steps: list[SearchStep] = []
+        refitted = self._with_candidates(refitted)
+        current, steps = self._searched(refitted, (), ())
+        final, ruled_out = self.refined_and_named(current, added_names(steps))
+        search, gone = self, ruled_out
+        while gone and steps[-1].ambiguous:  # the set was found beside an effect that is not there
+            self.stage(f"searching again without {', '.join(gone)}")
+            left = tuple(name for name in search.candidates if name not in gone)
+            search = replace(search, candidates=left)
+            final = search._with_candidates(final)
+            current, steps = search._searched(final, steps[:-1], ruled_out)
+            final, gone = search.refined_and_named(current, _named(steps, ruled_out))
+            ruled_out = ruled_out | gone
+        return SearchResult(given, refitted, steps, final, refused, ruled_out=ruled_out)
+
+    def _searched(
+        self,
+        model: LinearisedModel,
+        known: Sequence[SearchStep],
+        ruled_out: Collection[str],
+    ) -> tuple[LinearisedModel, tuple[SearchStep, ...]]:
+        """Return the model with all effects that are found, and the steps after the ``known``."""
+        current, steps = model, list(known)
         while len(steps) < _MOST_EFFECTS:
-            so_far = f" beside {', '.join(added_names(steps))}" if steps else ""
+            added = _named(steps, ruled_out)
+            so_far = f" beside {', '.join(added)}" if added else ""
             self.stage(f"searching for an effect{so_far} among {len(self.candidates)} candidates")
-            step, with_effect = self._step(current, added_names(steps))
+            step, with_effect = self._step(current, added)
             if so_far and not (step.added or step.ambiguous) and self._has_gaps(current):
                 self.stage(f"searching again from the given values{so_far}")
-                step, with_effect = self._step_afresh(current, added_names(steps), step)
+                step, with_effect = self._step_afresh(current, added, step)
             if step.ambiguous and len(steps) < _MOST_EFFECTS - 1:
                 self.stage(f"searching beside each of {', '.join(_names(step.ambiguous))}")
-                step, with_effect = self._step_beside_each(current, added_names(steps), step)
+                step, with_effect = self._step_beside_each(current, added, step)
             if with_effect is None:
                 steps.append(step)
                 break
-            current, dropped = self.without_superfluous(with_effect, added_names([*steps, step]))
+            joined = _named([*steps, step], ruled_out)
+            current, dropped = self.without_superfluous(with_effect, joined)
             steps.append(replace(step, dropped=dropped))
-        final, ruled_out = self.refined_and_named(current, added_names(steps))
-        return SearchResult(given, refitted, tuple(steps), final, refused, ruled_out=ruled_out)
+        return current, tuple(steps)
+
+    def _with_candidates(self, model: LinearisedModel) -> LinearisedModel:
+        """Return a model with the columns of all candidates."""
+        keys = [".".join(c) for name in self.candidates for c in effect_coefficients(name)]
+        return self.with_columns(model, [key for key in keys if key not in model.columns])
 
     def small_effects(self, model: LinearisedModel) -> SmallEffects | None:
         """Return effects too small to be named with which a model has no unexplained gap.
 
         None where there are none, and where the model has no unexplained gap without them.
         """
-        every, current = np.arange(len(model.gap_map.points)), model
+        every, current = np.arange(len(model.gap_map.points)), self._with_candidates(model)
         search, steps = replace(self, criteria=SMALL), list[SearchStep]()
         while unexplained_at(current.gap_map, every):
             self.stage("searching for effects that are too small to be named")
@@ -282,6 +307,11 @@ class CampaignSearch(EffectRefinement):
         evaluated = self._evaluate_in_full(model, added, name)
         tested = self._with_threshold(evaluated, added, [name])
         return tested.model is not None and self.criteria.accepts(tested.candidate)
+
+
+def _named(steps: Sequence[SearchStep], ruled_out: Collection[str]) -> tuple[str, ...]:
+    """Return the effects that the steps add, without those that were ruled out."""
+    return tuple(name for name in added_names(steps) if name not in ruled_out)
 
 
 def _mean_square(residuals: GapMap, points: np.ndarray) -> float:
