@@ -1,7 +1,8 @@
 """Entry point of ``hbench`` and ``python -m hbench``."""
 
-import signal
 import sys
+
+from hbench.cli.interrupts import end_as_by_ctrl_c, end_at_once
 
 _INTERRUPTED = 130  # exit code, as by a shell
 
@@ -12,16 +13,14 @@ def main() -> None:
     After an interrupt another one ends the process at once, also while the interpreter shuts down.
     """
     try:
+        end_as_by_ctrl_c()
         from hbench.cli.main import main as command_line
 
         command_line()
     except KeyboardInterrupt:
         sys.exit(_INTERRUPTED)
     finally:
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # no SIGHUP on Windows
-            number = getattr(signal, name, None)
-            if number and signal.getsignal(number) is signal.default_int_handler:
-                signal.signal(number, signal.SIG_DFL)
+        end_at_once()
 
 
 if __name__ == "__main__":

@@ -154,7 +154,7 @@ def hbench(monkeypatch, capfdbinary):
     """Return a function that calls a command in this process; it gives its exit code and output."""
 
     def call(*arguments):
-        monkeypatch.setattr(main, "_end_as_by_ctrl_c", lambda: None)
+        monkeypatch.setattr(main, "end_as_by_ctrl_c", lambda: None)
         monkeypatch.setattr(sys, "argv", ["hbench", *map(str, arguments)])
         monkeypatch.setattr(sys, "stdout", open(os.dup(1), "w", encoding="utf-8"))
         with pytest.raises(SystemExit) as end:

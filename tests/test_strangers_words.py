@@ -146,7 +146,7 @@ def hbench(monkeypatch, capsys):
     """Return a function that calls a command in this process; it gives all that was told."""
 
     def call(*arguments):
-        monkeypatch.setattr(main, "_end_as_by_ctrl_c", lambda: None)
+        monkeypatch.setattr(main, "end_as_by_ctrl_c", lambda: None)
         monkeypatch.setattr(sys, "argv", ["hbench", *map(str, arguments)])
         with pytest.raises(SystemExit):
             main.main()

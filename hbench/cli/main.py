@@ -4,7 +4,6 @@ import atexit
 import errno
 import gc
 import os
-import signal
 import sys
 from collections.abc import Callable
 from typing import NoReturn
@@ -30,6 +29,7 @@ from hbench.cli.commands import (
     simulate,
     watch,
 )
+from hbench.cli.interrupts import end_as_by_ctrl_c
 from hbench.cli.once import OnceCommand
 from hbench.cli.standard_streams import open_standard_streams
 from hbench.errors import NO_MEMORY, ConfigError, DataError, HbenchError
@@ -96,14 +96,6 @@ def _options(
     pass
 
 
-def _end_as_by_ctrl_c() -> None:
-    """Treat SIGTERM and SIGHUP like Ctrl-C, so that a command stops the bench before it ends."""
-    for name in ("SIGTERM", "SIGHUP"):  # no SIGHUP on Windows
-        number = getattr(signal, name, None)
-        if number and signal.getsignal(number) is signal.SIG_DFL:  # nohup ignores SIGHUP
-            signal.signal(number, signal.default_int_handler)
-
-
 def _limit_threads() -> None:
     """Give linear algebra one thread, unless the user's environment has a number of them."""
     for name, number in ONE_THREAD.items():
@@ -145,7 +137,7 @@ def main() -> None:
     Raises ``KeyboardInterrupt`` before a command begins; during one, typer exits with 130.
     """
     open_standard_streams()
-    _end_as_by_ctrl_c()
+    end_as_by_ctrl_c()
     _limit_threads()
     _limit_garbage_collection()
     try:

@@ -44,6 +44,7 @@ class CurvePoint:
     trials_hersey_m: tuple[float, ...] = ()  # of each trial, at its temperature
     # Standard uncertainty by the steps of the log, in SI by channel, where it matters.
     u_steps: dict[str, float] = field(default_factory=dict)
+    far_shift_n: float = 0.0  # change of friction by samples far from all others, where it matters
 
 
 @dataclass(frozen=True)

@@ -243,6 +243,9 @@ class SteadyMeans:
     # Standard uncertainty of the means by the steps of the log, in SI by channel, where it matters;
     # NaN: the channel has one value in the whole run, which shows no steps.
     u_steps: dict[str, float] = field(default_factory=dict)
+    # Samples far from all others, such as dropouts of a sensor, and their change of mean friction.
+    far_samples: int = 0
+    far_shift_n: float = 0.0
 
 
 @dataclass(frozen=True)

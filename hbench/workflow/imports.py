@@ -1,6 +1,7 @@
 """Import of another bench's logs: the suggestion of a map, a preview, and the import itself."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -31,7 +32,7 @@ from hbench.store.campaign.run_csv import format_run, run_of
 from hbench.store.files.atomic import write_files
 from hbench.store.files.bounded_read import LARGEST_LOG
 from hbench.store.importing.file_matches import FileMatch, match_files
-from hbench.store.importing.file_notes import merged
+from hbench.store.importing.file_notes import FileNote, merged
 from hbench.store.importing.imported_run import StoredLog
 from hbench.store.importing.importer import (
     ImportSummary,
@@ -45,6 +46,7 @@ from hbench.store.importing.mapped_files import (
     channels_of,
     cut_file,
     map_is_wrong,
+    notes_on_units,
     pieces_of,
     plans_of,
     read_mapped_file,
@@ -91,7 +93,9 @@ def preview_import(source: Path, map_file: Path) -> ImportPreview:
     stuck = read.stuck_sensors()
     cut = [(_with_stuck(file, stuck.get(file.name, {})), found) for file, found in cut]
     pieces = [piece for _, found in cut for piece in found]
-    plans = {plan.run: plan for plan in (plans_of(pieces, rules) if pieces else ())}
+    planned = plans_of(pieces, rules) if pieces else []
+    plans = {plan.run: plan for plan in planned}
+    cut = _with_notes(cut, notes_on_units(pieces, planned))
     samples = _SamplesToDraw(len({match.series.files for match in matches.files}))
     for match, (file, found) in zip(matches.files, cut, strict=True):
         samples.add(_screened(read, match, file, [(plans[piece.run], piece) for piece in found]))
@@ -165,14 +169,26 @@ def _cut(files: _Files, match: FileMatch, number: int) -> tuple[PreviewedFile, l
         pieces, signs = pieces_of(mapped, found, _check_size, number)
     except HbenchError as error:
         return replace(file, error=_without_path(error, folder, match)), []
-    notes = (*file.notes, *_texts(match, merged([*found.notes, *signs])))
+    notes = (*file.notes, *_texts(match.name, [*found.notes, *signs]))
     return replace(file, notes=notes), pieces
 
 
 def _with_stuck(file: PreviewedFile, sensors: Mapping[str, float]) -> PreviewedFile:
-    notes = merged(stuck_note(file.name, *sensor) for sensor in sensors.items())
-    texts = (note.removeprefix(f"{file.name}: ") for note in notes)
-    return replace(file, notes=(*file.notes, *texts))
+    notes = (stuck_note(file.name, *sensor) for sensor in sensors.items())
+    return replace(file, notes=(*file.notes, *_texts(file.name, notes)))
+
+
+def _with_notes(
+    cut: list[tuple[PreviewedFile, list[Piece]]], notes: Iterable[FileNote]
+) -> list[tuple[PreviewedFile, list[Piece]]]:
+    """Return the files with further notes, each with its own."""
+    of_files: dict[str, list[FileNote]] = defaultdict(list)
+    for note in notes:
+        of_files[note.file].append(note)
+    return [
+        (replace(file, notes=(*file.notes, *_texts(file.name, of_files[file.name]))), found)
+        for file, found in cut
+    ]
 
 
 def _check_size(name: str, run: str, channels: Mapping[str, np.ndarray]) -> StoredLog:
@@ -193,8 +209,9 @@ def _fields(match: FileMatch) -> Iterator[tuple[str, str]]:
         yield field, f"{value} {unit}".strip()
 
 
-def _texts(match: FileMatch, notes: Sequence[str]) -> tuple[str, ...]:
-    return tuple(note.removeprefix(f"{match.name}: ") for note in notes)
+def _texts(name: str, notes: Iterable[FileNote]) -> tuple[str, ...]:
+    """Return the notes on the file ``name`` without its name."""
+    return tuple(note.removeprefix(f"{name}: ") for note in merged(notes))
 
 
 def _described(file: PreviewedFile, mapped: MappedFile, rules: ImportMap) -> PreviewedFile:
@@ -209,7 +226,7 @@ def _described(file: PreviewedFile, mapped: MappedFile, rules: ImportMap) -> Pre
         duration_s=float(t_s[-1] - t_s[0]),
         longest_step_s=float(steps.max()) if len(steps) else np.nan,
         channels=tuple(_channel(name, mapped, rules) for name in names),
-        notes=_texts(mapped.match, merged(read.notes)),
+        notes=_texts(mapped.match.name, read.notes),
     )
 
 

@@ -205,21 +205,22 @@ def test_python_m_hbench_is_hbench():
 
 
 @pytest.mark.parametrize("where", ["typer", "hbench.cli.main", "hbench.parallel.one_thread"])
-def test_ctrl_c_while_the_command_line_is_loaded_ends_without_a_traceback(where):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_while_the_command_line_is_loaded_ends_without_a_traceback(where, number):
     """The interrupt arrives while a module is imported; another one while Python shuts down."""
     code = f"""
 import atexit, os, runpy, signal, sys
 class Interrupting:
     def find_spec(self, name, path=None, target=None):
         if name == {where!r}:
-            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), {int(number)})
 sys.meta_path.insert(0, Interrupting())
 sys.argv = ["hbench", "analyze", "demo"]
 AGAIN
 runpy.run_module("hbench", run_name="__main__")
 """
-    again = "atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))"
-    for second, codes in (("", 130), (again, -signal.SIGINT)):
+    again = f"atexit.register(lambda: os.kill(os.getpid(), {int(number)}))"
+    for second, codes in (("", 130), (again, -number)):
         done = subprocess.run(
             [sys.executable, "-c", code.replace("AGAIN", second)], capture_output=True, text=True
         )

@@ -656,6 +656,11 @@ def test_a_range_has_the_decimals_of_its_less_certain_end():
     assert span_with_intervals([(405.2, 89.0), (524.4, 120.0)]) == "410–520"
 
 
+def test_the_smaller_end_of_a_range_is_in_front_however_uncertain_the_larger_is():
+    assert span_with_intervals([(3300, 1500), (3400, 15000)]) == "3300–3400"
+    assert span_with_intervals([(-0.377, 23.0), (-0.127, 0.105)]) == "−0.38 to −0.13"
+
+
 def test_a_half_width_alone_has_two_digits():
     assert [half_width(half) for half in (111.4, 99.6, 9.44, 0.0)] == ["110", "100", "9.4", "0"]
 

@@ -92,3 +92,54 @@ def test_a_pressure_below_a_vacuum_is_noted(rules, import_by, logs, offset_bar, 
     found = [note for note in notes if "below a vacuum" in note]
     assert len(found) == is_noted
     assert all("p_tr_pa: down to -1.5" in note and "(-1.013 bar)" in note for note in found)
+
+
+@pytest.mark.parametrize(
+    ("column", "factor", "channel", "units"),
+    [
+        (2, 0.1, "p_tp_pa", "bar and MPa"),
+        (3, 1e5, "p_tr_pa", "Pa and bar"),
+        (2, 14.504, "p_tp_pa", "psi and bar"),
+        (4, 1e-3, "f_applied_n", "N and kN"),
+        (2, 1.5, "", ""),
+    ],
+)
+def test_a_file_with_another_unit_than_the_other_trials_is_noted(
+    rules, import_by, tmp_path, column, factor, channel, units
+):
+    (tmp_path / "logs").mkdir()
+    for trial in (1, 2, 3):
+        run = there_and_back(0.03, 1500.0, trial)
+        rows = np.stack(
+            [
+                run["t_s"],
+                1e3 * run["x_m"],
+                run["p_tp_pa"] / 1e5,
+                run["p_tr_pa"] / 1e5,
+                run["f_applied_n"],
+            ],
+            axis=1,
+        )
+        rows[:, column] *= factor if trial == 2 else 1
+        np.savetxt(tmp_path / "logs" / f"{trial}.csv", rows, "%.7g", ",", header="t,x,a,b,f")
+    names = (
+        ("t_s", "s"),
+        ("x_m", "mm"),
+        ("p_tp_pa", "bar"),
+        ("p_tr_pa", "bar"),
+        ("f_applied_n", "N"),
+    )
+    rules["columns"] = {
+        name: {"column": number, "unit": unit} for number, (name, unit) in enumerate(names, start=1)
+    }
+    del rules["constants"]
+    rules["series"][0]["files"] = "{trial}.csv"
+    rules["cut"] = "reversals"
+    _, notes = import_by(rules, tmp_path / "logs")
+    unlike = [note for note in notes if "mistaken for one another" in note]
+    if not channel:
+        assert not unlike
+        return
+    (note,) = unlike
+    assert note.startswith(f"2.csv: {channel}: has {factor:.3g} times its values in other files")
+    assert f"as if {units} were mistaken" in note

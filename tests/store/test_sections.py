@@ -205,6 +205,22 @@ def test_a_stroke_back_at_the_nominal_speed_that_is_not_used_is_noted(
     assert any("only extending is used (cut: reversals)" in note for note in notes) is noted
 
 
+@pytest.mark.parametrize("cut", ["none", "plateaus"])
+@pytest.mark.parametrize("gap_s", [1.0, 10.0, None])
+def test_a_second_run_in_a_file_is_noted_or_cut_out(rules, import_by, tmp_path, gap_s, cut):
+    """The logger pauses while the piston goes back; without a pause there is one run."""
+    once = np.arange(0.0, 6.0, 0.004)
+    x = np.interp(once, [0.0, 0.7, 4.7], [80.0, 80.0, 280.0])
+    times = once if gap_s is None else np.concatenate([once, once + once[-1] + gap_s])
+    both = np.tile(x, len(times) // len(once))
+    write_one_pressure(rules, tmp_path / "logs", "50_1.csv", times, both)
+    rules["series"][0]["files"] = "{speed}_{trial}.csv"
+    runs, notes = import_by(rules | {"cut": cut}, tmp_path / "logs")
+    assert len(runs) == (2 if cut == "plateaus" and gap_s else 1)
+    noted = [note for note in notes if "2 sections at the nominal speed; only one is used" in note]
+    assert len(noted) == (cut == "none" and gap_s is not None)
+
+
 @pytest.mark.parametrize(("wander", "left_out"), [(0.3, 0.75), (0.0, 0.0)])
 def test_travel_without_constant_speed_is_noted_where_a_run_is_made_of_each_plateau(
     wander, left_out, rules, import_by, tmp_path

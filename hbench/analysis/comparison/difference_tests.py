@@ -31,7 +31,7 @@ from hbench.analysis.uncertainty.budget import (
     combined,
     friction_contributions,
 )
-from hbench.analysis.uncertainty.input_errors import is_resolution
+from hbench.analysis.uncertainty.input_errors import is_of_log
 from hbench.config.sensors import Instruments
 from hbench.records import Curve, Difference
 
@@ -236,6 +236,6 @@ def _of_instruments(a: Contributions, b: Contributions, same: bool) -> list[Stan
     """Return the independent parts of the errors in b - a; those in ``a`` have its sign."""
     if not same:
         return [*a.values(), *b.values()]
-    own = [part for side in (a, b) for name, part in side.items() if is_resolution(name)]
+    own = [part for side in (a, b) for name, part in side.items() if is_of_log(name)]
     common = weighted([(1.0, a), (1.0, b)])
-    return [*own, *(part for name, part in common.items() if not is_resolution(name))]
+    return [*own, *(part for name, part in common.items() if not is_of_log(name))]

@@ -139,6 +139,7 @@ def _point(runs: list[ScreenedRun], temperature: str | None) -> CurvePoint:
         temp_k=float(temps_k.mean()) if measured else None,
         trials_temp_k=tuple(temps_k.tolist()),
         u_steps=_largest_steps(runs),
+        far_shift_n=float(of_trials("far_shift_n").mean()),
     )
 
 

@@ -26,6 +26,7 @@ def not_computed(
         *_efficiency(curves),
         *_tolerances(curves, instruments),
         *_steps(screened, instruments),
+        *_far(screened, instruments),
     )
 
 
@@ -72,6 +73,22 @@ def _steps(screened: Sequence[ScreenedRun], instruments: Instruments | None) -> 
     return [
         f"resolution: {', '.join(channels)} logged in steps that change friction by up to "
         f"+-{most:.3g} N in {len(found)} of {len(screened)} runs; this {contained}. Log more digits"
+    ]
+
+
+def _far(screened: Sequence[ScreenedRun], instruments: Instruments | None) -> list[str]:
+    """Report samples far from all others that matter for the friction of accepted runs."""
+    found = [r.means for r in screened if r.accepted and r.means and r.means.far_samples]
+    if not found:
+        return []
+    most = max(found, key=lambda means: abs(means.far_shift_n))
+    samples = sum(means.far_samples for means in found)
+    contained = "is part of U" if instruments else "is not part of the intervals"
+    return [
+        f"{samples} samples in {len(found)} of {len(screened)} runs are far from all others, such "
+        "as dropouts of a sensor or a number that stands for no value. They change mean friction "
+        f"by up to {most.far_shift_n:+.3g} N; this {contained}. Find their cause; cells without a "
+        "value are left empty in a log"
     ]
 
 

@@ -8,13 +8,14 @@ import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.screening.by_kind import RULES, end_stop_reasons, motion_notes, motion_reasons
+from hbench.analysis.screening.far_samples import Outliers, far_samples
 from hbench.analysis.screening.friction_channels import (
     friction_channels,
     friction_with_inertia,
     missing_friction_channels,
     test_force,
 )
-from hbench.analysis.screening.log_steps import friction_step, rounding_errors
+from hbench.analysis.screening.log_steps import rounding_errors
 from hbench.analysis.screening.oscillation import (
     oscillation_of_position,
     oscillation_of_velocity,
@@ -29,7 +30,6 @@ from hbench.analysis.screening.steadiness import (
     drift,
     line_change,
     load_step,
-    outliers,
     speed_ripple,
 )
 from hbench.analysis.screening.steady_window import (
@@ -238,11 +238,10 @@ def _steadiness(
         yield f"not_steady: the load changes by {step:+.0f} N in the window; limit {limit:.0f} N"
     friction = test_force(run, window) - f_applied
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
-    far = outliers(friction, friction_step(run))
-    if exceeds(abs(far.shift), limit):
+    if exceeds(abs(means.far_shift_n), limit):
         yield (
-            f"not_steady: {far.samples} of {len(friction)} samples are far from all others and "
-            f"change mean friction by {far.shift:+.0f} N; limit {limit:.0f} N"
+            f"not_steady: {means.far_samples} of {len(friction)} samples are far from all others "
+            f"and change mean friction by {means.far_shift_n:+.0f} N; limit {limit:.0f} N"
         )
     change = drift(t, friction)
     is_drift = exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se)
@@ -292,10 +291,12 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
     driven = not {"p_tp_pa", "p_tr_pa"} & set(missing)
     f_test = float(np.mean(test_force(run, window))) if driven else None
     friction = efficiency = None
+    far = Outliers(0, 0.0)
     if f_test is not None and f_applied is not None:
         friction = f_test - f_applied
         specimen = run.plan.specimen
         efficiency = efficiency_of(SteadyForces(v, f_applied, p_tp, p_tr, specimen, f_test))
+        far = far_samples(run, window, friction)
     return SteadyMeans(
         t_start_s=float(t[0]),
         t_stop_s=float(t[-1]),
@@ -309,6 +310,8 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
         efficiency=efficiency,
         v_ripple_m_s=speed_ripple(t, run.x_m[window]).total_m_s or None,
         u_steps={} if friction is None else rounding_errors(run, window, friction),
+        far_samples=far.samples,
+        far_shift_n=far.shift,
         **{name: _known_mean(getattr(run, name), window) for name in TEMPERATURES},
     )
 

@@ -16,11 +16,6 @@ from hbench.motion.speeds import BlockSpeeds, block_speeds
 BLOCK_S = 0.1
 _STEP_BLOCKS = 12  # of a window, between which a load may step
 _MEDIAN_TO_MEAN = 1.2533  # standard error of a normal sample's median against its mean's
-_FAR = 10.0  # robust standard deviations of a window; farther samples are faults of the log ...
-_FEW = 0.05  # ... if they are few: a motion that sticks and slips has more ...
-_MOST = 0.4  # ... or dropouts, beside which every sample is within ...
-_NEAR = 5.0  # ... robust standard deviations: after a slip friction rises gradually
-_STEPS = 3.0  # of a resolution; smaller changes of a coarse signal are its rounding
 _LEVEL = 0.9999  # of the chi-square law; with correlated speeds, noise exceeds it in 0.2 % at most
 
 
@@ -36,13 +31,6 @@ class Drift(NamedTuple):
 
     value: float
     se: float
-
-
-class Outliers(NamedTuple):
-    """Samples far from all others, such as dropouts of a sensor."""
-
-    samples: int
-    shift: float  # of the mean of all samples by them
 
 
 def speeds_over_tenths(t_s: np.ndarray, x_m: np.ndarray) -> BlockSpeeds:
@@ -96,25 +84,6 @@ def line_change(t_s: np.ndarray, y: np.ndarray) -> float:
     from_middle = t_s - t_s.mean()
     slope = (from_middle @ y) / (from_middle @ from_middle)
     return float((t_s[-1] - t_s[0]) * slope)
-
-
-def outliers(y: np.ndarray, step: float) -> Outliers:
-    """Return the samples of ``y`` (n,), n > 0, that are far from the median.
-
-    If they are many, none counts, unless all are dropouts: ``y`` leaves the median and returns to
-    it from one sample to the next. ``step`` is the resolution of ``y``, which is no dropout.
-    """
-    deviation = np.abs(y - np.median(y))
-    sigma = robust_sigma(deviation)
-    far = deviation > _FAR * sigma
-    if far.mean() > _FEW:
-        far = deviation > max(_FAR * sigma, _STEPS * step)
-        beside = np.convolve(far, np.ones(3), "same").astype(bool) & ~far
-        if far.mean() > _MOST or not np.all(deviation[beside] <= _NEAR * sigma):
-            return Outliers(0, 0.0)
-    if not far.any():
-        return Outliers(0, 0.0)
-    return Outliers(int(far.sum()), float(np.mean(y) - np.mean(y[~far])))
 
 
 def load_step(y: np.ndarray) -> float:

@@ -21,6 +21,7 @@ from hbench.analysis.statistics.student import satterthwaite, student_factor
 from hbench.analysis.uncertainty.input_errors import (
     InputError,
     MeasuredForces,
+    far_error,
     input_errors,
     step_errors,
 )
@@ -50,7 +51,7 @@ def combined(parts: Sequence[StandardUncertainty]) -> StandardUncertainty:
 def errors_of(
     point: CurvePoint, specimen: Specimen, instruments: Instruments
 ) -> tuple[InputError, ...]:
-    """Return the errors of a point's inputs, those by the steps of the log included.
+    """Return the errors of a point's inputs, those of the log included.
 
     None without hydraulics: the tolerance of the drive's force is not known.
     """
@@ -58,7 +59,8 @@ def errors_of(
         return ()
     forces = MeasuredForces(point.f_applied_n, point.p_tp_pa, point.p_tr_pa)
     errors = input_errors(instruments, forces, specimen)
-    return (*errors, *step_errors(point.u_steps, specimen, errors))
+    steps = step_errors(point.u_steps, specimen, errors)
+    return (*errors, *steps, *far_error(point.far_shift_n))
 
 
 def friction_parts(errors: Sequence[InputError]) -> dict[str, float]:

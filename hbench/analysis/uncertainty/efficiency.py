@@ -183,7 +183,9 @@ def _with_instruments(
     if not errors:
         return efficiency
     parts = efficiency_parts(forces, errors)
-    printed = errors_of(replace(point, u_steps={}), forces.specimen, instruments.as_printed)
+    printed = errors_of(
+        replace(point, u_steps={}, far_shift_n=0.0), forces.specimen, instruments.as_printed
+    )
     inputs = of_inputs(parts, errors)
     known = replace(
         efficiency,

@@ -4,7 +4,9 @@
     dF_T / dP_Tp = A_p,  dF_T / dP_Tr = -A_r
     dF_T / dD = (P_Tp - P_Tr) pi D / 2,  dF_T / dd = P_Tr pi d / 2      bore D, rod d
 
-The steps of a log round each reading; the same reading is rounded alike.
+The steps of a log round each reading; the same reading is rounded alike. Samples far from all
+others, such as dropouts, change a mean by a known amount, but it is not known whether they are
+faults: the mean without them is as possible as that with them.
 
 A load cell that is off the motion's axis by an angle a reads F cos a: at most 1 - cos a too little.
 An input's error is the same at all points of a campaign: a gain that is 1 % high is so at every
@@ -23,6 +25,8 @@ LOAD_CELL = "load cell"
 PISTON_SIDE, ROD_SIDE = "piston-side pressure", "rod-side pressure"
 _ALL_PRESSURES = "pressures"
 _STEPS = ", resolution"
+_FAR = "samples far from all others"
+_OF_LOG = "the log"
 
 
 class MeasuredForces(NamedTuple):
@@ -81,12 +85,19 @@ def step_errors(
         whose, by_test, by_applied = slopes[channel]
         name = f"{whose}{_STEPS}"
         if name not in names:
-            yield InputError(name, by_test * u, by_applied * u, "rectangular", inf, "the log")
+            yield InputError(name, by_test * u, by_applied * u, "rectangular", inf, _OF_LOG)
 
 
-def is_resolution(name: str) -> bool:
-    """Return whether an input is the resolution of a reading, which no two campaigns share."""
-    return name.endswith(_STEPS)
+def far_error(shift_n: float) -> Iterator[InputError]:
+    """Yield the error by samples far from all others, which change mean friction by ``shift_n``."""
+    if shift_n:
+        u = abs(shift_n) / DIVISORS["rectangular"]
+        yield InputError(_FAR, u, 0.0, "rectangular", inf, _OF_LOG)
+
+
+def is_of_log(name: str) -> bool:
+    """Return whether an input is an error of the log, which no two campaigns share."""
+    return name.endswith(_STEPS) or name == _FAR
 
 
 def _of_pressures(

@@ -94,7 +94,7 @@ LAYOUTS: Layouts = {
         "temp_range_k": "temp_range_k",
         **keys("specimen", "points", "fits", "selection"),
     },
-    CurvePoint: all_fields(CurvePoint, without=("u_steps",)),
+    CurvePoint: all_fields(CurvePoint, without=("u_steps", "far_shift_n")),
     Fit: all_fields(
         Fit,
         without=("line", "beyond", "covariance", "spread", "held_out_n"),

@@ -162,20 +162,22 @@ def span_with_intervals(
     """Write the range of values with half-widths, both ends rounded as the less certain one.
 
     Ranges of parts of the values are rounded alike with the ``widest`` half-width of all. An end
-    that would keep a single digit is rounded by its own half-width: ``1.7–16.1``.
+    that would keep a single digit is rounded by its own half-width: ``1.7–16.1``. If both would,
+    the smaller half-width rounds both, so that the smaller value stays in front: ``3300–3400``.
     """
     ends = (min(values, key=itemgetter(0)), max(values, key=itemgetter(0)))
     if widest is None:
         widest = max((half for _, half in ends if half is not None), default=None)
-    return _range(*(_rounded(value, half, widest) for value, half in ends))
-
-
-def _rounded(value: float, half: float | None, widest: float | None) -> str:
-    """Write ``value`` as ``with_interval`` does by ``widest``, unless it would keep one digit."""
-    coarse = with_interval(value, widest).partition(" ± ")[0]
-    if widest is not None and abs(value) < 10.0 ** (1 - _decimals(widest)):
-        return with_interval(value, half).partition(" ± ")[0]
-    return coarse
+    coarse = [widest is not None and abs(end) < 10.0 ** (1 - _decimals(widest)) for end, _ in ends]
+    own = [half for (_, half), too_coarse in zip(ends, coarse, strict=True) if too_coarse and half]
+    finest = min(own, default=None)
+    halves = [finest if too_coarse else widest for too_coarse in coarse]
+    return _range(
+        *(
+            with_interval(end, half).partition(" ± ")[0]
+            for (end, _), half in zip(ends, halves, strict=True)
+        )
+    )
 
 
 def percent_span(shares: Collection[float]) -> str:
@@ -185,7 +187,7 @@ def percent_span(shares: Collection[float]) -> str:
 
 def _range(low: str, high: str) -> str:
     """Write a range; with a negative end a dash would look like another minus sign."""
-    return (" to " if low.startswith("−") else "–").join(dict.fromkeys((low, high)))
+    return (" to " if "−" in low + high else "–").join(dict.fromkeys((low, high)))
 
 
 def _without_end_zeros(text: str) -> str:

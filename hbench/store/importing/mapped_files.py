@@ -25,6 +25,7 @@ from hbench.store.importing.imported_run import (
     StoreLog,
     open_source,
 )
+from hbench.store.importing.plausibility import Levels, other_units
 from hbench.store.importing.sections import Section, Sections, cut
 from hbench.store.importing.signs import contradicting_signs
 from hbench.store.importing.stuck_sensors import (
@@ -55,6 +56,7 @@ class Piece:
     lines: tuple[int, int]
     log: StoredLog
     start: datetime | None  # None if the file states no dates
+    levels: Mapping[str, float]  # mean magnitudes [SI] of the columns
 
     @property
     def series(self) -> tuple:
@@ -92,7 +94,7 @@ def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns
     notes += [*stuck, *_left_out(folder, unusable)]
     on_all = _on_all(pieces, matches.unmatched, rules)
     plans = plans_of(pieces, rules)
-    notes += _same_trials(pieces, plans)
+    notes += [*_same_trials(pieces, plans), *notes_on_units(pieces, plans)]
     return ImportedRuns(runs_of(pieces, plans), (*merged(notes), *on_all))
 
 
@@ -166,7 +168,8 @@ def pieces_of(
         ends = int(lines[0]), int(lines[-1])
         after = timedelta(seconds=float(channels["t_s"][0]))
         start = None if read.origin is None else read.origin + after
-        pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log, start))
+        levels = {name: _level(channels[name]) for name in read.units}
+        pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log, start, levels))
         notes += contradicting_signs(match, channels)
     return pieces, notes
 
@@ -209,6 +212,20 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
             )
         )
     return plans
+
+
+def notes_on_units(pieces: Sequence[Piece], plans: Sequence[RunPlan]) -> Iterator[FileNote]:
+    """Yield a note on each file with another unit than the files of the same operating point."""
+    return other_units(
+        Levels(piece.match.name, (*piece.series, plan.v_ref_m_s), piece.levels)
+        for piece, plan in zip(pieces, plans, strict=True)
+    )
+
+
+def _level(values: np.ndarray) -> float:
+    """Return the mean magnitude of the samples with a value; 0 without any."""
+    known = np.abs(values[np.isfinite(values)])
+    return float(known.mean()) if len(known) else 0.0
 
 
 def _trials(pieces: Sequence[Piece], nominal: Sequence[float]) -> list[int]:

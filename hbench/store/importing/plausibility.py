@@ -1,11 +1,14 @@
-"""Plausibility of pressures and forces: absolute ones by name, and values that can't be measured.
+"""Plausibility of pressures and forces: absolute ones, other units, values that can't be measured.
 
 Pressures of a cylinder are those above the atmosphere: it acts on the rod, so that F_T of absolute
 pressures would be too large by p_atm (A_p - A_r).
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from statistics import fmean, median
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,11 +21,66 @@ from hbench.units import from_si, to_si
 ATMOSPHERE = "1.013 bar"  # at sea level
 _NOISE = 0.02  # of a channel's range in the file
 _OVERRANGE = 1.1  # of the full scale, which sensors can show
+# Ratios of units that are mistaken for one another, by the unit in SI.
+_RATIOS = {
+    "Pa": {
+        6.895: "kPa and psi", 10.0: "bar and MPa", 14.50: "psi and bar", 100.0: "kPa and bar",
+        145.0: "psi and MPa", 1000.0: "kPa and MPa", 1e5: "Pa and bar", 1e6: "Pa and MPa",
+    },
+    "N": {4.448: "N and lbf", 9.807: "N and kgf", 1000.0: "N and kN"},
+}  # fmt: skip
+_SAME_RATIO = 1.1  # trials of one point differ by less
+_LEAST_LEVEL = 0.01  # of a channel's largest level: below it is the error of its zero
 # After a unit: bara, bar(a), psia, kPa abs. A blank or a capital A may be the port: bar A.
 _BEHIND_UNIT = re.compile(
     r"(?:bar|psi|Pa)(?:a|\(a\)|[\s_]*[(\[]?abs(?:olute?)?\.?[)\]]?)(?![^\W_])"
 )
 _WORD = re.compile(r"(?<![^\W_])abs(?:olut\w*)?(?![^\W_])|absolutdruck", re.IGNORECASE)
+
+
+class Levels(NamedTuple):
+    """Mean magnitudes [SI] of the measured channels of a run, by channel."""
+
+    file: str
+    point: Hashable  # runs of one operating point have it in common
+    of: Mapping[str, float]
+
+
+def other_units(runs: Iterable[Levels]) -> Iterator[FileNote]:
+    """Yield a note on each channel of a file that is larger or smaller than that of other files.
+
+    At the same operating point its level has a ratio to theirs that two units have.
+    """
+    levels: dict[tuple[str, Hashable], dict[str, list[float]]] = defaultdict(dict)
+    largest: dict[str, float] = defaultdict(float)
+    for run in runs:
+        for channel, level in run.of.items():
+            levels[channel, run.point].setdefault(run.file, []).append(level)
+            largest[channel] = max(largest[channel], level)
+    for (channel, _), of_files in levels.items():
+        for file, own in of_files.items():
+            others = [fmean(each) for name, each in of_files.items() if name != file]
+            if not others:
+                continue
+            level, usual = fmean(own), median(others)
+            if not max(level, usual) > _LEAST_LEVEL * largest[channel] or not min(level, usual) > 0:
+                continue
+            units = _units_apart(channel, max(level, usual) / min(level, usual))
+            if units:
+                text = (
+                    f"{channel}: has {{ratio}} times its values in other files of the same "
+                    f"operating point, as if {units} were mistaken for one another: check the "
+                    "unit in this file; import files of each unit with a map of their own"
+                )
+                yield FileNote(file, text, {"ratio": float(f"{level / usual:.3g}")})
+
+
+def _units_apart(channel: str, ratio: float) -> str:
+    """Return two units of a channel with this ratio; empty if there are none."""
+    for known, units in _RATIOS.get(CHANNELS[channel].unit, {}).items():
+        if 1 / _SAME_RATIO < ratio / known < _SAME_RATIO:
+            return units
+    return ""
 
 
 def is_absolute_pressure(channel: str, *names: str) -> bool:

@@ -130,15 +130,20 @@ def _whole(
 def _unused(
     t_s: np.ndarray, x_m: np.ndarray, name: str, rules: ImportMap, v_m_s: float
 ) -> Iterator[FileNote]:
-    """Yield a note on sections at the nominal speed against the direction of the whole file."""
-    forward_m = x_m * np.sign(v_m_s)
-    if np.max(np.maximum.accumulate(forward_m) - forward_m) < rules.min_stroke:
-        return
+    """Yield a note on sections at the nominal speed beside the one that is used."""
     found = plateaus(t_s, x_m, rules.screening.min_window, rules.min_stroke)
-    if any(abs(plateau.v_m_s / v_m_s + 1) < SAME_SPEED for plateau in found):
+    ratios = [plateau.v_m_s / v_m_s for plateau in found]
+    along = sum(abs(ratio - 1) < SAME_SPEED for ratio in ratios)
+    if any(abs(ratio + 1) < SAME_SPEED for ratio in ratios):
         used = "extending" if v_m_s > 0 else "retracting"
         text = f"moves both ways at the nominal speed; only {used} is used (cut: reversals)"
         yield FileNote(name, text)
+    elif along > 1:
+        text = (
+            "{count} sections at the nominal speed; only one is used. If each is a run, write "
+            "'cut: plateaus' in the map"
+        )
+        yield FileNote(name, text, {"count": along})
 
 
 def _at_plateaus(
