@@ -4,6 +4,7 @@ import re
 from collections.abc import Sequence
 
 _END = re.compile(r"(?<=[\w)%]\.) (?=[A-Z])")
+_NAMES = ("Coulomb", "Stribeck")  # of people, in quantities
 
 
 def listed(parts: Sequence[str], word: str = "and") -> str:
@@ -29,8 +30,8 @@ def capital(text: str) -> str:
 
 
 def uncapital(text: str) -> str:
-    """Write the first letter of a text in lower case, as within a sentence."""
-    return text[:1].lower() + text[1:]
+    """Write the first letter of a text in lower case, as within a sentence, unless it is a name."""
+    return text if text.startswith(_NAMES) else text[:1].lower() + text[1:]
 
 
 def plural(count: int | None, singular: str, several: str) -> str:

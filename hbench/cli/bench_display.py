@@ -10,7 +10,7 @@ from functools import partial
 from typing import TextIO
 
 from hbench.channels import CHANNELS
-from hbench.cli.progress import bar, write_if_open
+from hbench.cli.progress import bar, signed_speed, write_if_open
 from hbench.experiment.progress import Ended, Progress
 from hbench.records import KINDS, RunPlan
 
@@ -95,7 +95,7 @@ def _block(now: Progress) -> list[str]:
         *([f"WAITING   {now.waiting}"] if now.waiting else []),
         f"run       {count}, trial {plan.trial} of {now.trials}{again}: {_motion(plan)}; "
         f"{_PHASES.get(now.phase, 'at rest')}",
-        f"speed     {1e3 * now.v_m_s:+.1f} of {1e3 * now.v_ref_m_s:+.1f} mm/s",
+        f"speed     {signed_speed(now.v_m_s, plan)} of {signed_speed(now.v_ref_m_s, plan)} mm/s",
         f"force     {force}, load cell {now.f_applied_n:+.0f} N",
         f"pressure  {pressures} bar, limit {now.pressure_max_pa / 1e5:.0f}",
         f"rejected  {_rejected(now)}",
@@ -130,7 +130,7 @@ def _motion(plan: RunPlan) -> str:
     load = "" if plan.f_load_n is None else f", {plan.f_load_n:+.0f} N"
     label = f"{plan.label}, " if plan.label else ""
     kind = KINDS[plan.kind]
-    speed = "" if kind.is_at_rest else f" {1e3 * plan.v_ref_m_s:+.1f} mm/s"
+    speed = "" if kind.is_at_rest else f" {signed_speed(plan.v_ref_m_s, plan)} mm/s"
     if kind.raises_force:
         speed = f" {plan.force_rate_n_s or 0.0:+.0f} N/s"
     elif kind.is_ramp and plan.a_ref_m_s2 is not None:

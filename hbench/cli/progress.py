@@ -6,6 +6,7 @@ from functools import partial
 from typing import TextIO
 
 from hbench.experiment.progress import Progress
+from hbench.records import RunPlan
 
 _BAR = 24
 
@@ -20,6 +21,12 @@ def write_if_open(stream: TextIO, text: str) -> None:
 def bar(done: int, total: int) -> str:
     """Return a bar of signs for the share that is done."""
     return f"[{'#' * (_BAR * done // total):.<{_BAR}}]"
+
+
+def signed_speed(v_m_s: float, plan: RunPlan) -> str:
+    """Write a speed in mm/s with its sign and one decimal, two in a slow run: +0.38, -5.0."""
+    decimals = 2 if 0 < abs(plan.v_ref_m_s) < 1e-3 else 1
+    return f"{1e3 * v_m_s:+.{decimals}f}"
 
 
 class ProgressLine:
@@ -38,7 +45,9 @@ class ProgressLine:
     def __call__(self, progress: Progress) -> None:
         """Show the campaign's progress."""
         done, total, plan = progress.runs_done, progress.runs_total, progress.plan
-        reference = f"{1e3 * plan.v_ref_m_s:+.1f} mm/s, {plan.f_load_n:+.0f} N, trial {plan.trial}"
+        reference = (
+            f"{signed_speed(plan.v_ref_m_s, plan)} mm/s, {plan.f_load_n:+.0f} N, trial {plan.trial}"
+        )
         of = " of at most " if progress.at_most else "/"
         parts = (
             f"{done}{of}{total} runs",

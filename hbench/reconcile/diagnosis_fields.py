@@ -65,13 +65,14 @@ def added_effect(
 ) -> AddedEffect:
     """Return the effect that was added out of some candidates.
 
-    Its rival is the best candidate with a score not above its own: one above explained too little.
+    Its rival is the best candidate that could be named, with a score not above its own: one above
+    explained too little, and one of size 0 has no coefficient beyond its tolerance.
     """
     added = next(candidate for candidate in candidates if candidate.name == name)
     others = [
         candidate
         for candidate in candidates
-        if candidate.name != name and candidate.score <= added.score + TIE
+        if candidate.name != name and candidate.size != 0 and candidate.score <= added.score + TIE
     ]
     rival = max(others, key=lambda candidate: candidate.score, default=None)
     row = EFFECTS[name]

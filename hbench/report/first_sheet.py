@@ -32,7 +32,7 @@ _CONTENTS = {
     "dwell_laws": "breakaway over the time at rest",
     "zeros": "zero errors of the sensors, in SI, with their limits",
     "surface": "friction over speed and pressures",
-    "over_distance": "changes of friction over the distance travelled",
+    "over_distance": "changes of friction over the distance travelled; slopes per metre",
 }
 _NAMES = (
     "A name ends in its unit: friction_n is in N. ci95: half-width of the 95 % interval of the "

@@ -18,6 +18,7 @@ from hbench.report.render.numbers import (
     significant,
     span,
     span_with_intervals,
+    whole_mm_s,
     with_interval,
 )
 from hbench.report.render.word_tables import Tile
@@ -316,5 +317,5 @@ def speed_words(tolerance: float, speeds_m_s: Collection[float]) -> str:
     """Write the median of speeds that are the same, or else their range."""
     middle = median_low(speeds_m_s)
     if all(abs(v - middle) <= tolerance * middle for v in speeds_m_s):
-        return number(1e3 * middle, 0)
+        return whole_mm_s(middle)
     return span([1e3 * v for v in speeds_m_s])

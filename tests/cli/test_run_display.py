@@ -120,3 +120,10 @@ def test_ramps_of_different_accelerations_have_different_lines():
     assert "ramp +200.0 mm/s at 0.0335 m/s^2, trial 1" in line("ramp", 0.0335)
     assert "ramp +200.0 mm/s at 0.067 m/s^2, trial 1" in line("ramp", 0.067)
     assert "m/s^2" not in line("steady", 1.0)
+
+
+def test_a_speed_below_1_mm_s_keeps_two_digits():
+    plan = RunPlan("0001", "steady", 1, 0.00038, Specimen(0.0, 0.0), f_load_n=0.0)
+    stream = io.StringIO()
+    BenchDisplay(stream)(Progress(1, 1, plan, 0.0, 0.0, ended=(Ended(plan, 1, (), None),)))
+    assert "steady +0.38 mm/s, +0 N, trial 1" in stream.getvalue()

@@ -176,6 +176,20 @@ def test_a_page_that_is_opened_during_a_run_shows_the_traces_so_far(
     assert [len(line.split()) for line in lines] == [21] * 6
 
 
+def test_a_slow_speed_keeps_its_digits_and_a_label_says_that_there_is_no_load(
+    sample, tmp_path, monkeypatch, require_tool
+):
+    monkeypatch.setattr(watch, "STALE_S", PATIENCE_S)
+    now = {"label": "no load", "kind": "steady", "direction": "extend", "f_load_ref_n": 0.0}
+    now |= {"v_plan_m_s": 0.00038, "v_ref_m_s": 0.00038, "v_m_s": 0.00041, "pressures_pa": {}}
+    write_live(sample, {"at_s": time.time(), "runs_done": 1, "runs_total": 8, **now})
+    with watched(sample) as page:
+        dom = shown_by(require_tool("chromium"), page, tmp_path)
+    text = dom.replace("&nbsp;", " ")
+    assert ": no load, steady, extending, 0.38 mm/s; " in text
+    assert "set point 0.38 mm/s; positive: extending" in text
+
+
 def test_the_verdicts_are_those_of_analyze(page, sample):
     told = page.runs()
     results = workflow.analyze(sample)

@@ -152,6 +152,19 @@ def test_scaled_lines_say_so_and_given_ones_too():
     assert len(scaled) >= 20
     assert len({line.index("#") for line in scaled}) == 1  # in their column
     assert not any(re.search("printed|fitted", line) for line in scaled)
+    own = EXAMPLES["bench-aau.yaml"][EXAMPLES["bench-aau.yaml"].index("\nname:") + 1 :].splitlines()
+    start = next(number for number, line in enumerate(lines) if line.startswith("name:"))
+    pairs = zip(own[1:], lines[start + 1 :], strict=True)
+    changed = [
+        now for before, now in pairs if before.split("#")[0].rstrip() != now.split("#")[0].rstrip()
+    ]
+    assert [line for line in changed if not re.search("# (scaled|given)", line)] == []
+
+
+def test_scaled_loads_are_written_without_powers_of_ten():
+    size = Size(0.100, 0.070, 1.2, 280e5)
+    texts = [sized(EXAMPLES[name], size) for name in ("demo.yaml", "acceptance-test.yaml")]
+    assert re.findall(r"\d000 N\b", texts[0]) and not re.findall(r"\de\d+ k?N\b", "".join(texts))
 
 
 def test_values_are_replaced_in_place():

@@ -396,3 +396,17 @@ def test_an_effect_that_was_taken_keeps_its_own_score_though_another_scored_more
         "load_friction", 12.0, 3.0, 1.0,
     )  # fmt: skip
     assert found.runner_up == Rival("load_cell_gain", 8.0)
+
+
+def test_a_candidate_within_its_tolerances_is_no_rival(bench):
+    """A gain of all transducers is within tolerances for each alone, and scores the same."""
+    tried = [
+        Candidate("load_cell_gain", 109.2, 1.0, 1.5, {}, "full"),
+        Candidate("pressure_gain", 109.2, 1.0, 0.0, {}, "full"),
+        Candidate("load_friction", 33.7, 0.99, 1.5, {}, "full"),
+    ]
+    data = Products((), *[np.zeros(0)] * 5, ())
+    empty = LinearisedModel(Hypothesis(), None, {}, data, None, None)
+    nothing = ParameterEstimates(bench, empty, (), *[np.zeros(0)] * 6)
+    found = added_effect("load_cell_gain", tried, nothing, 3.0, 1.0)
+    assert found.runner_up == Rival("load_friction", 75.5)

@@ -555,6 +555,17 @@ def test_a_logo_that_is_too_large_or_no_image_is_refused(tmp_path, data, message
         read_logo(tmp_path / "logo.png")
 
 
+def test_letters_that_the_pdf_would_print_as_boxes_are_refused(certificate):
+    """Greek, Cyrillic and Vietnamese are in the font; Japanese is not, and the page has it."""
+    name = "株式会社日本油圧"
+    assert sheets(certificate(customer={"name": "Żółć Лаборатория Παπαδόπουλος Nguyễn Thị Ánh"}))
+    japanese = certificate(customer={"name": name})
+    with pytest.raises(ConfigError, match=f"does not have all letters of '{name}'") as found:
+        certificate_pdf(japanese)
+    assert "Write the certificate as .html" in found.value.hint
+    assert name in certificate_page(japanese)
+
+
 def test_the_same_campaign_gives_the_same_bytes(certificate):
     assert certificate_page(certificate()) == certificate_page(certificate())
     assert certificate_pdf(certificate()) == certificate_pdf(certificate())

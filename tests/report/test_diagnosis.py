@@ -19,6 +19,7 @@ from hbench.reconcile.measured.balances import BALANCE_UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import (
     BeforeAfter,
+    Candidate,
     Diagnosis,
     FitParameter,
     HeldOutLoad,
@@ -40,6 +41,7 @@ from hbench.report.diagnosis.figures.overlay_figures import overlay_figures
 from hbench.report.diagnosis.figures.residual_figures import maps_figure, shape_figure
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
+from hbench.report.diagnosis.sentences import ruled_out_words
 from hbench.report.diagnosis.tables.effect_tables import effects_table
 from hbench.report.diagnosis.tables.gap_tables import edges_table
 from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv, run_table
@@ -95,6 +97,18 @@ def test_the_terminal_tells_the_gap_the_candidates_and_what_is_missing(named, un
     assert text.startswith("Internal leakage or external leakage, not distinguishable: ")
     assert ambiguous.next_experiment in " ".join(text.split())
     assert ambiguous.missing[0] in text
+
+
+def test_a_candidate_as_good_as_the_named_effect_has_the_reason_why_it_is_not_named(named):
+    (effect, *_) = named.effects
+    mine = Candidate(effect.name, effect.score, 1.0, 1.5, {}, "full", threshold=5.0)
+    tolerated = replace(mine, name="pressure_gain", size=0.0)
+    worse = replace(tolerated, name="pressure_offset", score=effect.score - 10)
+    found = ruled_out_words(replace(named, ranking=(mine, tolerated, worse)))
+    assert found == (
+        "Pressure gain would explain 100 % of the gap too, but is not named: none of its "
+        "coefficients alone is beyond its tolerance."
+    )
 
 
 def test_the_score_of_the_next_best_effect_is_that_of_the_candidates(named):

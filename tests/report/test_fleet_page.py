@@ -35,6 +35,7 @@ from hbench.report.fleet.text import (
 )
 from hbench.report.fleet.verdict import fleet_verdict, further_sentences, stepped_numbers
 from hbench.report.render import style
+from hbench.sentences import uncapital
 from hbench.store.campaign.stored_acceptance import stored_decision
 from hbench.store.fleet.table import TABLE, cells_of, write_table
 from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of
@@ -514,6 +515,22 @@ def test_cylinders_have_a_column_only_where_their_folders_have_other_names(shift
         return campaign_table(replace(shifted, rows=rows)).head
 
     assert "Cylinder" in head(["S-1", "c2"]) and "Cylinder" not in head(["S-1"])
+
+
+def test_campaigns_are_listed_by_the_numbers_in_their_names(tmp_path):
+    rng = np.random.default_rng(4)
+    paths = sorted(f"/line/{name}" for name in ("1", "2", "9", "10", "11", "100"))
+    write_table(
+        tmp_path / TABLE, (cells_of(made_row(i, rng, path, i)) for i, path in enumerate(paths))
+    )
+    names = [row[0] for row in campaign_table(summary_of(tmp_path)).rows]
+    assert names == ["1", "2", "9", "10", "11", "100"]
+
+
+def test_names_of_people_keep_their_capitals_in_headings(found, drawings):
+    text = fleet_page(found, drawings)
+    assert "Figures: Stribeck speed" in text and "Figures: friction" not in text
+    assert uncapital("Stribeck speed") == "Stribeck speed" and uncapital("Friction") == "friction"
 
 
 def test_a_campaign_is_compared_with_those_on_its_side_of_a_step(tmp_path):

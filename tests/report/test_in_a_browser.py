@@ -343,16 +343,24 @@ def test_a_certificates_tables_are_lists_on_a_phone(browser, certificate, tmp_pa
     assert browser.errors == []
 
 
-def test_no_column_of_a_certificate_is_hidden_on_a_screen(browser, certificate, tmp_path):
-    """German heads are long; the series have labels, too."""
+@pytest.mark.parametrize("width", [720, 870, 970])
+def test_no_column_of_a_certificate_is_hidden_on_a_screen(browser, certificate, tmp_path, width):
+    """German heads and decisions are long; the series have labels, too."""
     made = certificate(language="de")
+    checks = tuple(
+        replace(check, decision="FAIL", measurement=replace(check.measurement, label="no load"))
+        for check in made.acceptance.checks
+        if check.measurement is not None
+    )
+    made = replace(made, acceptance=replace(made.acceptance, checks=checks))
     labelled = tuple(
         replace(each, measurement=replace(each.measurement, label="no load"))
         for each in made.values
     )
     page = tmp_path / "certificate.html"
     page.write_text(certificate_page(replace(made, values=labelled)))
-    browser.open(page, width=1000)
+    browser.open(page, width=width)
+    assert "NICHT\N{NO-BREAK SPACE}BESTANDEN" in page.read_text()
     scrollers = "[...document.querySelectorAll('.scroll')]"
     assert browser.run(f"{scrollers}.map(s => s.scrollWidth - s.clientWidth)") == [0] * browser.run(
         f"{scrollers}.length"

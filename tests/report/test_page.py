@@ -36,11 +36,13 @@ from hbench.report.render.document import page as page_of
 from hbench.report.render.numbers import (
     force,
     half_width,
+    in_mm_s,
     number,
     short,
     significant,
     span,
     span_with_intervals,
+    whole_mm_s,
     with_interval,
 )
 from hbench.report.render.style import DARK
@@ -673,7 +675,14 @@ def test_numbers_read_as_people_write_them():
     assert span([5.0, 200.0]) == "5–200" and span([7.0]) == "7"
     assert span([0.948, 7.05]) == "0.95–7.05" and span([1.14, 200.0]) == "1–200"
     assert span([0.5, 2.0]) == "0.5–2"
+    assert span([0.948, 38.0]) == "0.95–38" and span([0.0, 38.0]) == "0–38"
     assert number(-0.25, 1) == "−0.2" and significant(3.2e9, 3) == "3.20e+09"
+
+
+def test_speeds_below_1_mm_s_keep_two_digits():
+    speeds = (0.2, -0.0038, 0.00038, 0.0, None)
+    assert [in_mm_s(v) for v in speeds] == ["200.0", "−3.8", "0.38", "0.0", "–"]
+    assert [whole_mm_s(v) for v in (0.0824, 0.0038, 0.00038)] == ["82", "3.8", "0.38"]
 
 
 def test_the_parts_of_an_efficiencys_uncertainty_have_columns_the_largest_first(page):

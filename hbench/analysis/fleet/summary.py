@@ -89,8 +89,19 @@ def summarize(
         capabilities=ppk,
         without_capability=without_ppk,
         decisions=tuple(sorted((name, n) for name, n in decisions.items() if name)),
-        rows=tuple(_campaigns(table, analysed, selection, spreads, report_link, decision)),
+        rows=tuple(
+            sorted(
+                _campaigns(table, analysed, selection, spreads, report_link, decision),
+                key=lambda campaign: _by_number(campaign.path),
+            )
+        ),
     )
+
+
+def _by_number(path: str) -> list[str | int]:
+    """Return the key that sorts numbers in names by their value: 2 before 10."""
+    pieces = re.split(r"(\d+)", path)
+    return [int(piece) if at % 2 else piece for at, piece in enumerate(pieces)]
 
 
 @dataclass(frozen=True)

@@ -222,7 +222,9 @@ def _rounded(value: float, digits: int, rounding: Callable[[float], int] = round
         return "0"
     step = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
     rounded = rounding(value / step + 1e-9) * step
-    return f"{rounded:.{digits + 2}g}".replace("e-0", "e-").replace("e+0", "e")
+    power = f"{rounded:.{digits + 2}g}".replace("e-0", "e-").replace("e+0", "e")
+    plain = f"{rounded:.9g}"
+    return plain if 1 <= abs(rounded) < 1e5 or len(plain) <= len(power) else power
 
 
 def _load(value: str, size: Size) -> str:

@@ -3,7 +3,7 @@
 from hbench.records import DistanceTrend, Results
 from hbench.records.numbers import SIGNIFICANCE
 from hbench.report.campaign.motion_rows import DISTANCE_QUANTITIES, distance_words
-from hbench.report.render.numbers import number, with_interval
+from hbench.report.render.numbers import number, whole_mm_s, with_interval
 from hbench.sentences import listed, plural
 from hbench.units import from_si
 
@@ -56,7 +56,7 @@ def _is_of_cycles(trend: DistanceTrend) -> bool:
 
 def _last_change(trend: DistanceTrend, alike: bool) -> str:
     """Write where cycles were made, their friction and its last change."""
-    speed = "" if trend.v_m_s is None else f"cycles up to {number(1e3 * trend.v_m_s, 0)} mm/s"
+    speed = "" if trend.v_m_s is None else f"cycles up to {whole_mm_s(trend.v_m_s)} mm/s"
     change = with_interval(trend.last_change, trend.last_change_ci95)
     sign = "+" if trend.last_change > 0 else ""
     length = number(trend.distance_m[-1] - trend.last_from_m, 1)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from hbench.records import Comparison, DistanceTrend, Leakage, Level, Loop, Motions, Series, Surface
 from hbench.records.numbers import SIGNIFICANCE
 from hbench.report.campaign.series_words import load_words
-from hbench.report.render.numbers import number, short, significant, span, with_interval
+from hbench.report.render.numbers import number, short, significant, span, whole_mm_s, with_interval
 from hbench.units import from_si
 
 LEAKS = {
@@ -54,7 +54,7 @@ def differs(comparison: Comparison) -> bool:
 
 def distance_words(trend: DistanceTrend) -> str:
     """Write the series of a trend, such as ``run-in, 0 N, cycles up to 60 mm/s``."""
-    speed = "" if trend.v_m_s is None else f"{number(1e3 * trend.v_m_s, 0)} mm/s"
+    speed = "" if trend.v_m_s is None else f"{whole_mm_s(trend.v_m_s)} mm/s"
     if speed and trend.direction is None:
         speed = f"cycles up to {speed}"
     rest = "" if trend.dwell_s is None else f"after {short(trend.dwell_s)} s"

@@ -12,7 +12,15 @@ from hbench.report.campaign.motion_rows import (
     series_words,
 )
 from hbench.report.campaign.table_columns import table
-from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
+from hbench.report.render.numbers import (
+    NONE,
+    in_mm_s,
+    number,
+    short,
+    significant,
+    span,
+    with_interval,
+)
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -55,7 +63,7 @@ def loop_table(results: Results) -> Table:
             short(1e3 * loop.v_top_m_s),
             str(loop.cycles),
             with_interval(loop.area_j, loop.area_ci95_j),
-            number(1e3 * width.v_m_s, 1),
+            in_mm_s(width.v_m_s),
             with_interval(width.width_n, width.ci95_n),
             number(width.board_n),
         )
@@ -74,8 +82,8 @@ def level_table(results: Results) -> Table:
     rows = [
         (
             series_words(level.series),
-            number(1e3 * level.v_from_m_s),
-            number(1e3 * level.v_to_m_s),
+            in_mm_s(level.v_from_m_s),
+            in_mm_s(level.v_to_m_s),
             number(level.before_n),
             with_interval(level.after_n, level.after_ci95_n),
             Cell(

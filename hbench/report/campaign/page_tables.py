@@ -30,6 +30,7 @@ from hbench.report.campaign.table_columns import (
 )
 from hbench.report.render.numbers import (
     NONE,
+    in_mm_s,
     number,
     short,
     significant,
@@ -201,7 +202,7 @@ def band_table(results: Results) -> Table:
             band.label,
             rod_side(band.p_lr_ref_pa),
             in_bar(band.p_tp_pa),
-            number(1e3 * band.v_m_s),
+            in_mm_s(band.v_m_s),
             with_interval(band.extend.friction_n, band.extend.ci95_n),
             with_interval(band.retract.friction_n, band.retract.ci95_n),
             with_interval(band.half_n, band.half_ci95_n),
@@ -227,7 +228,7 @@ def trend_table(results: Results) -> Table:
             trend.label,
             rod_side(trend.p_lr_ref_pa),
             span([from_si(p, "bar") for p in trend.pressures_pa]),
-            number(1e3 * fmean(band.v_m_s for band in trend.bands)) if two_speeds else "",
+            in_mm_s(fmean(band.v_m_s for band in trend.bands)) if two_speeds else "",
             *_line(trend.half),
             *_line(trend.middle),
         )
@@ -310,7 +311,7 @@ def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:
 
 
 def _run(plan: RunPlan) -> tuple[str, ...]:
-    return plan.run, *who(plan), number(1e3 * plan.v_ref_m_s, 1), str(plan.trial)
+    return plan.run, *who(plan), in_mm_s(plan.v_ref_m_s), str(plan.trial)
 
 
 def _reason_words(reason: str) -> str:

@@ -17,7 +17,7 @@ from hbench.report.comparison.cells import (
     percent,
     signed,
 )
-from hbench.report.render.numbers import force, number, span
+from hbench.report.render.numbers import force, in_mm_s, number, span
 from hbench.units import from_si
 
 _PER_BAR = 1 / from_si(1.0, "bar")
@@ -53,7 +53,7 @@ def band_table(differences: CampaignDifferences) -> WordTable:
         for band in differences.bands:
             difference = getattr(band, name)
             if difference is not None:
-                speeds = [number(1e3 * each.v_m_s) for each in (band.a, band.b)]
+                speeds = [in_mm_s(each.v_m_s) for each in (band.a, band.b)]
                 rows.append((words, _where(band), *speeds, *cells(difference, 1.0)))
     return difference_table("Friction bands", ("Quantity", "At", "A (mm/s)", "B (mm/s)"), rows)
 

@@ -24,13 +24,7 @@ from hbench.report.comparison.cells import (
     label_of,
     with_u95,
 )
-from hbench.report.render.numbers import (
-    NONE,
-    half_width,
-    number,
-    p_words,
-    with_interval,
-)
+from hbench.report.render.numbers import NONE, half_width, in_mm_s, p_words, with_interval
 from hbench.units import from_si
 
 _CLEARLY_MORE = 1.1  # times the interval of the trials
@@ -135,7 +129,7 @@ def speeds_table(differences: CampaignDifferences) -> WordTable:
     mean = differences.mean_of_curves
     speeds = mean.speeds if mean else ()
     columns = {
-        "Speed (mm/s)": [number(1e3 * each.v_m_s, 1) for each in speeds],
+        "Speed (mm/s)": [in_mm_s(each.v_m_s) for each in speeds],
         WITH_U: [with_interval(each.value_n, each.u95_n) for each in speeds],
         TRIALS: [with_interval(each.value_n, each.ci95_n) for each in speeds],
     }
@@ -173,7 +167,7 @@ def points_table(differences: CampaignDifferences) -> WordTable:
     rows: list[tuple[str, ...]] = [
         (
             who(curve),
-            number(1e3 * point.v_m_s, 1) + (" *" if point.between else ""),
+            in_mm_s(point.v_m_s) + (" *" if point.between else ""),
             *cells(point.friction_n, 1.0, id(curve) in hidden),
         )
         for curve in differences.curves

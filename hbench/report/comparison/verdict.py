@@ -13,6 +13,7 @@ from hbench.report.render.numbers import (
     number,
     percent_span,
     significant,
+    whole_mm_s,
     with_interval,
 )
 
@@ -101,7 +102,7 @@ def _by_speed(mean: MeanOfCurves, *, drift: bool) -> str:
     if len(halves) < len(ends) or abs(ends[1].value_n - ends[0].value_n) <= sum(halves):
         return ""
     slow, fast = (
-        f"{with_interval(each.value_n, each.ci95_n)} N at {number(1e3 * each.v_m_s, 0)} mm/s"
+        f"{with_interval(each.value_n, each.ci95_n)} N at {whole_mm_s(each.v_m_s)} mm/s"
         for each in ends
     )
     if drift:

@@ -1,9 +1,10 @@
 """Sentences of a diagnosis: where, how large, how sure, and what to do."""
 
 from collections.abc import Sequence
-from math import exp, isfinite, log
+from math import exp, inf, isfinite, log
 
 from hbench.records import AddedEffect, Diagnosis, FitParameter
+from hbench.records.reconcile.diagnosis import TOLERATED
 from hbench.report.diagnosis.names import (
     CHAMBERS,
     added_words,
@@ -24,6 +25,7 @@ from hbench.report.render.numbers import number, significant
 from hbench.sentences import capital, listed
 
 _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is not that exact
+_AS_GOOD = 3.0  # nats below the named effects: odds of 20 to 1
 _DEAD_VOLUMES = {
     "flow_tp": "test_cylinder.dead_volume_piston",
     "flow_tr": "test_cylinder.dead_volume_rod",
@@ -85,14 +87,28 @@ def least_odds(effects: Sequence[AddedEffect]) -> str:
 
 
 def ruled_out_words(diagnosis: Diagnosis) -> str:
-    """Return which candidates explain enough and are ruled out by other data; empty for none."""
+    """Return which candidates explain enough and are ruled out; empty for none.
+
+    By other data, or beside effects as their errors of the instruments are within tolerances.
+    """
     also = " too" if diagnosis.effects else ""
-    return " ".join(
-        f"{title(each.name)} would explain {share(each.explained)} of the gap{also}, but is ruled "
-        f"out: {keys_as_words(diagnosis.ruled_out[each.name])}."
-        for each in diagnosis.ranking
-        if each.name in diagnosis.ruled_out and each.score > each.threshold
+    scores = {each.name: each.score for each in diagnosis.ranking}
+    named = min(
+        (scores[each.name] for each in diagnosis.effects if each.name in scores), default=inf
     )
+    sentences = []
+    for each in diagnosis.ranking:
+        if each.score <= each.threshold:
+            continue
+        would = (
+            f"{title(each.name)} would explain {share(each.explained)} of the gap{also}, but is "
+        )
+        if each.name in diagnosis.ruled_out:
+            reason = keys_as_words(diagnosis.ruled_out[each.name])
+            sentences.append(f"{would}ruled out: {reason}.")
+        elif each.size == 0 and each.score > named - _AS_GOOD:
+            sentences.append(f"{would}not named: {TOLERATED}.")
+    return " ".join(sentences)
 
 
 def _ratio(nats: float) -> str:

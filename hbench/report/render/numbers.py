@@ -125,6 +125,21 @@ def short(value: float | None) -> str:
     return _without_end_zeros(significant(value, 3))
 
 
+def in_mm_s(v_m_s: float | None) -> str:
+    """Write a speed in mm/s with one decimal, a slow one with two digits: 0.38, 3.8, 200.0."""
+    if v_m_s is not None and 0 < abs(v_m_s) < 1e-3:
+        return significant(1e3 * v_m_s, 2)
+    return number(None if v_m_s is None else 1e3 * v_m_s)
+
+
+def whole_mm_s(v_m_s: float) -> str:
+    """Write a speed in whole mm/s, or with two digits: 82, 3.8, 0.38."""
+    v_mm_s = 1e3 * v_m_s
+    if abs(v_mm_s) < 10:
+        return _without_end_zeros(significant(v_mm_s, 2))
+    return number(v_mm_s, 0)
+
+
 def unbroken(text: str) -> str:
     """Return a text that is not broken over lines, such as a number with its uncertainty."""
     return text.replace(" ", "\N{NO-BREAK SPACE}")
@@ -143,9 +158,15 @@ def force(value_n: float | None) -> str:
 
 
 def span(values: Collection[float]) -> str:
-    """Write the range of some numbers, no finer than three digits of the largest: ``5–200``."""
+    """Write the range of some numbers: ``5–200``, ``0.95–38``.
+
+    The smaller end has no more decimals than three digits of the larger one; below 1 it has two
+    digits.
+    """
     low, high = min(values), max(values)
     decimals = len(significant(high, 3).partition(".")[2])
+    if abs(low) < 1:
+        decimals = max(decimals, len(significant(low, 2).partition(".")[2]))
     return _range(_without_end_zeros(number(low, decimals)), short(high))
 
 

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.textpath import TextToPath
@@ -129,6 +129,16 @@ def _font(weight: str) -> FontProperties:
 
 
 _MEASURE = TextToPath()
+
+
+@cache
+def _letters() -> frozenset[int]:
+    return frozenset(get_font(findfont(_font("normal"))).get_charmap())
+
+
+def is_in_font(text: str) -> bool:
+    """Return whether the font of the sheets has all letters of a text."""
+    return all(letter.isspace() or ord(letter) in _letters() for letter in text)
 
 
 def width_of(text: str, weight: str) -> float:

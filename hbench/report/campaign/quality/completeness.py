@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from hbench.records import Completeness, PointTrials
 from hbench.report.campaign.table_columns import WHO, table, who
-from hbench.report.render.numbers import number, short
+from hbench.report.render.numbers import in_mm_s, short
 from hbench.report.render.word_tables import Table
 from hbench.sentences import plural
 
@@ -59,4 +59,4 @@ def _in_order(point: PointTrials) -> tuple:
 def _reference(point: PointTrials, unit: str) -> str:
     if point.dwell_s is not None:
         return f"after {short(point.dwell_s)} s at rest"
-    return f"{number(1e3 * point.v_ref_m_s)}{unit}"
+    return f"{in_mm_s(point.v_ref_m_s)}{unit}"

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from hbench.records import ImplausiblePoint
 from hbench.report.campaign.series_words import load_words
 from hbench.report.campaign.table_columns import WHO, table, who
-from hbench.report.render.numbers import number, with_interval
+from hbench.report.render.numbers import in_mm_s, number, with_interval
 from hbench.report.render.word_tables import Table
 
 _NAMED = 3  # points in a sentence
@@ -41,7 +41,7 @@ def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
 
 def _where(point: ImplausiblePoint) -> str:
     load = load_words(point.f_load_n, None)
-    speed = f"{number(1e3 * abs(point.v_m_s))} mm/s"
+    speed = f"{in_mm_s(abs(point.v_m_s))} mm/s"
     return ", ".join(filter(None, (point.label, point.direction, load, speed)))
 
 

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable, Sequence
 from hbench.records import Curve, HeadlineNumber, HeadlineSeries, Results
 from hbench.report.campaign.table_columns import LOAD_CELL, WHO, table, who
 from hbench.report.headline import FLAGS
-from hbench.report.render.numbers import NONE, half_width, number, short, with_interval
+from hbench.report.render.numbers import NONE, half_width, in_mm_s, number, short, with_interval
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -43,7 +43,7 @@ def headline_table(series: Sequence[HeadlineSeries], load_cell_n: Sequence[float
         (
             *who(each)[:1],
             *who(each)[2:],
-            number(None if each.v_m_s is None else 1e3 * each.v_m_s),
+            in_mm_s(each.v_m_s),
             number(applied, 0),
             _without_one_trial(_cell(each.friction_n)),
             _as_pressure(each.friction_pa, per_bar),

@@ -5,7 +5,8 @@ matplotlib; their widths are measured.
 """
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple
 
 from matplotlib import rc_context
 from matplotlib.backends.backend_pdf import PdfPages
@@ -25,6 +26,7 @@ from hbench.report.render.pdf_pen import (
     SHEET_HEIGHT,
     SHEET_WIDTH,
     Pen,
+    is_in_font,
     set_text,
     wrapped,
 )
@@ -43,7 +45,10 @@ _PARAGRAPH = 2.0  # between paragraphs
 
 
 def certificate_pdf(certificate: Certificate) -> bytes:
-    """Return the certificate as PDF. Raises ``ConfigError`` for a logo that is an SVG."""
+    """Return the certificate as PDF.
+
+    Raises ``ConfigError`` for a logo that is an SVG, and for letters that the font does not have.
+    """
     target = io.BytesIO()
     with rc_context({"font.family": "DejaVu Sans", "pdf.fonttype": 42}):
         metadata = {"CreationDate": None, "Title": f"{certificate.number}", "Creator": "hbench"}
@@ -53,9 +58,29 @@ def certificate_pdf(certificate: Certificate) -> bytes:
     return target.getvalue()
 
 
+def _require_letters(shown: Content, *more: str) -> None:
+    """Raise ``ConfigError`` for texts that would be printed as boxes."""
+    texts = dict.fromkeys(text for text in (*_texts(astuple(shown)), *more) if not is_in_font(text))
+    if texts:
+        quoted = ", ".join(f"'{text}'" for text in texts)
+        raise ConfigError(
+            f"the font of the PDF (DejaVu Sans) does not have all letters of {quoted}",
+            "Write the certificate as .html and print it from a browser, or use other letters.",
+        )
+
+
+def _texts(value: object) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (tuple, list)):
+        for each in value:
+            yield from _texts(each)
+
+
 def sheets(certificate: Certificate) -> list[Figure]:
     """Return the sheets of paper that the certificate fills."""
     shown = content(certificate)
+    _require_letters(shown, certificate.file.laboratory.name)
     pen = Pen()
     _header(pen, certificate, shown)
     if shown.mark:

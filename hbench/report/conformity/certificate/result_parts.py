@@ -15,7 +15,7 @@ from hbench.report.conformity.certificate.layout import (
     without_empty,
 )
 from hbench.report.conformity.text import step_words
-from hbench.report.render.numbers import NONE, number, short, span, with_interval
+from hbench.report.render.numbers import NONE, in_mm_s, number, short, span, with_interval
 from hbench.sentences import listed
 from hbench.units import from_si
 from hbench.untrusted_text import printable
@@ -161,11 +161,11 @@ def _steady(certificate: Certificate) -> GridTable:
         at = each.label, each.direction, each.f_load_n, each.p_lr_ref_pa, each.v_m_s
         points.setdefault(at, {})[value.quantity] = value
     rows = []
-    for (*series, speed), values in points.items():
+    for (*series, v_m_s), values in points.items():
         force, share = values.get("friction"), values.get("efficiency")
         row = (
             *_series(certificate, series),
-            localized(certificate, number(None if speed is None else 1e3 * speed)),
+            localized(certificate, in_mm_s(v_m_s)),
             _runs(force),
             _interval(certificate, force),
             _factor(certificate, force),
