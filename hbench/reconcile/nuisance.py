@@ -32,7 +32,7 @@ _SUPPLY = "supply.pressure"
 # Assumed accuracy of a plant file's values, as standard deviations of their logarithms.
 FACTORS: Mapping[str, float] = {
     _SUPPLY: 0.02,
-    "supply.tank": 0.3,
+    "supply.tank": 0.8,  # return lines have filters, coolers and check valves
     "valve.gain": 0.15,
     "valve.bandwidth": 0.15,
     "oil.bulk_modulus": 0.3,

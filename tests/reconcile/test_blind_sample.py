@@ -40,7 +40,7 @@ VISCOUS, BRISTLES, EXPONENTS = ([f"friction.{side}.{key}" for side in ("test", "
     for key in ("viscous", "bristle_stiffness", "stribeck_exponent"))  # fmt: skip
 STARTS |= {
     "volumes x 0.5": dict.fromkeys(VOLUMES, 0.5),
-    "tank x 0.1": {"supply.tank": 0.1},
+    **{f"tank x {factor}": {"supply.tank": factor} for factor in (0.1, 10)},
     "bulk modulus x 2": {"oil.bulk_modulus": 2.0},
     "bristles x 0.1": dict.fromkeys(BRISTLES, 0.1),
     "Stribeck exponent x 2": dict.fromkeys(EXPONENTS, 2.0),
@@ -58,7 +58,10 @@ KNOWN = {
         pytest.mark.xfail(
             reason="unknown too, but the largest gap is at another chamber", strict=True
         )
-    ]
+    ],
+    ("none-5", "tank x 10"): [
+        pytest.mark.xfail(reason="unknown: a gap of the flow to the load piston side", strict=True)
+    ],
 }
 
 
