@@ -51,8 +51,8 @@ def test_friction_without_dropouts_is_within_u_of_a_mean_with_them(trials, dropo
     assert abs(point.friction_n - FRICTION_N) < point.u95_n
     assert (point.friction_n < FRICTION_N - 15) == bool(dropouts)
     own = [part for name, part in point.parts_n.items() if is_of_log(name)]
-    lost_n = FRICTION_N - point.friction_n
-    assert own == ([pytest.approx(lost_n / 3**0.5, abs=3)] if dropouts else [])
+    shift_n = point.friction_n - FRICTION_N
+    assert own == ([pytest.approx(shift_n / 3**0.5, abs=3)] if dropouts else [])
 
 
 def test_a_note_counts_the_samples_and_states_what_they_change(trials):

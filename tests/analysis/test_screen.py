@@ -244,6 +244,13 @@ def test_a_foreign_gap_from_its_limit_on(make_run, rules, gap_s, rejected):
     assert ("gapped" in codes(screen(foreign, rules))) == rejected
 
 
+def test_a_log_that_samples_slowly_has_its_rate_and_the_key_of_the_limit_as_reason(make_run, rules):
+    run = make_run()
+    slow = replace(without(run, np.arange(len(run.t_s)) % 20 != 0), at_reference=None)
+    (reason,) = (each for each in screen(slow, rules).reasons if each.startswith("gapped"))
+    assert reason.endswith("has a sample every 0.20 s; limit 0.1 s (screening.max_gap)")
+
+
 @pytest.mark.parametrize("code", ["sensor_saturated", "valve_saturated"])
 def test_saturation_counts_within_the_window(make_run, rules, code):
     run = make_run(v_m_s=0.1)  # window from 0.405 s

@@ -101,6 +101,27 @@ def test_poor_data_and_unknown_forms_are_refused(file, tmp_path):
         workflow.certify(SAMPLE, file, tmp_path / "c.docx")
 
 
+@pytest.mark.parametrize(
+    ("dates", "fault"),
+    [
+        ({"received": "2026-01-03"}, "received = 2026-01-03: the test began on 2026-01-01"),
+        ({"issued": "2025-12-30"}, "issued = 2025-12-30: the test ended on 2026-01-01"),
+    ],
+)
+def test_dates_that_contradict_that_of_the_test_are_refused(file, tmp_path, dates, fault):
+    file.write_text(yaml.safe_dump(FILE | STATED | dates, allow_unicode=True))
+    with pytest.raises(ConfigError, match=fault):
+        workflow.certify(SAMPLE, file, tmp_path / "c.html")
+    assert not (tmp_path / "c.html").exists()
+
+
+@pytest.mark.parametrize("unnamed", [{"name": ""}, {"address": [""]}])
+def test_a_laboratory_without_name_or_address_is_refused(unnamed):
+    content = FILE | {"laboratory": FILE["laboratory"] | unnamed}
+    with pytest.raises(ConfigError, match=r"laboratory\."):
+        parse_certificate(content, "c.yaml")
+
+
 def test_a_name_that_nothing_in_campaign_and_limits_has_is_refused_with_the_known_ones(
     file, tmp_path
 ):

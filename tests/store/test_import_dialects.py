@@ -449,6 +449,13 @@ def test_the_hint_fits_the_cell_that_is_no_number(cell, hint):
     assert hint in error.value.hint if hint else not error.value.hint
 
 
+@pytest.mark.parametrize("cell", ["", "nan"])
+def test_a_cell_that_each_row_needs_is_not_to_be_left_empty(cell):
+    with pytest.raises(DataError, match=r"a.csv: line 3: column t: ") as error:
+        column(f"x,t\n0,1\n1,{cell}\n", name="t")
+    assert error.value.hint == "Remove the rows without it: each row needs a value in this column."
+
+
 @pytest.mark.parametrize(
     ("cell", "decimal", "hint"),
     [

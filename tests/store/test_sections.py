@@ -205,7 +205,7 @@ def test_a_stroke_back_at_the_nominal_speed_that_is_not_used_is_noted(
     assert any("only extending is used (cut: reversals)" in note for note in notes) is noted
 
 
-@pytest.mark.parametrize("cut", ["none", "plateaus"])
+@pytest.mark.parametrize("cut", ["none", "plateaus", "reversals"])
 @pytest.mark.parametrize("gap_s", [1.0, 10.0, None])
 def test_a_second_run_in_a_file_is_noted_or_cut_out(rules, import_by, tmp_path, gap_s, cut):
     """The logger pauses while the piston goes back; without a pause there is one run."""
@@ -216,7 +216,10 @@ def test_a_second_run_in_a_file_is_noted_or_cut_out(rules, import_by, tmp_path, 
     write_one_pressure(rules, tmp_path / "logs", "50_1.csv", times, both)
     rules["series"][0]["files"] = "{speed}_{trial}.csv"
     runs, notes = import_by(rules | {"cut": cut}, tmp_path / "logs")
-    assert len(runs) == (2 if cut == "plateaus" and gap_s else 1)
+    assert len(runs) == (2 if cut != "none" and gap_s else 1)
+    assert all(run.plan.v_ref_m_s == pytest.approx(0.05) for run in runs)
+    lost = [note for note in notes if "strokes within a gap of the log, left out: 1" in note]
+    assert len(lost) == (cut == "reversals" and gap_s is not None)
     noted = [note for note in notes if "2 sections at the nominal speed; only one is used" in note]
     assert len(noted) == (cut == "none" and gap_s is not None)
 

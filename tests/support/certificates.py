@@ -16,7 +16,7 @@ FILE = {
     "signatories": [{"name": "Prof. Prüfer", "role": "head"}],
     "number": "L-17",
     "replaces": "L-16",
-    "received": "2026-01-05",
+    "received": "2025-12-22",
     "method": "WI-12",
     "remarks": ["A remark of the laboratory"],
     "specimen": {"serial": "S-4711", "order": "A-1"},

@@ -170,6 +170,11 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
         if lost > 0:
             planned = len(steps) + 1 + lost
             yield f"gapped: {lost} of {planned} records of the window are missing (none may be)"
+        elif exceeds(np.median(steps), rules.max_gap):
+            yield (
+                f"gapped: the log has a sample every {np.median(steps):.2f} s; limit "
+                f"{rules.max_gap:g} s (screening.max_gap)"
+            )
         elif exceeds(steps.max(), rules.max_gap):
             yield (
                 f"gapped: {steps.max():.2f} s between two samples of the window; "

@@ -91,7 +91,7 @@ def step_errors(
 def far_error(shift_n: float) -> Iterator[InputError]:
     """Yield the error by samples far from all others, which change mean friction by ``shift_n``."""
     if shift_n:
-        u = abs(shift_n) / DIVISORS["rectangular"]
+        u = shift_n / DIVISORS["rectangular"]
         yield InputError(_FAR, u, 0.0, "rectangular", inf, _OF_LOG)
 
 

@@ -44,8 +44,8 @@ class Contact(ConfigSection):
 class Laboratory(Contact):
     """The laboratory that issues the certificate."""
 
-    name: Text
-    address: tuple[Text, ...] = Field(min_length=1, max_length=8)
+    name: Text = Field(min_length=1)
+    address: tuple[Annotated[Text, Field(min_length=1)], ...] = Field(min_length=1, max_length=8)
     country: str = Field(pattern=r"^[A-Z]{2}$")
     accreditation: Text = ""  # body, number and scope; empty: none is claimed
 

@@ -103,11 +103,13 @@ class TextTable:
             values = np.array([_float(cell) for cell in self._plain(position)])
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             cell = self.rows[row][position]
-            if not (gaps and cell.strip().lower() in _GAPS):
+            is_gap = cell.strip().lower() in _GAPS
+            if not (gaps and is_gap):
+                needed = "Remove the rows without it: each row needs a value in this column."
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: found {cell[:60]!r}; "
                     "expected a number",
-                    header_row.cell_hint(cell, self.layout),
+                    needed if is_gap else header_row.cell_hint(cell, self.layout),
                 )
         return values
 

@@ -23,6 +23,8 @@ from hbench.store.importing.time_bases import TimeBase, column_unit, read_time_b
 from hbench.store.importing.zeros import subtraction, zeroed
 from hbench.units import from_si
 
+_OF_FRICTION = ("p_tp_pa", "p_tr_pa", "f_applied_n", "f_drive_n")
+
 
 @dataclass(frozen=True)
 class FileChannels:
@@ -50,7 +52,7 @@ def read_channels_by_map(
     """
     source, max_gap_s = table.source, rules.screening.max_gap
     bases, origin, omissions = read_time_bases(table, name, rules)
-    omissions = [*omissions, *_sheets(table, name)]
+    omissions = [*omissions, *_sheets(table, name), *_empty_cells(bases, name)]
     bases, clipping = _with_clipping(bases, name)
     base, alignment = aligned(bases, max_gap_s, source, name)
     n = len(base.t_s)
@@ -99,6 +101,19 @@ def _sheets(table: Table, name: str) -> Iterator[FileNote]:
     if isinstance(table, TextTable) and table.other_sheets:
         text = "sheets not read: {count}; format.sheet in the map chooses one"
         yield FileNote(name, text, {"count": len(table.other_sheets)})
+
+
+def _empty_cells(bases: list[TimeBase], name: str) -> Iterator[FileNote]:
+    """Yield a note for each channel of friction without a value in some samples."""
+    for base in bases:
+        for key in sorted(base.channels.keys() & set(_OF_FRICTION)):
+            count = int(np.isnan(base.channels[key]).sum())
+            if 0 < count < len(base.t_s):
+                text = (
+                    f"{key}: no value in {{count}} of {{samples}} samples; friction is computed "
+                    "from the others"
+                )
+                yield FileNote(name, text, {"count": count, "samples": len(base.t_s)})
 
 
 def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], list[FileNote]]:

@@ -26,6 +26,7 @@ _AS_FAST = 0.9  # of the top speed: as fast, but for noise
 
 _VARYING = ("triangle", "ramp")  # kinds of a speed that changes all the time
 _MOSTLY = 0.6  # of the travel: more than the top of a sine has
+_SLOW_STEPS = 3  # sampling intervals: a gap in a log that samples slowly
 _CUT_OFF = (
     "The start or the end of the file cuts its strokes off: leave the file out, or import it as a "
     "whole ('kind: triangle' without 'cut'). Or a unit of x_m or t_s in the map is wrong."
@@ -198,7 +199,9 @@ def _strokes(
 ) -> tuple[tuple[slice, ...], tuple[FileNote, ...]]:
     """Return the strokes of a file, and notes on those left out. Raises ``DataError``."""
     cuts = cut_at_reversals(t_s, x_m, rules.min_stroke)
-    if not cuts.pieces:
+    gap_s = max(rules.screening.max_gap, _SLOW_STEPS * float(np.median(np.diff(t_s))))
+    logged = [piece for piece in cuts.pieces if not _jumps(t_s, x_m, piece, gap_s)]
+    if not logged:
         low, high = 1e3 * float(np.min(x_m)), 1e3 * float(np.max(x_m))
         cut_off = bool(cuts.partial) and high - low > 1e3 * rules.min_stroke
         raise DataError(
@@ -207,18 +210,26 @@ def _strokes(
             f"{high:.4g} mm in {t_s[-1] - t_s[0]:.4g} s",
             _no_stroke_hint(t_s, cut_off=cut_off),
         )
-    strokes = settled_strokes(t_s, x_m, cuts.pieces)
-    run_in = cuts.pieces.index(strokes[0])
-    run_out = len(cuts.pieces) - 1 - cuts.pieces.index(strokes[-1])
+    strokes = settled_strokes(t_s, x_m, logged)
+    run_in = logged.index(strokes[0])
+    run_out = len(logged) - 1 - logged.index(strokes[-1])
     differ = "strokes differ in length or duration and are left out"
     left_out = {
         "{count} sections without a known start or end left out": cuts.partial,
+        "strokes within a gap of the log, left out: {count}": len(cuts.pieces) - len(logged),
         f"{{count}} strokes shorter than {1e3 * rules.min_stroke:g} mm left out": cuts.short,
         f"run-in: the first {{count}} {differ}": run_in,
         f"run-out: the last {{count}} {differ}": run_out,
     }
     notes = (FileNote(name, text, {"count": n}) for text, n in left_out.items() if n)
     return strokes, tuple(notes)
+
+
+def _jumps(t_s: np.ndarray, x_m: np.ndarray, stroke: slice, gap_s: float) -> bool:
+    """Return whether most of a stroke was made while nothing was logged, as between two runs."""
+    whole = slice(stroke.start, stroke.stop + 1)  # it ends at the next reversal
+    in_gaps = np.abs(np.diff(x_m[whole]))[np.diff(t_s[whole]) > gap_s]
+    return bool(in_gaps.sum() > _MOSTLY * np.ptp(x_m[whole]))
 
 
 def _with_shared_positions(

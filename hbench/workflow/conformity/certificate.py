@@ -1,7 +1,7 @@
 """Certificate of a campaign: page, PDF, digital calibration certificate or archive."""
 
 from collections.abc import Callable
-from datetime import date
+from datetime import date, timedelta
 from pathlib import Path
 
 from hbench.analysis.conformity.certified import (
@@ -30,6 +30,7 @@ from hbench.workflow.conformity.acceptance import decided
 from hbench.workflow.results import derive
 
 _FORMS = (".html", ".pdf", ".xml", ".zip")
+_DAY = timedelta(days=1)
 
 
 def certify(folder: Path, file: Path, output: Path) -> Certificate:
@@ -127,7 +128,7 @@ def _certificate(folder: Path, path: Path) -> Certificate:
     values = (*values, *certified_trials(checks))
     if not values:
         raise DataError(f"{folder}: gets no certificate: none of its quantities was measured")
-    return Certificate(
+    certificate = Certificate(
         file=file,
         issued=file.issued or date.today(),
         specimen=specimen,
@@ -141,3 +142,25 @@ def _certificate(folder: Path, path: Path) -> Certificate:
         warnings=campaign.warnings,
         logo=None if file.logo is None else read_logo(path.parent / file.logo),
     )
+    _check_dates(certificate, str(path))
+    return certificate
+
+
+def _check_dates(certificate: Certificate, source: str) -> None:
+    """Raise ``ConfigError`` if the specimen came after its test, or the certificate before it.
+
+    Days are those of UTC: in other time zones they may differ by one.
+    """
+    if certificate.performed is None:
+        return
+    (first, last), file = certificate.performed, certificate.file
+    if file.received is not None and file.received > first + _DAY:
+        raise ConfigError(
+            f"{source}: received = {file.received}: the test began on {first}",
+            "State the day on which the specimen was received for this test.",
+        )
+    if file.issued is not None and file.issued < last - _DAY:
+        raise ConfigError(
+            f"{source}: issued = {file.issued}: the test ended on {last}",
+            "Remove 'issued', which means today, or state a day after the test.",
+        )
