@@ -44,7 +44,7 @@ def accept(tmp_path):
 def test_the_worst_decision_counts_and_fail_gives_the_exit_code(accept, limits, decision, code):
     said = accept(*limits)
     assert said.exit_code == 0
-    assert said.stdout.startswith(f"{decision}: ")
+    assert said.stdout.startswith(f"{decision}, data poor: ")
     assert accept(*limits, arguments=["--fail"]).exit_code == code
 
 
