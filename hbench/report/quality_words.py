@@ -5,7 +5,7 @@ LOAD_CELL_ZERO = (
     "full scale does"
 )
 NAMES = {
-    "complete": "Complete",
+    "complete": "Completeness",
     "runs_accepted": "Runs accepted",
     "trials_per_point": "Trials per point",
     "repeatability": "Repeatability",

@@ -20,7 +20,7 @@ from hbench.report.comparison.text import differences_json, differences_page
 from hbench.report.render.figures import figure_files
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.journal import measurements
-from hbench.store.files.atomic import write_files
+from hbench.store.files.atomic import write_document
 from hbench.workflow.results import derive
 
 _SAME_LOGS = (
@@ -111,7 +111,7 @@ def write_comparison(folder: Path, comparison: CampaignDifferences) -> None:
     files = figure_files(drawings)
     files["comparison.json"] = differences_json(comparison).encode()
     files["comparison.html"] = differences_page(comparison, drawings).encode()
-    write_files(folder, files)
+    write_document(folder, files, "comparison.json")
 
 
 def _of_one_bench(a: Setup, b: Setup) -> bool:

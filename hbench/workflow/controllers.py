@@ -19,7 +19,7 @@ from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
 from hbench.report.design.text import design_json, gains_yaml
 from hbench.report.render.figures import figure_files
-from hbench.store.files.atomic import write_atomic, write_files
+from hbench.store.files.atomic import write_atomic, write_document
 
 RATIOS = (1.7, 1.3, 2.3)  # of neighbouring bandwidths, in the order in which they are tried
 
@@ -139,4 +139,4 @@ def write_design(folder: Path, design: Design) -> None:
     files = figure_files(drawings)
     files["design.json"] = design_json(design).encode()
     files["design.html"] = design_page(design, drawings).encode()
-    write_files(folder, files)
+    write_document(folder, files, "design.json")

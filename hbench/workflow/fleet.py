@@ -116,13 +116,13 @@ def write_fleet(folder: Path, fleet: Fleet) -> None:
     from hbench.report.fleet.page import fleet_page
     from hbench.report.fleet.text import fleet_json
     from hbench.report.render.figures import figure_files
-    from hbench.store.files.atomic import write_files
+    from hbench.store.files.atomic import write_document
 
     drawings = draw_fleet(fleet)
     files = figure_files(drawings)
     files["fleet.json"] = fleet_json(fleet).encode()
     files["fleet.html"] = fleet_page(fleet, drawings).encode()
-    write_files(folder, files)
+    write_document(folder, files, "fleet.json")
 
 
 def analyzed(task: FleetTask) -> AnalyzedCampaign:

@@ -14,7 +14,7 @@ from hbench.report.identification.text import identification_json
 from hbench.report.render.figures import figure_files
 from hbench.sentences import listed
 from hbench.store.campaign.folder import load_campaign
-from hbench.store.files.atomic import write_files
+from hbench.store.files.atomic import write_document
 from hbench.workflow.results import derive
 
 _ADD = "Measure the schedule configs/dynamics.yaml, which `hbench init DIR` writes."
@@ -96,7 +96,7 @@ def write_identification(folder: Path, identification: Identification) -> None:
             files[f"{law.law}.yaml"] = overlay_yaml(identification, law, law.fit).encode()
     files["identification.json"] = identification_json(identification).encode()
     files["identification.html"] = identification_page(identification, drawings).encode()
-    write_files(folder, files)
+    write_document(folder, files, "identification.json")
 
 
 def _not_verified(measured: Sequence[Run], *, has_bench: bool) -> str:

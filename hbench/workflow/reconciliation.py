@@ -14,7 +14,7 @@ from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv
 from hbench.report.render.figures import figure_files
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.stored_diagnosis import FILE_NAME
-from hbench.store.files.atomic import remove_files, write_files
+from hbench.store.files.atomic import figures_in, remove_files, write_files
 from hbench.workflow.board import physics_of
 from hbench.workflow.campaign import Experiment
 from hbench.workflow.results import calibrated_runs
@@ -87,13 +87,5 @@ def write_diagnosis(folder: Path, diagnosis: Diagnosis) -> None:
     files["diagnosis.json"] = diagnosis_json(diagnosis).encode()
     files["report.html"] = diagnosis_page(diagnosis, drawings).encode()
     if (folder / FILE_NAME).is_file():
-        remove_files(folder, {*_OPTIONAL, *_figures(folder)} - files.keys())
+        remove_files(folder, {*_OPTIONAL, *figures_in(folder)} - files.keys())
     write_files(folder, files)
-
-
-def _figures(folder: Path) -> set[str]:
-    return {
-        f"figures/{path.name}"
-        for path in (folder / "figures").glob("*")
-        if path.suffix in (".svg", ".png", ".csv")
-    }

@@ -44,7 +44,7 @@ from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun, ZeroChe
 from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.tables import TABLES
-from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_results
+from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_report, write_results
 from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision, stored_rule
 from hbench.store.campaign.stored_diagnosis import diagnoses
@@ -115,7 +115,7 @@ def report(
     }
     content = forms[form](document)
     text = {f"report.{form}": content if isinstance(content, bytes) else content.encode()}
-    write_results(folder, _tables(results) | figure_files((*drawings, *decisions)) | text)
+    write_report(folder, _tables(results) | figure_files((*drawings, *decisions)) | text)
     return results
 
 

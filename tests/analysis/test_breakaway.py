@@ -1,5 +1,6 @@
 """Breakaway of made-up runs: the maximum that counts, trials, and laws over the time at rest."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -102,6 +103,9 @@ def test_friction_that_never_falls_is_rejected():
     rising = replace(run, p_tp_pa=run.p_tp_pa[0] + 4e5 * run.t_s)
     (reason,) = screen(rising, Screening()).reasons
     assert reason.startswith("incomplete: friction had not fallen from a maximum when")
+    assert re.search(
+        r"moved by [\d.]+ mm; it must fall by [\d.]+ N \(increase displacement\)", reason
+    )
     assert screen(run, Screening()).accepted
 
 

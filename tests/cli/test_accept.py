@@ -44,7 +44,7 @@ def accept(tmp_path):
 def test_the_worst_decision_counts_and_fail_gives_the_exit_code(accept, limits, decision, code):
     said = accept(*limits)
     assert said.exit_code == 0
-    assert said.stdout.startswith(f"{decision}: ")
+    assert said.stdout.startswith(f"{decision}, data poor: ")
     assert accept(*limits, arguments=["--fail"]).exit_code == code
 
 
@@ -100,6 +100,12 @@ def test_the_report_begins_with_the_decision_and_lists_the_checks(accept, tmp_pa
     assert "applied by the last hbench accept" in table
     assert "at most 1 N" in table and "at most 10 kN" in table.replace("10000 N", "10 kN")
     assert "| FAIL |" in table and "NOT TESTED" in table
+    (tmp_path / "campaign" / "results" / "acceptance.json").unlink()
+    assert "Decision" not in reported()
+    figures = tmp_path / "campaign" / "results" / "figures"
+    assert not list(figures.glob("decisions.*")), (
+        "a figure that the report does not have is removed"
+    )
 
 
 def test_a_friction_in_bar_says_over_which_area(accept):

@@ -442,7 +442,7 @@ def test_a_station_lists_and_charts_cylinders_in_the_order_of_their_tests(sample
     assert state["present"] == "A" and state["charts"][0]["names"] == ["A", "B"]
 
 
-def decided(folder, value, speed_m_s=None, **changes):
+def decided(folder, value, speed_m_s=None, data="good", **changes):
     """Write a decision on a breakaway pressure [Pa], as hbench accept does."""
     requirement = {"quantity": "breakaway", "unit": "bar", "low": None, "high": 4e5} | changes
     check = {
@@ -451,8 +451,19 @@ def decided(folder, value, speed_m_s=None, **changes):
         "decision": "PASS",
     }
     (folder / "results").mkdir(parents=True)
-    text = json.dumps({"schema": "hbench.acceptance/1", "decision": "PASS", "checks": [check]})
-    (folder / "results" / "acceptance.json").write_text(text)
+    about = {"schema": "hbench.acceptance/1", "decision": "PASS", "data": data}
+    (folder / "results" / "acceptance.json").write_text(json.dumps(about | {"checks": [check]}))
+
+
+def test_a_station_shows_that_a_decision_rests_on_poor_data(sample, tmp_path, require_tool):
+    folder = tmp_path / "station"
+    decided(folder / "A", 3e5, data="poor")
+    shutil.copy(sample / "campaign.yaml", folder / "A")
+    with watched(folder, workflow.Station) as page:
+        dom = shown_by(require_tool("chromium"), page, tmp_path)
+    assert re.search(r'class="big decision care" id="decision">PASS<span[^>]*>, data poor: ', dom)
+    assert "<li>The data is poor: complete the campaign with --resume, or measure again" in dom
+    assert ">PASS, data poor</td>" in dom
 
 
 def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path, require_tool):

@@ -19,6 +19,7 @@ from hbench.experiment.closed_loop import record
 from hbench.experiment.plan import plan_runs
 from hbench.experiment.steady_demand import steady_demand
 from hbench.workflow import sized_files
+from hbench.workflow.campaign import load_experiment
 from tests.support import ROOT
 from tests.support.commands import hbench
 
@@ -161,6 +162,17 @@ def test_scaled_lines_say_so_and_given_ones_too():
     assert [line for line in changed if not re.search("# (scaled|given)", line)] == []
 
 
+def test_a_long_cylinder_has_fewer_cycles_of_warm_up_and_as_many_of_the_experiments():
+    def cycles(name, size):
+        return re.findall(r"cycles: (\d+)", sized(EXAMPLES[name], size))
+
+    long, longest = Size(0.100, 0.070, 1.2, 280e5), Size(0.300, 0.210, 2.0, 350e5, time=3.0)
+    assert cycles("warm-up.yaml", long) == ["20", "67"]
+    assert cycles("run-in.yaml", long) == ["30", "30"]
+    assert cycles("run-in.yaml", longest) == ["22", "22"]
+    assert cycles("dynamics.yaml", longest) == cycles("dynamics.yaml", Size(0.04, 0.025, 0.4, 15e6))
+
+
 def test_scaled_loads_are_written_without_powers_of_ten():
     size = Size(0.100, 0.070, 1.2, 280e5)
     texts = [sized(EXAMPLES[name], size) for name in ("demo.yaml", "acceptance-test.yaml")]
@@ -185,6 +197,9 @@ def test_sized_schedules_can_be_planned_and_the_demo_runs_and_every_run_is_accep
     texts = {path.name: path.read_text() for path in tmp_path.iterdir()}
     bore, rod, stroke, supply = size
     plan(texts, Size(1e-3 * bore, 1e-3 * rod, 1e-3 * stroke, 1e5 * supply))
+    for path in tmp_path.iterdir():
+        if "\nexperiments:" in path.read_text():
+            load_experiment(path, None)  # refuses logs that would be too large
     bench = parse_bench(yaml.safe_load(texts[BENCH_FILE]), "bench")
     schedule = yaml.safe_load(texts["demo.yaml"])
     schedule.pop("bench")

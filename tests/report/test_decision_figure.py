@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from hbench.analysis.conformity.decision import decide
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement
 from hbench.report.conformity.decision_section import decision_drawings
+from hbench.report.conformity.text import acceptance_text, series_words
 
 SHARE = "Share of the limit (%)"
 
@@ -94,3 +96,22 @@ def test_many_decisions_are_drawn_in_figures_of_about_the_same_length_and_on_one
 
 def test_there_is_no_figure_without_decisions():
     assert decision_drawings([], "simple", simulated=False) == ()
+
+
+def test_a_decision_of_poor_data_says_so_beside_it_and_what_to_do(certificate):
+    acceptance = certificate().acceptance
+    good, poor = (
+        " ".join(acceptance_text(replace(acceptance, data=grade)).split())
+        for grade in ("good", "poor")
+    )
+    assert poor.startswith(f"{acceptance.decision}, data poor: ")
+    assert "next, as the data is poor: complete the campaign with --resume" in poor
+    assert "data poor" not in good and "data is poor" not in good
+
+
+def test_a_series_of_no_load_does_not_state_its_load_twice():
+    requirement = Requirement("friction", "N", None, 80.0)
+    no_load = Measurement(1.0, 0.1, label="no load", direction="extend", f_load_n=0.0)
+    assert series_words(requirement, no_load) == "no load, extending"
+    crawl = replace(no_load, label="crawl")
+    assert series_words(requirement, crawl) == "crawl, extending, load 0 N"

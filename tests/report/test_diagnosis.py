@@ -47,6 +47,7 @@ from hbench.report.diagnosis.tables.gap_tables import edges_table
 from hbench.report.diagnosis.tables.run_gaps import run_gaps_csv, run_table
 from hbench.report.diagnosis.terminal import diagnosis_text
 from hbench.report.diagnosis.text import diagnosis_tables, gap_line
+from hbench.report.diagnosis.verdict import verdict_words
 from hbench.report.render import style
 from hbench.report.render.document import BANNERS
 from hbench.report.render.figures import as_svg
@@ -97,6 +98,14 @@ def test_the_terminal_tells_the_gap_the_candidates_and_what_is_missing(named, un
     assert text.startswith("Internal leakage or external leakage, not distinguishable: ")
     assert ambiguous.next_experiment in " ".join(text.split())
     assert ambiguous.missing[0] in text
+
+
+def test_the_first_paragraph_of_a_named_effect_says_how_sure_it_is(named):
+    sure = "The data favour it over the next best explanation, external leakage, by odds of more"
+    assert sure in verdict_words(named)
+    (effect,) = named.effects
+    alone = replace(effect, runner_up=None)
+    assert "The data favour it" not in verdict_words(replace(named, effects=(alone,)))
 
 
 def test_a_candidate_as_good_as_the_named_effect_has_the_reason_why_it_is_not_named(named):

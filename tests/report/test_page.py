@@ -679,6 +679,13 @@ def test_numbers_read_as_people_write_them():
     assert number(-0.25, 1) == "−0.2" and significant(3.2e9, 3) == "3.20e+09"
 
 
+def test_a_number_that_is_rounded_up_to_a_power_of_ten_has_no_further_digit():
+    assert [significant(v, 2) for v in (0.0996, 0.994, 0.996, 9.96, -99.6)] == [
+        "0.10", "0.99", "1.0", "10", "−100",
+    ]  # fmt: skip
+    assert [significant(v, 3) for v in (99.96, 0.09996, 1.234)] == ["100", "0.100", "1.23"]
+
+
 def test_speeds_below_1_mm_s_keep_two_digits():
     speeds = (0.2, -0.0038, 0.00038, 0.0, None)
     assert [in_mm_s(v) for v in speeds] == ["200.0", "−3.8", "0.38", "0.0", "–"]

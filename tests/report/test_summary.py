@@ -54,7 +54,8 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
         "piston is 2.4 mm/s slower at "
         "the same commands; in 95 % of the motion up to 0.35 l/min and 4.6 mm/s. With it in the "
         "model, the deviation of the quantities that it changes falls from 16.7 to 1.60 times the "
-        "repeatability in runs outside the fit. Next, inspect the piston seal."
+        "repeatability in runs outside the fit. The data favour it over the next best explanation, "
+        "external leakage, by odds of more than 1000 to 1. Next, inspect the piston seal."
     )
     assert "oil leaks" not in text  # once on the page is enough
     assert text.startswith(

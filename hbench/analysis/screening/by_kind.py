@@ -182,7 +182,8 @@ def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
         if first_peak(friction) is None:
             yield (
                 f"incomplete: friction had not fallen from a maximum when the piston had moved by "
-                f"{moved_mm:.2f} mm; limit {least_fall(friction):.3g} N (increase displacement)"
+                f"{moved_mm:.2f} mm; it must fall by {least_fall(friction):.3g} N (increase "
+                "displacement)"
             )
 
 

@@ -30,6 +30,7 @@ _STATIC_N, _COULOMB_N, _VISCOUS_N, _SEALS_N = 710.0, 260.0, 1100.0, 450.0
 _DRIVING = 0.7  # of the supply, on the rod side; the valve needs the rest
 _PUSHED = 0.3  # of the stroke: largest travel of a push, which begins in the middle
 _RETRACTING_N = 5000.0  # largest load of the example's moving runs
+_FEW_CYCLES, _WARM_UP_CYCLES = 20, 60
 _NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)( .+)")
 _SCALED = "scaled from the example: enter your bench's"
 _HEAD = """\
@@ -245,6 +246,19 @@ def _rod_pressure(value: str, size: Size) -> str:
     return _times(lambda size: size.pressure, 2, _LEAST_PISTON_BAR / size.area_ratio)(value, size)
 
 
+def _cycles(value: str, size: Size) -> str:
+    """Return a number of cycles whose log is not too large on a long or slow cylinder.
+
+    The largest number of a warm-up takes no more time than in the example, another one no more than
+    five times as much. Few cycles stay.
+    """
+    number = int(value)
+    if number < _FEW_CYCLES:
+        return value
+    times = 1 if number >= _WARM_UP_CYCLES else 5
+    return str(max(_FEW_CYCLES // 2, round(number * min(1.0, times * size.speed / size.length))))
+
+
 def _displacement(value: str, size: Size) -> str:
     """Return the travel of a push, which no size changes, or what the stroke has room for."""
     number, unit = value.split()
@@ -312,6 +326,7 @@ _SCHEDULE: dict[str, Rule] = {
     "rate": _times(lambda size: size.force),
     "rise": _times(lambda size: max(size.force, size.breakaway)),
     "displacement": _displacement,
+    "cycles": _cycles,
     **dict.fromkeys(("first", "last", "velocities", "speed", "levels", "velocity"), _SPEED),
     **dict.fromkeys(("acceleration", "accelerations"), _ACCELERATION),
     **dict.fromkeys(("min_step", "max_step", "transition"), _SPEED),

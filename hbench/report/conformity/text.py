@@ -59,6 +59,7 @@ _STEPS: dict[Conformity, str] = {
     "MARGINAL": "repeat the test with more trials or more accurate instruments (hbench report "
     "shows the parts of U), or agree on another rule with the customer",
 }
+POOR_STEP = "complete the campaign with --resume, or measure again, before you rely on the decision"
 _MEASURE = "measure what is missing"
 _CORRECT = "check the signs, zeros and units of the channels, and the areas"
 _CORRECT_HOLDS = (
@@ -99,8 +100,10 @@ def acceptance_text(acceptance: Acceptance) -> str:
     product = f", product {acceptance.product}" if acceptance.product else ""
     rule = rule_words(acceptance.rule, acceptance.largest_uncertainty)
     load, checks = without_common_load(without_common_rod_pressure(acceptance.checks))
+    poor = acceptance.data == "poor"
+    decision = f"{acceptance.decision}{', data poor' if poor else ''}"
     lines = [
-        *wrapped(f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})"),
+        *wrapped(f"{decision}: {cylinder}{product} ({acceptance.provenance.source})"),
         *_decision_lines(checks),
     ]
     remarks = [
@@ -109,6 +112,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
         "U: expanded uncertainty, coverage probability 95 %; hbench report states what it contains",
         *legend(checks),
         *(f"note: {note}" for note in acceptance.notes),
+        *([f"next, as the data is poor: {POOR_STEP}"] if poor else []),
         *(f"next, after {each}: {step}" for each, step in next_steps(acceptance.checks)),
     ]
     for remark in remarks:
@@ -242,7 +246,7 @@ def series_words(requirement: Requirement, measured: Measurement | None) -> str:
     """Write label, direction and load of the series; those required where nothing was measured."""
     series = measured or requirement
     words = [series.label, DIRECTION_WORDS[series.direction] if series.direction else ""]
-    if series.f_load_n is not None:
+    if series.f_load_n is not None and (series.f_load_n or series.label != "no load"):
         words.append(f"load {short(series.f_load_n)} N")
     if series.p_lr_ref_pa is not None:
         words.append(f"P_Lr {short(from_si(series.p_lr_ref_pa, 'bar'))} bar")

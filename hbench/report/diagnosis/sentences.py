@@ -77,6 +77,17 @@ def favoured(effect: AddedEffect) -> str:
     )
 
 
+def odds_clause(effect: AddedEffect) -> str:
+    """Return by which odds an effect is favoured over the next best one; empty without one."""
+    rival = effect.runner_up
+    if rival is None or not isfinite(rival.margin):
+        return ""
+    return (
+        f"The data favour it over the next best explanation, {in_words(rival.name)}, by "
+        f"{_ratio(rival.margin)}."
+    )
+
+
 def least_odds(effects: Sequence[AddedEffect]) -> str:
     """Return by which odds at least the runs of the fit favour several effects over others."""
     margins = [effect.runner_up.margin for effect in effects if effect.runner_up]

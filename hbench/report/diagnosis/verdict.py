@@ -12,6 +12,7 @@ from hbench.report.diagnosis.sentences import (
     doubtful_values,
     favoured,
     least_odds,
+    odds_clause,
     values_at_bounds,
 )
 from hbench.report.diagnosis.tables.separability_tables import undetectable
@@ -157,6 +158,8 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     if effect.confirmed:
         small = practice is not None and too_small_words(diagnosis, practice)
         evidence = "" if diagnosis.errors or small else _improvement(diagnosis, effect)
+        if evidence and len(diagnosis.effects) == 1:
+            evidence = f"{evidence} {odds_clause(effect)}".rstrip()
     return " ".join(filter(None, (_finding(effect), _size(diagnosis, effect), evidence)))
 
 

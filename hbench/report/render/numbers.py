@@ -55,7 +55,10 @@ def significant(value: float | None, digits: int) -> str:
         return NONE
     if value == 0:
         return "0"
-    magnitude = math.floor(math.log10(abs(value)))
+    rounded = float(
+        f"{value:.{digits - 1}e}"
+    )  # 0.0996 has its second digit at the hundredths: 0.10
+    magnitude = math.floor(math.log10(abs(rounded)))
     if not -4 <= magnitude < 7:
         return _minus(f"{value:.{digits - 1}e}")
     return number(value, max(0, digits - 1 - magnitude))

@@ -28,7 +28,7 @@ from hbench.store.campaign.run_csv import parse_run
 from hbench.store.campaign.run_times import clock_fault, latest_moment, moment, start_times_s
 from hbench.store.dsp_logs.dsp_log import parse_records
 from hbench.store.dsp_logs.log_layout import read_layout
-from hbench.store.files.atomic import write_files
+from hbench.store.files.atomic import write_document, write_files
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_file
 from hbench.untrusted_text import printable
 
@@ -308,6 +308,12 @@ def write_results(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write derived files below ``results/`` of a campaign, each whole or not at all."""
     check_inside(folder, folder / "results")
     write_files(folder / "results", files)
+
+
+def write_report(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write derived files as ``write_results``; figures of an earlier report alone are removed."""
+    check_inside(folder, folder / "results")
+    write_document(folder / "results", files, "results.json")
 
 
 def _written_settings(header: Mapping[str, Any]) -> dict[str, Any]:

@@ -54,6 +54,11 @@ def stored_checks(folder: Path) -> tuple[ConformityCheck, ...]:
     return tuple(_checks(checks[:_MOST_CHECKS])) if isinstance(checks, list) else ()
 
 
+def is_of_poor_data(folder: Path) -> bool:
+    """Return whether the data of the campaign's last acceptance were rated poor."""
+    return _content(folder).get("data") == "poor"
+
+
 def stored_rule(folder: Path) -> tuple[Rule | None, float | None, str]:
     """Return the decision rule, the largest U of shared risk as a share, and the file of limits.
 

@@ -132,6 +132,26 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
             _flush_entries(parent)
 
 
+def write_document(folder: Path, files: Mapping[str, bytes], written: str) -> None:
+    """Write files as ``write_files``, and remove figures that an earlier document alone had.
+
+    ``written`` is a file that each such document has: without it the figures are those of others.
+    """
+    if (folder / written).is_file():
+        drawn = {Path(name).stem for name in files if name.startswith("figures/")}
+        remove_files(folder, {name for name in figures_in(folder) if Path(name).stem not in drawn})
+    write_files(folder, files)
+
+
+def figures_in(folder: Path) -> set[str]:
+    """Return the figures of a document in a folder and their data, by their paths below it."""
+    return {
+        f"figures/{path.name}"
+        for path in (folder / "figures").glob("*")
+        if path.suffix in (".svg", ".png", ".csv")
+    }
+
+
 @contextmanager
 def _only_writer(folder: Path) -> Iterator[None]:
     """Wait for other processes that write files of a folder: all use the same temporary names."""

@@ -7,10 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from hbench.errors import HbenchError
-from hbench.report.conformity.text import next_steps
+from hbench.report.conformity.text import POOR_STEP, next_steps
 from hbench.store.campaign.folder import JOURNAL, load_header
 from hbench.store.campaign.live_file import LIVE
-from hbench.store.campaign.stored_acceptance import FILE_NAME, stored_checks, stored_decision
+from hbench.store.campaign.stored_acceptance import (
+    FILE_NAME,
+    is_of_poor_data,
+    stored_checks,
+    stored_decision,
+)
 from hbench.workflow.watching.charts import limits_checked, station_charts
 from hbench.workflow.watching.watch import Watch
 
@@ -119,20 +124,22 @@ def _moments(folder: Path) -> tuple[float, float, float]:
 
 def _described(folder: Path) -> dict[str, Any]:
     row: dict[str, Any] = {"folder": folder.name, "serial": "", "started": "", "source": ""}
-    row |= {"checked": [], "next": []}
+    row |= {"checked": [], "next": [], "poor": False}
     try:
         provenance = load_header(folder).provenance()
     except HbenchError:
         return row | {"decision": "not readable"}
     specimen = provenance.settings.get("specimen") or {}
-    checks = stored_checks(folder)
+    checks, poor = stored_checks(folder), is_of_poor_data(folder)
     return row | {
         "serial": str(specimen.get("serial", "")),
         "started": provenance.started[:19].replace("T", " "),
         "source": provenance.source,
         "decision": stored_decision(folder),
+        "poor": poor,
         "checked": limits_checked(checks),
         "next": [
-            f"Next, after {decision}: {step}." for decision, step in islice(next_steps(checks), 1)
+            *([f"The data is poor: {POOR_STEP}."] if poor else []),
+            *(f"Next, after {each}: {step}." for each, step in islice(next_steps(checks), 1)),
         ],
     }
