@@ -113,11 +113,12 @@ def test_a_name_that_is_too_long_is_no_lack_of_space(tmp_path):
 def test_figures_that_an_earlier_document_alone_had_are_removed(tmp_path):
     files = {f"figures/{name}": b"1" for name in ("a.svg", "a.png", "a.csv", "old.svg", "old.csv")}
     atomic.write_document(tmp_path, files | {"page.json": b""}, "page.json")
-    (tmp_path / "figures" / "notes.txt").write_text("mine")
+    for name in ("notes.txt", "photo.png", "sketch.svg"):
+        (tmp_path / "figures" / name).write_text("mine")
     new = {"figures/a.svg": b"2", "figures/a.csv": b"2", "page.json": b""}
     atomic.write_document(tmp_path, new, "page.json")
     names = {path.name for path in (tmp_path / "figures").iterdir()}
-    assert names == {"a.svg", "a.csv", "a.png", "notes.txt"}
+    assert names == {"a.svg", "a.csv", "a.png", "notes.txt", "photo.png", "sketch.svg"}
 
 
 def test_figures_of_a_folder_without_the_document_are_kept(tmp_path):

@@ -144,12 +144,16 @@ def write_document(folder: Path, files: Mapping[str, bytes], written: str) -> No
 
 
 def figures_in(folder: Path) -> set[str]:
-    """Return the figures of a document in a folder and their data, by their paths below it."""
-    return {
-        f"figures/{path.name}"
-        for path in (folder / "figures").glob("*")
-        if path.suffix in (".svg", ".png", ".csv")
-    }
+    """Return the figures of a document in a folder and their data, by their paths below it.
+
+    Each has both; other files in the folder, such as photos, are the user's own.
+    """
+    kinds = (".svg", ".png", ".csv")
+    every = [path for path in (folder / "figures").glob("*") if path.suffix in kinds]
+    drawn, data = (
+        {path.stem for path in every if path.suffix == kind} for kind in (".svg", ".csv")
+    )
+    return {f"figures/{path.name}" for path in every if path.stem in drawn & data}
 
 
 @contextmanager
