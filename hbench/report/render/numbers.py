@@ -55,9 +55,7 @@ def significant(value: float | None, digits: int) -> str:
         return NONE
     if value == 0:
         return "0"
-    rounded = float(
-        f"{value:.{digits - 1}e}"
-    )  # 0.0996 has its second digit at the hundredths: 0.10
+    rounded = float(f"{value:.{digits - 1}e}")  # 0.0996 has two digits in 0.10
     magnitude = math.floor(math.log10(abs(rounded)))
     if not -4 <= magnitude < 7:
         return _minus(f"{value:.{digits - 1}e}")
