@@ -149,6 +149,9 @@ def test_a_push_may_rise_by_what_the_friction_of_a_small_cylinder_needs():
 def test_scaled_lines_say_so_and_given_ones_too():
     lines = sized(EXAMPLES["bench-aau.yaml"], MORE_SIZES[0]).splitlines()
     assert sum(line.endswith("# given") for line in lines) == 4
+    assert any(
+        line.startswith("name: Bench with a cylinder 50/36, stroke 250 mm") for line in lines
+    )
     scaled = [line for line in lines if "# scaled" in line]
     assert len(scaled) >= 20
     assert len({line.index("#") for line in scaled}) == 1  # in their column

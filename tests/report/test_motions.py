@@ -194,6 +194,13 @@ def test_no_title_runs_into_the_word_that_its_figure_is_simulated(moving):
     assert seen > 8
 
 
+def test_the_hysteresis_counts_the_runs_and_not_their_means(moving):
+    loops = (replace(MOTIONS.loops[0], trials=8, unit="trial"),)
+    page = page_of(replace(moving, motions=replace(MOTIONS, loops=loops)))
+    assert "8 triangle runs with 176 J of friction work a cycle" in ordinary_spaces(page)
+    assert "1 triangle run with 176 J" in ordinary_spaces(page_of(moving))
+
+
 def page_of(results):
     """The page with a blank in the place of each kind of figure."""
     kinds = [kind for kind in FIGURES if kind.applies(results)]

@@ -184,7 +184,7 @@ def _sized_bench(text: str, size: Size) -> str:
     body = text[text.index("\nname:") + 1 :]
     body = with_values(body, _by_path(_GIVEN, size), "given")
     body = with_values(body, _by_path(_BENCH, size), _SCALED)
-    name: dict[Path, Rule] = {("name",): lambda value, size: f"bench with a {size.words}"}
+    name: dict[Path, Rule] = {("name",): lambda value, size: f"Bench with a {size.words}"}
     return f"{_HEAD.format(words=size.words)}\n" + with_values(body, _by_path(name, size))
 
 

@@ -108,14 +108,14 @@ def _holds(results: Results) -> tuple[Section, ...]:
 
 def _loop_words(results: Results) -> str:
     loops = results.motions.loops
+    runs = counted(sum(loop.trials for loop in loops), "triangle run")
     energy = span([loop.area_j for loop in loops])
     share = instruments_percent(results.quality)
     instruments = f", which make friction uncertain by ±{share} %" if share else ""
     return (
-        f"{counted(len(loops), 'triangle')} with {energy} J of friction work a cycle. Intervals of "
-        f"energy and width do not contain the instruments{instruments}. Width is |F| while the "
-        "speed rises less |F| while it falls: it is negative where friction is larger while the "
-        "speed falls."
+        f"{runs} with {energy} J of friction work a cycle. Intervals of energy and width do not "
+        f"contain the instruments{instruments}. Width is |F| while the speed rises less |F| while "
+        "it falls: it is negative where friction is larger while the speed falls."
     )
 
 
