@@ -717,6 +717,26 @@ def test_a_piston_that_rests_is_held(logs, step_s, max_gap):
     assert rules.get("screening", {}).get("max_gap") == max_gap
 
 
+@pytest.mark.parametrize(("rate_hz", "max_gap"), [(50, None), (5, "0.4 s")])
+def test_strokes_of_a_slow_logger_have_a_larger_gap(logs, rate_hz, max_gap):
+    t = np.arange(0, 20, 1 / rate_hz)
+    x = np.interp(t, [0, 2, 18], [50, 50, 210])
+    rng = np.random.default_rng(2)
+    p = 30 + 5 * ((t > 2) & (t < 18)) + rng.normal(0, 0.02, len(t))
+    columns = {
+        "t [s]": t,
+        "x [mm]": x,
+        "p_A [bar]": p,
+        "p_B [bar]": 8 + rng.normal(0, 0.02, len(t)),
+    }
+    pd.DataFrame(columns | {"F [N]": 500 + rng.normal(0, 2, len(t))}).to_csv(
+        logs / "10mm_s_1.csv", index=False
+    )
+    rules = parse_yaml(suggest_map(logs).text)
+    assert (rules["kind"], rules["cut"]) == ("steady", "none")
+    assert rules.get("screening", {}).get("max_gap") == max_gap
+
+
 def test_times_of_day_ask_for_their_date(logs):
     for trial in (1, 2):
         rows = [

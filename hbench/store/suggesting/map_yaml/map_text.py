@@ -114,25 +114,33 @@ def _motion(suggested: SuggestedMap) -> Iterator[str]:
         yield from comment_lines("For the leakage add stroke to the cylinder, and this line:")
         volumes = "dead_volume_piston: ??? cm^3, dead_volume_rod: ??? cm^3"
         yield f"# chambers: {{bulk_modulus: ??? bar, {volumes}}}"
-        if (step_s := 1 / time.rate_hz) > _MAX_GAP_S:
-            yield "screening:"
-            text = f"  max_gap: {2 * step_s:.2g} s"
-            yield line(text, f"{LIKELY}: twice the time between samples; default {_MAX_GAP_S:g} s")
+    yield from _screening(suggested)
     if motion is None:
         return
     yield line(f"cut: {motion.cut}", f"{LIKELY}: {motion.reason}; {_about(suggested, motion)}")
     if motion.min_stroke_m is not None:
         text = f"min_stroke: {1e3 * motion.min_stroke_m:g} mm"
         yield line(text, "a quarter of the travel; shorter strokes are left out")
-    if motion.stroke_m < 2 * _SETTLE_M:
-        yield "screening:"
-        text = f"  settle_travel: {1e3 * motion.stroke_m / 4:.2g} mm"
-        yield line(text, f"{GUESS}: a quarter of a stroke; default {1e3 * _SETTLE_M:g} mm")
     if motion.rest_s:
         yield from comment_lines(
             f"The files begin with at least {motion.rest_s:.1f} s at rest. If no load or pressure "
             "acts there, add zero: rest to force and pressures: the mean at rest is subtracted."
         )
+
+
+def _screening(suggested: SuggestedMap) -> Iterator[str]:
+    """Yield the limits of a log that samples slowly and of short strokes."""
+    motion, lines = suggested.motion, []
+    has_runs = motion is not None or _is_at_rest(suggested)
+    if has_runs and _is_timed(suggested) and (step_s := 1 / suggested.time.rate_hz) > _MAX_GAP_S:
+        why = f"{LIKELY}: twice the time between samples; default {_MAX_GAP_S:g} s"
+        lines.append(line(f"  max_gap: {2 * step_s:.2g} s", why))
+    if motion is not None and motion.stroke_m < 2 * _SETTLE_M:
+        why = f"{GUESS}: a quarter of a stroke; default {1e3 * _SETTLE_M:g} mm"
+        lines.append(line(f"  settle_travel: {1e3 * motion.stroke_m / 4:.2g} mm", why))
+    if lines:
+        yield "screening:"
+        yield from lines
 
 
 def _is_at_rest(suggested: SuggestedMap) -> bool:
@@ -145,5 +153,9 @@ def _about(suggested: SuggestedMap, motion: Motion) -> str:
     factor, unit = (1.0, "rad") if suggested.is_rotary else (1e3, "mm")
     speeds = dict.fromkeys(f"{factor * speed:.3g}" for speed in motion.speeds_m_s)
     about = f"about {factor * motion.stroke_m:.3g} {unit}"
-    is_timed = suggested.time.choice is None or suggested.time.choice.scale is not None
-    return f"{about}, {' to '.join(speeds)} {unit}/s" if is_timed else about
+    return f"{about}, {' to '.join(speeds)} {unit}/s" if _is_timed(suggested) else about
+
+
+def _is_timed(suggested: SuggestedMap) -> bool:
+    """Return whether the unit of the times is known."""
+    return suggested.time.choice is None or suggested.time.choice.scale is not None
