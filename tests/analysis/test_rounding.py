@@ -106,6 +106,7 @@ def verdict(fit):
 @example(truth="no Stribeck part", noise=0.3, loss="huber", seed=57)
 @example(truth="no Stribeck part", noise=3.0, loss="huber", seed=100017)
 @example(truth="constant", noise=0.3, loss="huber", seed=100009)
+@example(truth="nothing", noise=3.0, loss="linear", seed=44079105)
 @given(truth=truths, noise=noises, loss=st.sampled_from(["linear", "huber"]), seed=seeds)
 def test_what_a_fit_determines(make_curve, law, truth, noise, loss, seed):
     friction, how = curve_of(truth, noise, seed), Fitting(loss=loss)

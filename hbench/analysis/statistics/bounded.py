@@ -94,7 +94,7 @@ def solve(
     solutions = [descend(problem, start, (), tolerance) for start in starts]
     costs = np.array([sum_of_squares(problem, solution.x) for solution in solutions])
     best = costs.argmin()
-    tie = rounding(problem, solutions[best].x) ** 2
+    tie = rounding(problem, solutions[best].x) ** 2 + ROUNDING * costs[best]
     return solutions[np.flatnonzero(costs <= costs[best] + tie)[0]]
 
 
