@@ -188,6 +188,13 @@ def test_strokes_that_the_ends_of_a_file_cut_off_are_called_so(bring_in, source)
     assert caught.value.hint.startswith("The start or the end of the file cuts its strokes off")
 
 
+def test_a_file_of_one_sample_is_left_out_without_a_warning_of_numpy(bring_in, source):
+    (source / "3").mkdir()
+    (source / "3" / "3bar.txt").write_text(lines_of((12, 8)).splitlines()[0])
+    summary, _ = bring_in()
+    assert any(note.startswith("3/3bar.txt: left out: no stroke") for note in summary.notes)
+
+
 BAD_CELL = "line 42: column 4: found '---'; expected a number"
 BACK = "line 42: time goes from 0.4 s to 0.39 s; expected increasing time"
 

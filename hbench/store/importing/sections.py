@@ -199,7 +199,8 @@ def _strokes(
 ) -> tuple[tuple[slice, ...], tuple[FileNote, ...]]:
     """Return the strokes of a file, and notes on those left out. Raises ``DataError``."""
     cuts = cut_at_reversals(t_s, x_m, rules.min_stroke)
-    gap_s = max(rules.screening.max_gap, _SLOW_STEPS * float(np.median(np.diff(t_s))))
+    step_s = float(np.median(np.diff(t_s))) if len(t_s) > 1 else 0.0
+    gap_s = max(rules.screening.max_gap, _SLOW_STEPS * step_s)
     logged = [piece for piece in cuts.pieces if not _jumps(t_s, x_m, piece, gap_s)]
     if not logged:
         low, high = 1e3 * float(np.min(x_m)), 1e3 * float(np.max(x_m))
@@ -208,7 +209,7 @@ def _strokes(
             f"{source}: no stroke between two reversals, or from or to a rest, is longer than "
             f"min_stroke = {1e3 * rules.min_stroke:g} mm; the file has positions from {low:.4g} to "
             f"{high:.4g} mm in {t_s[-1] - t_s[0]:.4g} s",
-            _no_stroke_hint(t_s, cut_off=cut_off),
+            _no_stroke_hint(step_s, cut_off=cut_off),
         )
     strokes = settled_strokes(t_s, x_m, logged)
     run_in = logged.index(strokes[0])
@@ -278,8 +279,7 @@ def _covers(covered: Positions, shared: Positions) -> bool:
     return covered[0] <= shared[0] and covered[1] >= shared[1]
 
 
-def _no_stroke_hint(t_s: np.ndarray, *, cut_off: bool) -> str:
-    step_s = float(np.median(np.diff(t_s)))
+def _no_stroke_hint(step_s: float, *, cut_off: bool) -> str:
     if step_s > 1.01 * LONGEST_STEP_S:
         return (
             f"The log has {1 / step_s:.3g} Hz, and a rest is found from {1 / LONGEST_STEP_S:g} Hz "
