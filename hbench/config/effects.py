@@ -67,6 +67,12 @@ def parse_effects(data: Effects, known: Specification) -> dict[str, dict[str, fl
             faults.append(f"effects.{name}: no such effect; known are {', '.join(sorted(known))}")
             continue
         values = {key: c.to_si(c.default) for key, c in coefficients.items()}
+        if not given:
+            nothing = f"effects.{name}: no coefficient is given, so it changes nothing"
+            clear = [
+                f"{key}: {c.typical:g} {c.unit}" for key, c in coefficients.items() if c.typical
+            ]
+            faults.append(f"{nothing}; '{clear[0]}' is a clear effect" if clear else nothing)
         for key, value in given.items():
             if key not in coefficients:
                 names = ", ".join(coefficients)

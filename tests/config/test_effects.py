@@ -40,6 +40,10 @@ def _may_be_negative(effect):
         ({"valve_lag": {"time": "1 V"}}, "effects.valve_lag.time = '1 V': "),
         ({"valve_lag": {"time": "0.2 s"}}, "effects.valve_lag.time = '0.2 s': "),
         ({"internal_leakage": {"test": "-1 l/min/bar"}}, " 0 and 1 l/min/bar"),
+        (
+            {"oil_warming": {}},
+            "so it changes nothing; 'rise: 10 K/kW' is a clear effect",
+        ),
     ],
 )
 def test_a_name_a_unit_or_a_size_that_is_wrong_is_refused(section, says):
