@@ -597,7 +597,8 @@ def test_a_diagnosis_leaves_nothing_of_an_earlier_one_in_its_folder(quick, tmp_p
     workflow.write_diagnosis(tmp_path, replace(quick, next_schedule=schedule))
     assert (tmp_path / "next.yaml").exists()
     (tmp_path / "figures").mkdir()
-    (tmp_path / "figures" / "run-0007.svg").write_text("old")
+    for name in ("run-0007.svg", "run-0007.csv"):
+        (tmp_path / "figures" / name).write_text("old")
     (tmp_path / "notes.txt").write_text("mine")
     workflow.write_diagnosis(tmp_path, quick)
     left = {path.name for path in tmp_path.rglob("*") if path.is_file()}

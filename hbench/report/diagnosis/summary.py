@@ -16,6 +16,7 @@ from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
 from hbench.report.diagnosis.sentences import (
     doubtful_values,
     gap_change,
+    odds_clause,
     odds_words,
     predictions_words,
     refit_words,
@@ -200,7 +201,8 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
         yield _SIZE, f"Coefficients with 95 % intervals: {coefficients_words(effect)}."
     if practice:
         yield _SENSORS, common_error(practice)
-    yield _EVIDENCE, odds_words(effect)
+    in_lead = effect.confirmed and len(diagnosis.effects) == 1 and odds_clause(effect)
+    yield _EVIDENCE, "" if in_lead else odds_words(effect)
     yield _EVIDENCE, "" if effect.confirmed else _NO_GAIN
     if several:
         yield _EVIDENCE, gap_change(effect)

@@ -158,8 +158,8 @@ def _effect(diagnosis: Diagnosis, effect: AddedEffect) -> str:
     if effect.confirmed:
         small = practice is not None and too_small_words(diagnosis, practice)
         evidence = "" if diagnosis.errors or small else _improvement(diagnosis, effect)
-        if evidence and len(diagnosis.effects) == 1:
-            evidence = f"{evidence} {odds_clause(effect)}".rstrip()
+        if len(diagnosis.effects) == 1:
+            evidence = f"{evidence} {odds_clause(effect)}".strip()
     return " ".join(filter(None, (_finding(effect), _size(diagnosis, effect), evidence)))
 
 
