@@ -16,8 +16,6 @@ from hbench.report.diagnosis.names import in_sentence, in_words, of_strokes
 from hbench.report.diagnosis.sentences import (
     doubtful_values,
     gap_change,
-    odds_clause,
-    odds_words,
     predictions_words,
     refit_words,
     ruled_out_words,
@@ -74,6 +72,7 @@ from hbench.report.diagnosis.words.deviation import (
 )
 from hbench.report.diagnosis.words.error import change_of_errors, drift_words, one_sided_words
 from hbench.report.diagnosis.words.law import law_summary
+from hbench.report.diagnosis.words.odds import odds_clause, odds_words
 from hbench.report.diagnosis.words.place import (
     AT_POINT,
     at_point_words,

@@ -8,13 +8,7 @@ from collections.abc import Iterator
 
 from hbench.records import AddedEffect, Diagnosis
 from hbench.report.diagnosis.names import gap_number, in_words, of_strokes
-from hbench.report.diagnosis.sentences import (
-    doubtful_values,
-    favoured,
-    least_odds,
-    odds_clause,
-    values_at_bounds,
-)
+from hbench.report.diagnosis.sentences import doubtful_values, values_at_bounds
 from hbench.report.diagnosis.tables.separability_tables import undetectable
 from hbench.report.diagnosis.words.action import first_step, next_step
 from hbench.report.diagnosis.words.agreement import (
@@ -50,6 +44,7 @@ from hbench.report.diagnosis.words.deviation import (
     too_small_words,
 )
 from hbench.report.diagnosis.words.error import change_of_errors, load_errors, use_words
+from hbench.report.diagnosis.words.odds import favoured, least_odds, odds_clause
 from hbench.report.diagnosis.words.place import change_clauses, each_size, extent_words, size_words
 from hbench.report.diagnosis.words.refit import unexplained
 from hbench.report.diagnosis.words.unexplained import (
