@@ -215,6 +215,24 @@ def test_a_lag_in_two_parts_is_its_transfer_function(plant_with, time_ms):
     assert np.abs(found - expected)[60:-2].max() < 0.1 * late
 
 
+def test_a_change_of_a_plays_width_is_that_of_short_steps_in_long_ones_too(plant_with):
+    """The command is noisy, so that the spool begins to move anywhere in a record."""
+    noise = np.random.default_rng(1).normal(0.0, 0.02, N)
+    command = 0.1 * harmonic(1.0) + noise
+
+    def change(step_s):
+        narrow, wide = (
+            opening_along(
+                plant_with({"valve_hysteresis": {"test": f"{width} V"}}), command, step_s=step_s
+            )
+            for width in (0.060, 0.063)
+        )
+        return (wide - narrow) / 0.003
+
+    found, expected = change(5 * STEP_S), change(STEP_S)
+    assert np.std(found - expected) < 0.25 * np.sqrt(np.mean(expected**2))
+
+
 def test_the_commands_limit_is_that_of_the_valve(plant_with):
     model = plant_with({})
     limit = model.par.valve.limit_v

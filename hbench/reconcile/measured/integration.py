@@ -3,8 +3,8 @@
 The spool (2.16) follows the limited command by the exact solution of its equation over a step,
 LuGre's bristles likewise. Other states take an exponential step, which no lag is too short for:
 z -> z + r (exp(J h) - 1) / J, with the rate r and its derivative J by the state itself, at fixed
-openings of the valves: moved with the other states, they would count as part of J. The laws have
-the mean over the step.
+openings of the valves: moved with the other states, they would count as part of J. Short steps of
+a record share J. The laws have the mean over the step.
 """
 
 from typing import NamedTuple
@@ -28,6 +28,7 @@ _SUPPLY, _COMMANDS = 6, 7
 PER_VOLUME, COMPRESSION, DRAWN, SUPPLY_MEAN, FRICTION_T, FRICTION_L = 0, 4, 8, 9, 10, 11
 MEANS = 12
 _NUDGE = 1e-6  # of a state, for J
+_SLOPES_LAST_S = 1.5e-3  # a play that begins to move in a longer step would go too far
 
 
 class Starts(NamedTuple):
@@ -205,7 +206,9 @@ def _integrate(
             if parts.flows:
                 opened = openings(state, par, par.effects, rates)
             q, fluid, friction = _laws(opened, supply, state, par, parts, level_t, level_l, rates)
-            if i == 0 and (step.states_act or (step.supply_sags and k == start)):
+            if (i == 0 or h > _SLOPES_LAST_S) and (
+                step.states_act or (step.supply_sags and k == start)
+            ):
                 moving = _find_slopes(opened, supply, par, parts, level_t, level_l, work)
             mean = supply
             if moving:
