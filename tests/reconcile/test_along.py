@@ -215,22 +215,34 @@ def test_a_lag_in_two_parts_is_its_transfer_function(plant_with, time_ms):
     assert np.abs(found - expected)[60:-2].max() < 0.1 * late
 
 
-def test_a_change_of_a_plays_width_is_that_of_short_steps_in_long_ones_too(plant_with):
-    """The command is noisy, so that the spool begins to move anywhere in a record."""
+def opening_with_play(plant_with, width_v=0.06, step_s=STEP_S, **others):
+    """Openings under a noisy command, with which the play is taken up anywhere in a record."""
     noise = np.random.default_rng(1).normal(0.0, 0.02, N)
-    command = 0.1 * harmonic(1.0) + noise
+    effects = {"valve_hysteresis": {"test": f"{width_v} V"}} | others
+    return opening_along(plant_with(effects), 0.1 * harmonic(1.0) + noise, step_s=step_s)
 
+
+def test_a_change_of_a_plays_width_is_that_of_short_steps_in_long_ones_too(plant_with):
     def change(step_s):
-        narrow, wide = (
-            opening_along(
-                plant_with({"valve_hysteresis": {"test": f"{width} V"}}), command, step_s=step_s
-            )
-            for width in (0.060, 0.063)
-        )
+        narrow, wide = (opening_with_play(plant_with, w, step_s) for w in (0.060, 0.063))
         return (wide - narrow) / 0.003
 
     found, expected = change(5 * STEP_S), change(STEP_S)
     assert np.std(found - expected) < 0.25 * np.sqrt(np.mean(expected**2))
+
+
+@pytest.mark.parametrize("step_s", [STEP_S, 2.5 * STEP_S])
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"valve_lag": {"time": "0.1 ms"}},
+        {"tank_back_pressure": {"resistance": "1e-9 bar min^2/l^2"}},
+    ],
+    ids=lambda other: next(iter(other)),
+)
+def test_a_play_is_the_same_beside_another_state_that_changes_nothing(plant_with, other, step_s):
+    alone, beside = (opening_with_play(plant_with, step_s=step_s, **each) for each in ({}, other))
+    assert np.std(beside - alone) < 0.001  # V, of a play of 0.06 V
 
 
 def test_the_commands_limit_is_that_of_the_valve(plant_with):

@@ -190,7 +190,7 @@ def _integrate(
     """Write the means over the records from ``start`` to ``stop``, one log."""
     signals, state, rates, slopes = logs.signals, work.state, work.rates, work.slopes
     first, h, parts, opened = bristles_end(par), step.h_s, step.parts, _CLOSED
-    supply, share, moving = par.supply.pressure_pa, 1.0 / step.per_record, False
+    supply, share = par.supply.pressure_pa, 1.0 / step.per_record
     c_tp, c_tr, c_lp, c_lr = 0.0, 0.0, 0.0, 0.0
     o_tp, o_tr, o_lp, o_lr = (
         signals[P_TP, start], signals[P_TR, start], signals[P_LP, start], signals[P_LR, start]
@@ -206,10 +206,10 @@ def _integrate(
             if parts.flows:
                 opened = openings(state, par, par.effects, rates)
             q, fluid, friction = _laws(opened, supply, state, par, parts, level_t, level_l, rates)
-            if (i == 0 or h > _SLOPES_LAST_S) and (
-                step.states_act or (step.supply_sags and k == start)
-            ):
-                moving = _find_slopes(opened, supply, par, parts, level_t, level_l, work)
+            if i == 0 or h > _SLOPES_LAST_S:
+                if step.states_act or (step.supply_sags and k == start):
+                    _find_slopes(opened, supply, par, parts, level_t, level_l, work)
+            moving = (step.states_act or step.supply_sags) and _moves(first, rates, slopes)
             mean = supply
             if moving:
                 mean += _mean_change(rates[P_S], slopes[P_S], h)
@@ -278,11 +278,13 @@ def _find_slopes(
     level_t: float,
     level_l: float,
     work: Work,
-) -> bool:
-    """Find the slopes of the rates by a small step of all own states; return whether any moves."""
+) -> None:
+    """Find the slope of each own state's rate by a small step of the state.
+
+    One step of all together would do, but for openings: a play follows the lag before it.
+    """
     state, rates, slopes, others = work.state, work.rates, work.slopes, work.others
     own = range(bristles_end(par), len(state))
-    moving = False
     for j in own:
         slopes[j] = _NUDGE * max(1.0, abs(state[j]))
         state[j] += slopes[j]
@@ -292,10 +294,23 @@ def _find_slopes(
     _laws(opened, supply + step, state, par, parts, level_t, level_l, others)
     for j in own:
         state[j] -= slopes[j]
-        slopes[j] = (others[j] - rates[j]) / slopes[j]
-        moving = moving or slopes[j] != 0.0 or rates[j] != 0.0
     slopes[P_S] = (others[P_S] - rates[P_S]) / step
-    return moving or slopes[P_S] != 0.0
+    for j in own:
+        nudge = slopes[j]
+        if parts.flows and (rates[j] != 0.0 or others[j] != 0.0):
+            state[j] += nudge
+            openings(state, par, par.effects, others)
+            state[j] -= nudge
+        slopes[j] = (others[j] - rates[j]) / nudge
+
+
+@inlined
+def _moves(first: int, rates: np.ndarray, slopes: np.ndarray) -> bool:
+    """Return whether the supply or a state from ``first`` on moves."""
+    moving = rates[P_S] != 0.0 or slopes[P_S] != 0.0
+    for j in range(first, len(rates)):
+        moving = moving or rates[j] != 0.0 or slopes[j] != 0.0
+    return moving
 
 
 @inlined
