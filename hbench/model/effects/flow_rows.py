@@ -94,7 +94,7 @@ ROWS = {
         law="the opening y stays until the spool's command u is w away, w = test or load: "
         "|u - y| <= w, and 2 w is the width of the loop",
         signals="After a command turns, its next change moves nothing; the same voltage at any "
-        "rate.",
+        "rate. Noise or dither of the command that is faster than the log makes the play smaller.",
         confused_with={
             "valve_lag": Separation(
                 "triangle", "slow and fast changes of the command: play is a voltage, a lag a time"
