@@ -169,12 +169,20 @@ def test_units_come_from_the_row_under_the_header(bring_in):
     np.testing.assert_allclose(run.f_applied_n, 2000)
 
 
+def test_units_in_other_spellings_are_those_of_hbench(bring_in):
+    run, _ = bring_in("t,x,p,f\nSekunden,mm,bar(g),Newton\n0,0,1,2\n0.5,20,1,2\n1,40,1,2\n")
+    np.testing.assert_allclose([run.t_s[-1], run.p_tp_pa[0], run.f_applied_n[0]], [1, 1e5, 2])
+
+
 @pytest.mark.parametrize(
     ("row", "given", "message"),
     [
-        ("ms,mm,psi,kp", {}, "1.csv: column f: .*'kp'"),
+        ("ms,mm,psi,digits", {}, "1.csv: column f: .*'digits'"),
         ("ms,mm,N,kN", {}, "1.csv: column p: .*'N'.*p_tp_pa .*Pa"),
         ("ms,mm,bar,N", {"p_tp_pa": "psi"}, "1.csv: column p: .*'bar'.*'psi'"),
+        ("ms,mm,Bar,N", {"p_tp_pa": "MPa"}, "1.csv: column p: .*'Bar'.*'MPa'"),
+        ("ms,mm,bar,Newton", {"f_applied_n": "kN"}, "1.csv: column f: .*'Newton'.*'kN'"),
+        ("ms,Volt,bar,N", {"x_m": "mm"}, "1.csv: column x: .*'Volt'.*'mm'"),
     ],
 )
 def test_units_that_cannot_be_or_contradict_are_refused(bring_in, rules, row, given, message):

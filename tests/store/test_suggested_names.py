@@ -8,7 +8,8 @@ from hbench.store.formats.date_times import parse_date_time
 from hbench.store.suggesting.dialect import is_date_time, text_dialect
 from hbench.store.suggesting.file_names import joined_holds, name_patterns
 from hbench.store.suggesting.quantities import meaning
-from hbench.store.suggesting.units import split_unit, unit_in
+from hbench.store.suggesting.units import split_unit
+from hbench.units import unit_in
 
 
 def table(head, separator, *cells):
@@ -167,6 +168,8 @@ def test_a_unit_of_another_quantity_contradicts_the_name():
         ("-", None),
         ("pa", "Pa"),
         ("pA", None),  # the pressure at port A
+        ("PA", None),
+        ("ns", "ns"),
     ],
 )
 def test_units_are_understood_in_usual_spellings(text, unit):

@@ -88,7 +88,10 @@ class TextTable:
 
     def unit(self, column: int | str) -> str | None:
         """Return a column's unit in the row of units, without brackets; None without that row."""
-        return self.units[self.position(column)].strip(" []()") if self.units else None
+        if not self.units:
+            return None
+        unit = self.units[self.position(column)].strip(" []")
+        return unit[1:-1].strip() if unit.startswith("(") and unit.endswith(")") else unit
 
     def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
         """Return a column (n,) as floats; with ``gaps``, NaN where a cell is empty or "nan".

@@ -18,8 +18,7 @@ from hbench.store.suggesting.signals import (
     velocity_factor,
 )
 from hbench.store.suggesting.time_base import TimeChoice
-from hbench.store.suggesting.units import ANGLES
-from hbench.units import parse_unit
+from hbench.units import ANGLES, parse_unit
 
 _QUANTITIES: dict[str, Quantity] = {
     "x_m": "position",

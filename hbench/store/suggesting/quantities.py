@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from hbench.store.suggesting.units import ANGLES, split_ending, split_unit
-from hbench.units import parse_unit
+from hbench.store.suggesting.units import split_ending, split_unit
+from hbench.units import ANGLES, parse_unit
 
 Quantity = Literal["time", "position", "velocity", "pressure", "force", "valve", "temperature", ""]
 Side = Literal["piston", "rod", "supply", "load piston", "load rod", "tank", "port", "seal", ""]

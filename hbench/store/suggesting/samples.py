@@ -16,7 +16,8 @@ from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable
 from hbench.store.suggesting.dialect import Dialect, rows_dialect, text_dialect
 from hbench.store.suggesting.quantities import Meaning, common_words, meaning
-from hbench.store.suggesting.units import unit_in, unknown_unit
+from hbench.store.suggesting.units import unknown_unit
+from hbench.units import unit_in
 
 _MOST_COLUMNS = 300
 _LARGEST = 1e15  # of a number: a larger one is no measurement
