@@ -1,7 +1,8 @@
 """Date-times, mostly as text: ISO 8601, day first with points, and times of day without a date.
 
-Examples are ``24.12.2024 18:30:00,5`` and ``18:30:00.5``; with the 12-hour clock of the United
-States, the month first with slashes, ``12/24/2024 6:30:00.5 PM``.
+Examples are ``24.12.2024 18:30:00,5`` and ``18:30:00.5``; the year first with slashes,
+``2024/12/24 18:30:00.5``; with the 12-hour clock of the United States, the month first with
+slashes, ``12/24/2024 6:30:00.5 PM``.
 """
 
 import re
@@ -11,6 +12,7 @@ from datetime import UTC, date, datetime
 import numpy as np
 
 _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]\s*(.+)")
+_YEAR_FIRST = re.compile(r"(\d{4})/(\d{1,2})/(\d{1,2})[ T]\s*(.+)")
 _TWELVE_HOURS = re.compile(
     r"(?:(\d{1,2})/(\d{1,2})/(\d{4}),? )?(1[0-2]|0?[1-9]):(.+?) ?([ap])\.?m\.?"
 )
@@ -47,5 +49,8 @@ def parse_date_time(text: str) -> datetime:
         text = f"{_NO_DATE}T{hour:0>2}:{rest}"
     if match := _DAY_FIRST.fullmatch(text):
         day, month, year, time = match.groups()
+        text = f"{year}-{month:0>2}-{day:0>2}T{time}"
+    elif match := _YEAR_FIRST.fullmatch(text):
+        year, month, day, time = match.groups()
         text = f"{year}-{month:0>2}-{day:0>2}T{time}"
     return datetime.fromisoformat(text)
