@@ -96,7 +96,7 @@ def _assumed_unit(column: SampleColumn) -> str:
     start = column.known[0]
     if step < _SHORT_DAY and any(low < start < high for low, high in _DAYS):
         return "d"
-    for unit in ("s", "ms", "us"):
+    for unit in ("s", "ms", "us", "ns"):
         if _RATES_HZ[0] <= 1 / (step * parse_unit(unit).factor) <= _RATES_HZ[1]:
             return unit
     return "s"
