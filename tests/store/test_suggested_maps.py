@@ -3,6 +3,7 @@
 import re
 import shutil
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -124,6 +125,23 @@ def as_parquet(path, run):
     pd.DataFrame({"when": times, **columns}).to_parquet(path.with_suffix(".parquet"))
 
 
+def as_time_index(path, run):
+    """pandas writes the row labels as a column of durations."""
+    pytest.importorskip("pyarrow")
+    columns = {key: run[key] for key in ("x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")}
+    times = pd.to_timedelta(run["t_s"], unit="s")
+    pd.DataFrame(columns, index=times).to_parquet(path.with_suffix(".parquet"))
+
+
+def as_nanoseconds(path, run):
+    """Since 1970, without a unit."""
+    pytest.importorskip("pyarrow")
+    columns = {key: run[key] for key in ("x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")}
+    times = 1_714_550_400_000_000_000 + np.rint(1e9 * run["t_s"]).astype(np.int64)
+    table = pd.DataFrame({"timestamp": times, **columns})
+    table.to_parquet(path.with_suffix(".parquet"))
+
+
 def as_xlsx(path, run):
     pytest.importorskip("openpyxl")
     columns = {
@@ -147,6 +165,23 @@ def as_second_sheet(path, run):
         table.to_excel(book, sheet_name="Messdaten", index=False)
 
 
+def as_form(path, run):
+    """A cover sheet with dates and sizes, and a header whose cells are merged."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["Protokoll"], ["Datum", datetime(2024, 5, 1)], ["Kolben", 40], ["Hub", 500]):
+        book.active.append(row)
+    sheet = book.create_sheet("Messwerte")
+    sheet.append(["Zeit", "Weg", "Druck", None, "Kraft"])
+    sheet.merge_cells("C1:D1")
+    sheet.append([None, None, "Kolben", "Stange"])
+    sheet.append(["s", "mm", "bar", "bar", "N"])
+    x, pressures = 1e3 * run["x_m"], (run["p_tp_pa"] / 1e5, run["p_tr_pa"] / 1e5)
+    for row in zip(run["t_s"], x, *pressures, run["f_applied_n"], strict=True):
+        sheet.append([float(value) for value in row])
+    book.save(path.with_suffix(".xlsx"))
+
+
 def as_kgf_cm2(path, run):
     columns = {"t (s)": run["t_s"], "x (mm)": 1e3 * run["x_m"]}
     columns |= {
@@ -162,7 +197,11 @@ def as_comment(path, run):
 
 
 @pytest.mark.parametrize(
-    "write", [as_mat, as_parquet, as_xlsx, as_second_sheet, as_kgf_cm2, as_comment]
+    "write",
+    [
+        *(as_mat, as_parquet, as_time_index, as_nanoseconds),
+        *(as_xlsx, as_second_sheet, as_form, as_kgf_cm2, as_comment),
+    ],
 )
 def test_formats(logs, imported, write):
     for trial in (1, 2):
@@ -745,3 +784,13 @@ def test_times_of_day_ask_for_their_date(logs):
         head = "Zeit;x [mm];p_A [bar];p_B [bar];F [N]"
         (logs / f"50mm_s_{trial}.csv").write_text("\n".join([head, *rows, ""]))
     assert "times of day; for the order of the runs add test: {date:" in suggest_map(logs).text
+
+
+def test_a_position_without_times_is_not_called_at_rest(logs):
+    run = one_stroke(0.05, 1000.0, 1)
+    stamps = [f"step {number}" for number in range(len(run["t_s"]))]
+    columns = {"time": stamps, "x [mm]": 1e3 * run["x_m"], "p_A [bar]": run["p_tp_pa"] / 1e5}
+    pd.DataFrame(columns).to_csv(logs / "1.csv", index=False)
+    suggestion = suggest_map(logs)
+    assert parse_yaml(suggestion.text)["kind"] == "steady"
+    assert any("'step 0'" in note for note in suggestion.notes)

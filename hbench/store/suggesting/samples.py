@@ -20,7 +20,7 @@ from hbench.store.suggesting.units import unknown_unit
 from hbench.units import unit_in
 
 _MOST_COLUMNS = 300
-_LARGEST = 1e15  # of a number: a larger one is no measurement
+_LARGEST = 1e19  # of a number, as nanoseconds since 1970: a larger one is no measurement
 _WITH_DIALECT = ("text", "Excel")
 
 
@@ -95,17 +95,23 @@ def read_sample(folder: Path, name: str, like: Dialect | None = None) -> SampleF
 
 
 def _sheet_dialect(path: Path) -> Dialect | None:
-    """Return the dialect of a workbook's first sheet that contains a table of numbers."""
+    """Return the dialect of a workbook's first sheet that contains a table of numbers.
+
+    A cover sheet contains a few of them: a sheet with less than half of the rows of the longest
+    table is none.
+    """
     sheets: list[str | None] = [None]
+    found: list[tuple[Dialect, int]] = []
     for name in sheets:
         with open_table(path, Format(header=False, sheet=name)) as sheet:
             assert isinstance(sheet, TextTable)
             rows = list(zip(sheet.lines.tolist(), sheet.rows, strict=True))
             dialect = rows_dialect(rows, {} if name is None else {"sheet": name})
             if dialect is not None:
-                return dialect
+                found.append((dialect, len(rows)))
             sheets += sheet.other_sheets
-    return None
+    least = max((rows for _, rows in found), default=0) / 2
+    return next((dialect for dialect, rows in found if rows >= least), None)
 
 
 def _is_binary(data: bytes) -> bool:
