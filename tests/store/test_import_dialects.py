@@ -2,6 +2,7 @@
 
 import gzip
 import lzma
+import re
 
 import numpy as np
 import pytest
@@ -394,6 +395,18 @@ def test_units_come_from_a_labview_files_header():
     unlabelled = LABVIEW.replace("Y_Unit_Label\tmm\tN", "Y_Unit_Label\t\t")
     table = parse_table(unlabelled.encode(), "a.lvm", text_dialect(LABVIEW).layout)
     assert table.unit("F") is None
+
+
+def test_times_come_from_a_labview_files_header_where_no_column_has_them():
+    text = LABVIEW.replace("Separator\tTab", "Separator\tTab\nX_Columns\tNo")
+    text = text.replace("X0\t0\t0", "X0\t5.0E-1\t5.0E-1")
+    text = re.sub(r"^0\.0\d+", "", text, flags=re.MULTILINE)
+    table = parse_table(text.encode(), "a.lvm", text_dialect(text).layout)
+    for name in ("x", "F"):
+        np.testing.assert_allclose(table.own_times(name), [0.5, 0.51, 0.52, 0.53])
+    assert table.numbers("F").tolist() == [2001, 2002, 2003, 2004]
+    table = parse_table(LABVIEW.encode(), "a.lvm", text_dialect(LABVIEW).layout)
+    assert table.own_times("x") is None
 
 
 def test_a_comment_in_a_row_is_not_lost_unnoticed():

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,17 +34,33 @@ def ends_with_comment(names: Sequence[str]) -> bool:
     return len(names) > 1 and names[-1].strip().lower() == "comment"
 
 
-def labview_units(text: str, layout: Format, width: int) -> tuple[str, ...]:
-    """Return the units of ``width`` columns above the header; empty where there are none.
+class LabviewHeader(NamedTuple):
+    """What LabVIEW writes above the columns, of which the first has the times; empty without it."""
 
-    The first column has the times, which LabVIEW writes in seconds without a label.
-    """
-    for line in text.splitlines()[: layout.preamble]:
-        label, *units = re.split(r"[\t,;]", line)
-        if label == "Y_Unit_Label" and any(units):
-            units = units[: width - 1]
-            return ("s", *units) if len(units) == width - 1 else ()
-    return ()
+    units: tuple[str, ...] = ()
+    times: tuple[tuple[float, float], ...] = ()  # [s] start and step, where no column has them
+
+
+def labview_header(text: str, layout: Format, width: int) -> LabviewHeader:
+    """Return the header of ``width`` columns, of which the times are in seconds."""
+    if not layout.preamble:
+        return LabviewHeader()
+    marks = "," if layout.separator == "comma" else r"[\t;]"
+    rows = (re.split(marks, line) for line in text.splitlines()[: layout.preamble])
+    of = {label: cells[: width - 1] for label, *cells in rows}
+    units = of.get("Y_Unit_Label", [])
+    times: tuple[tuple[float, float], ...] = ()
+    if of.get("X_Columns", [""])[0].strip() == "No":
+        with suppress(ValueError):  # no numbers, or of few columns: the times are not known
+            start, step = (
+                [float(cell.replace(layout.decimal, ".")) for cell in of.get(label, [])]
+                for label in ("X0", "Delta_X")
+            )
+            times = tuple(zip(start, step, strict=True))
+    return LabviewHeader(
+        ("s", *units) if any(units) and len(units) == width - 1 else (),
+        ((0.0, 0.0), *times) if len(times) == width - 1 else (),
+    )
 
 
 def layout_hint(

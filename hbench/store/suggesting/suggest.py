@@ -115,7 +115,7 @@ def _joined_or_split(
     for sample in samples.values():
         if others := sample.other_sheets:
             yield (
-                f"{sample.name}: the first sheet was read; {counted(len(others), 'other')}: "
+                f"{sample.name}: one sheet was read; {counted(len(others), 'other')}: "
                 f"{first_names(others)}; format.sheet in the map chooses one; {_JOIN}"
             )
 
@@ -312,7 +312,8 @@ def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
         yield f"not read: {name}: {fault}"
     for name, fault in suggested.unread.items():
         means = meaning(name)
-        if means.is_sure and means.channel not in ("", *suggested.choices):
+        is_stated = means.channel == "t_s" and suggested.time.stated
+        if means.is_sure and not is_stated and means.channel not in ("", *suggested.choices):
             yield f"{means.channel}: column {name!r} can't be read: {fault}"
     for series in suggested.series:
         if series.fault:
