@@ -184,6 +184,7 @@ def test_a_force_that_is_the_same_at_all_speeds_and_loads_is_named(analysed):
     assert "the mean friction of both directions is 40" in note
     assert "at all speeds and loads, as by a constant force that is not measured" in note
     assert "half the difference of both, 177 N, is free of it" in note
+    assert "Seals with more friction in one direction" in note  # which is no fault of the map
     check = check_of(results, "constant_force")
     assert (check.grade, check.value) == ("with care", pytest.approx(100 * 40 / 177, abs=0.5))
     assert "of friction, as by a constant force that is not measured" in quality_verdict(
