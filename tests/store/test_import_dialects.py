@@ -121,7 +121,9 @@ def test_a_name_that_stands_twice_is_refused_and_its_number_taken():
         ("2024-05-01 12:00:00,5", "2024-05-01 12:00:00,625", 0.125),
         ("2024-05-01T12:00:00Z", "2024-05-01T14:00:01+02:00", 1.0),
         ("31.5.2024 23:59:59,998", "01.06.2024 00:00:00,002", 0.004),
-        ("2024/05/31 23:59:59.998", "2024/6/1 00:00:00.002", 0.004),
+        ("2024/05/31 23:59:59.998", "2024/6/1 0:00:00.002", 0.004),
+        ("31-May-2024 23:59:59.998", "01-Jun-2024 00:00:00.002", 0.004),
+        ("0 days 00:00:00", "0 days 00:00:00.004000", 0.004),
     ],
 )
 def test_date_times_become_seconds(first, second, step):
@@ -462,6 +464,9 @@ def test_the_numbers_of_the_columns_are_a_header(first):
         ("Overflow", "Leave the cell empty"),
         ("*****", "Leave the cell empty"),
         ("2024-05-01T12:00:00", "unit: date-time"),
+        ("0.01 sec", "Remove 'sec' behind each number"),
+        ("12.5bar", "Remove 'bar' behind each number"),
+        ("12 apples", None),
         ("twelve", None),
     ],
 )

@@ -10,6 +10,7 @@ import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.store.formats.date_times import parse_date_time
+from hbench.units import unit_in
 
 # In place of a value: of spreadsheets and loggers, such as for an overloaded or open input.
 _MISSING = (
@@ -21,6 +22,7 @@ _FILLERS = "-*#?+ "  # cells of these alone
 _GROUPED = re.compile(
     r"[+-]?\d{1,3}(?P<mark>[.,' ])\d{3}(?:(?P=mark)\d{3})*(?:(?P<decimal>[.,])\d+)?"
 )
+_WITH_UNIT = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?\s*([^\W\d].*)")  # 0.01 sec
 _MOST_ROWS = 60
 _MOST_BETWEEN = 3  # rows between header and data, such as units
 _NUMERIC = 0.5  # of the cells of a row of data
@@ -125,6 +127,8 @@ def cell_hint(cell: str, layout: Format) -> str:
     with suppress(ValueError, OverflowError):
         parse_date_time(cell.strip())
         return "Write 'unit: date-time' at this column of the map if it has dates or times."
+    if (match := _WITH_UNIT.fullmatch(cell.strip())) and unit_in(match[1]):
+        return f"Remove {match[1]!r} behind each number: the map states the unit of a column."
     return ""
 
 
