@@ -794,3 +794,22 @@ def test_a_position_without_times_is_not_called_at_rest(logs):
     suggestion = suggest_map(logs)
     assert parse_yaml(suggestion.text)["kind"] == "steady"
     assert any("'step 0'" in note for note in suggestion.notes)
+
+
+def test_one_load_alone_does_not_give_the_signs(logs):
+    """Its valve lets the load fall with the speed by 1 %, while friction raises the pressure."""
+    for v in (0.03, 0.06, 0.09):
+        for trial in (1, 2):
+            run = there_and_back(v, 2000.0, seed=int(1e3 * v) + trial)
+            columns = {
+                "t [s]": run["t_s"],
+                "x [mm]": 1e3 * run["x_m"],
+                "p_A [bar]": run["p_tp_pa"] / 1e5,
+                "p_B [bar]": run["p_tr_pa"] / 1e5,
+                "F [N]": run["f_applied_n"] - 200 * np.gradient(run["x_m"], run["t_s"]),
+            }
+            pd.DataFrame(columns).to_csv(logs / f"{1e3 * v:.0f}mm_s_{trial}.csv", index=False)
+    suggestion = suggest_map(logs)
+    columns = parse_yaml(suggestion.text)["columns"]
+    assert not any("scale" in column for column in columns.values())
+    assert "guesses to check: x_m, f_applied_n" in suggestion.notes
