@@ -118,6 +118,14 @@ def as_mat(path, run):
     savemat(path.with_suffix(".mat"), {"log": log}, oned_as="column")
 
 
+def as_slow_pressures(path, run):
+    """Pressures at half the rate, with times of their own."""
+    pressures = {"t": run["t_s"][1::2], "pA": run["p_tp_pa"][1::2], "pB": run["p_tr_pa"][1::2]}
+    axis = {"t": run["t_s"], "x": 1e3 * run["x_m"], "F": run["f_applied_n"]}
+    content = {"hydraulics": pressures, "zaxis": axis}  # the times of the pressures are first
+    savemat(path.with_suffix(".mat"), content, oned_as="column")
+
+
 def as_parquet(path, run):
     pytest.importorskip("pyarrow")
     times = pd.Timestamp("2024-05-01") + pd.to_timedelta(run["t_s"], unit="s")
@@ -199,7 +207,7 @@ def as_comment(path, run):
 @pytest.mark.parametrize(
     "write",
     [
-        *(as_mat, as_parquet, as_time_index, as_nanoseconds),
+        *(as_mat, as_slow_pressures, as_parquet, as_time_index, as_nanoseconds),
         *(as_xlsx, as_second_sheet, as_form, as_kgf_cm2, as_comment),
     ],
 )

@@ -40,7 +40,7 @@ from hbench.store.suggesting.motion import motion_of
 from hbench.store.suggesting.name_fields import numbers_of
 from hbench.store.suggesting.quantities import meaning
 from hbench.store.suggesting.samples import SampleColumn, SampleFile, read_sample, sample_columns
-from hbench.store.suggesting.time_base import TimeChoice, choose_time
+from hbench.store.suggesting.time_base import TimeChoice, choose_time, with_own_times
 from hbench.units import parse_unit
 
 _MOST_FILES = 12  # read for a suggestion
@@ -190,7 +190,7 @@ def _suggested_map(
     time = choose_time(files, columns)
     pattern_of = {name: pattern for pattern in alike for name in pattern.names}
     fields = [pattern_of[file.name].values(file.name) for file in files]
-    choices = choose_channels(columns, time, fields)
+    choices = with_own_times(choose_channels(columns, time, fields), time, columns)
     channels = [_channels(i, time, choices) for i in range(len(files))]
     steady = [plateaus(c["t_s"], c["x_m"]) if c else [] for c in channels]
     choices = with_signs(choices, channels, steady)
