@@ -821,3 +821,16 @@ def test_one_load_alone_does_not_give_the_signs(logs):
     columns = parse_yaml(suggestion.text)["columns"]
     assert not any("scale" in column for column in columns.values())
     assert "guesses to check: x_m, f_applied_n" in suggestion.notes
+
+
+def test_the_sides_of_more_than_two_numbered_pressures_are_guesses(logs):
+    """P1 may be that of the supply."""
+    for load in (1000, 3000):
+        run = there_and_back(0.05, load)
+        columns = {"t [s]": run["t_s"], "x [mm]": 1e3 * run["x_m"], "F [N]": run["f_applied_n"]}
+        columns |= {"P1 [bar]": 180 + 1e-6 * run["p_tp_pa"], "P2 [bar]": run["p_tp_pa"] / 1e5}
+        pd.DataFrame(columns | {"P3 [bar]": run["p_tr_pa"] / 1e5}).to_csv(logs / f"{load}N.csv")
+    suggestion = suggest_map(logs)
+    guesses = next(note for note in suggestion.notes if note.startswith("guesses to check"))
+    assert {"p_tp_pa", "p_tr_pa"} <= set(re.findall(r"\w+", guesses))
+    assert "there are also P2 [bar], P3 [bar]" in suggestion.text
