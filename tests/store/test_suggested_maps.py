@@ -834,3 +834,37 @@ def test_the_sides_of_more_than_two_numbered_pressures_are_guesses(logs):
     guesses = next(note for note in suggestion.notes if note.startswith("guesses to check"))
     assert {"p_tp_pa", "p_tr_pa"} <= set(re.findall(r"\w+", guesses))
     assert "there are also P2 [bar], P3 [bar]" in suggestion.text
+
+
+def test_rows_of_an_export_with_two_rates_are_not_those_of_one_time(logs):
+    """The pressures end after a fifth of the rows: the rows below have none."""
+    for load in (1000, 2000, 3000):
+        run = there_and_back(0.05, load)
+        slow = np.full((3, len(run["t_s"])), "", dtype=object)
+        for row, values in enumerate((1e3 * run["t_s"], run["p_tp_pa"], run["p_tr_pa"])):
+            slow[row, : len(values[::5])] = [f"{value:.6g}" for value in values[::5]]
+        fast = (1e3 * run["t_s"], 1e3 * run["x_m"], run["f_applied_n"])
+        rows = [
+            ",".join([*s, *(f"{v:.6g}" for v in f)])
+            for s, f in zip(slow.T, np.transpose(fast), strict=True)
+        ]
+        head = ["Name,rig", "Starttime of export,133898804820400000,x", "", "Name,pA,pB,Name,x,F"]
+        text = "\n".join([*head, "Unit,Pa,Pa,Unit,mm,N", "", *rows, ""])
+        (logs / f"{load}N.csv").write_text(text)
+    rules = parse_yaml(suggest_map(logs).text)
+    assert {key: column["column"] for key, column in rules["columns"].items()} == {
+        "x_m": "x",
+        "p_tp_pa": "pA",
+        "p_tr_pa": "pB",
+        "f_applied_n": "F",
+    }
+    assert not any("scale" in column for column in rules["columns"].values())
+
+
+def test_a_speed_at_which_a_pressure_has_no_values_is_left_out_of_the_balance():
+    files = [there_and_back(0.05, load) for load in (0, 1000, 2000)]
+    steady = [plateaus(file["t_s"], file["x_m"]) for file in files]
+    files[0]["p_tp_pa"][steady[0][1].section] = np.nan
+    found = force_balance(files, steady)
+    assert found.sections == sum(map(len, steady)) - 1
+    assert found.bore_m == pytest.approx(PISTON_M, rel=0.01)

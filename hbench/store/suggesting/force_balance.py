@@ -52,7 +52,11 @@ def force_balance(
         if not {"x_m", "p_tp_pa", "f_applied_n"} <= file.keys():
             return NOTHING
         for plateau in plateaus:
-            means = {name: float(np.nanmean(file[name][plateau.section])) for name in file}
+            known = {name: values[plateau.section] for name, values in file.items()}
+            known = {name: values[np.isfinite(values)] for name, values in known.items()}
+            if not all(map(len, known.values())):
+                continue  # a channel has no value at this speed
+            means = {name: float(values.mean()) for name, values in known.items()}
             rod = [-means["p_tr_pa"]] if has_rod else []
             rows.append([means["p_tp_pa"], *rod, -float(np.sign(plateau.v_m_s)), 1.0])
             forces.append(means["f_applied_n"])

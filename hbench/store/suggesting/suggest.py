@@ -191,7 +191,7 @@ def _suggested_map(
     pattern_of = {name: pattern for pattern in alike for name in pattern.names}
     fields = [pattern_of[file.name].values(file.name) for file in files]
     choices = with_own_times(choose_channels(columns, time, fields), time, columns)
-    channels = [_channels(i, time, choices) for i in range(len(files))]
+    channels = [_channels(i, file, time, choices) for i, file in enumerate(files)]
     steady = [plateaus(c["t_s"], c["x_m"]) if c else [] for c in channels]
     choices = with_signs(choices, channels, steady)
     factors = column_factors(columns, files[0].units)
@@ -238,13 +238,18 @@ def _unread(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) -> dic
     return faults
 
 
-def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[str, np.ndarray]:
-    """Return the channels in SI of file ``i`` that have the time's samples, without gaps."""
+def _channels(
+    i: int, file: SampleFile, time: TimeChoice, choices: Mapping[str, Choice]
+) -> dict[str, np.ndarray]:
+    """Return the channels in SI of ``file``, the number ``i``, that have the time's samples.
+
+    They have no gaps.
+    """
     t_s = time.t_s[i]
     values = {
         channel: parse_unit(choice.unit).to_si(choice.column.values[i] * choice.scale)
         for channel, choice in choices.items()
-        if len(choice.column.values[i]) == len(t_s) and choice.scale is not None
+        if time.is_that_of(choice.column, i, file) and choice.scale is not None
     }
     values = {
         channel: y

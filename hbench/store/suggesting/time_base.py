@@ -36,6 +36,12 @@ class TimeChoice:
         steps = np.concatenate([np.diff(t[np.isfinite(t)]) for t in self.t_s])
         return float(1 / np.median(steps[steps > 0])) if (steps > 0).any() else np.nan
 
+    def is_that_of(self, column: SampleColumn, i: int, file: SampleFile) -> bool:
+        """Return whether a column has these times in ``file``, the number ``i``."""
+        own_s = file.own_times.get(column.key) if self.stated else None
+        same = own_s is None or np.array_equal(own_s, self.t_s[i], equal_nan=True)
+        return len(column.values[i]) == len(self.t_s[i]) and same
+
 
 def choose_time(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) -> TimeChoice:
     """Choose the column of times: by its name, by its type, or because it increases evenly."""
