@@ -54,6 +54,7 @@ UNITS: dict[str, Unit] = {
     "s": _unit(1.0, s=1),
     "ms": _unit(1e-3, s=1),
     "us": _unit(1e-6, s=1),
+    "ns": _unit(1e-9, s=1),
     "min": _unit(60.0, s=1),
     "h": _unit(3600.0, s=1),
     "d": _unit(86400.0, s=1),
@@ -91,6 +92,7 @@ SPELLINGS = {
     **dict.fromkeys(("sec", "sek", "secs", "seconds", "sekunden", "sekunde", "second"), "s"),
     **dict.fromkeys(("msec", "millisecond", "milliseconds", "millisekunden"), "ms"),
     **dict.fromkeys(("usec", "microseconds"), "us"),
+    **dict.fromkeys(("nsec", "nanoseconds"), "ns"),
     **dict.fromkeys(("min.", "minutes", "minuten"), "min"),
     **dict.fromkeys(("meter", "metre", "meters"), "m"),
     **dict.fromkeys(("millimeter", "millimetre", "millimeters"), "mm"),
@@ -122,6 +124,9 @@ SPELLINGS = {
     **dict.fromkeys(("nm", "n*m", "newtonmeter"), "N m"),
     "knm": "kN m",
 }
+ANGLES = ("deg", "rad")  # units of a position that have no dimension
+_POWERS = str.maketrans({" ": "", "^": ""})
+_PORT_A = ("pA", "PA")  # its pressure, not a pascal
 _ABSOLUTE = ("bara", "psia")  # hbench's pressures are those above the atmosphere
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
@@ -157,6 +162,25 @@ def parse_unit(text: str) -> Unit:
         powers = zip(dimension, unit.dimension, strict=True)
         dimension = tuple(before + sign * exponent * own for before, own in powers)
     return Unit(factor, dimension)
+
+
+def unit_in(text: str) -> str | None:
+    """Return the unit of hbench that a text such as ``[kN]`` or ``sec`` means, or None."""
+    bare = text.strip().strip("[]{}<>").strip()
+    bare = bare[1:-1].strip() if bare.startswith("(") and bare.endswith(")") else bare
+    bare = in_ascii(bare)
+    if bare in _PORT_A:
+        return None
+    spelled = SPELLINGS.get(bare.lower().translate(_POWERS))
+    for unit in (spelled, bare):
+        try:
+            if not unit or not unit[0].isalpha():
+                continue
+            if any(parse_unit(unit).dimension) or unit in ANGLES:
+                return unit
+        except ValueError:
+            continue
+    return None
 
 
 def _factors(text: str) -> Iterator[tuple[Unit, int, int]]:

@@ -316,6 +316,7 @@ def test_a_campaign_of_a_foreign_bench_can_be_loaded_again(tmp_path, hydraulic, 
     [
         ({"x_m": {"column": "Weg [mm]", "unit": "m"}}, ["x_m", "Weg", "mm"]),
         ({"f_applied_n": {"column": "F (kN)", "unit": "N"}}, ["F (kN)", "kN"]),
+        ({"f_applied_n": {"column": "F (Newton)", "unit": "kN"}}, ["F (Newton)", "'kN'"]),
         ({"x_m": {"column": "Weg [%]", "unit": "mm"}}, ["x_m", "Weg", "%"]),
     ],
 )

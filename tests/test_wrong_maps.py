@@ -23,7 +23,7 @@ def analysed(tmp_path, clock):
     """Return a function that imports strokes at two speeds and loads by a map, and analyses them.
 
     ``bore`` [mm], ``force_scale`` and ``offset_n`` of the load cell are those of the map; right are
-    40 mm, 1 and 0.
+    40 mm, 1 and 0. The load cell is off by ``trial_n`` times the number of the trial.
     """
 
     def analysed(
@@ -35,12 +35,14 @@ def analysed(tmp_path, clock):
         offset_n=0.0,
         instruments=None,
         position_scale=1.0,
+        trial_n=0.0,
     ):
         (tmp_path / "logs").mkdir(exist_ok=True)
         for load in loads_n:
             for v in (20, 40):
                 for trial in (1, 2, 3):
                     run = there_and_back(v / 1e3, load, seed=round(load + v + trial), cycles=1)
+                    run["f_applied_n"] = run["f_applied_n"] + trial_n * trial
                     if cut == "none":
                         run = {name: values[run["t_s"] < 4.0] for name, values in run.items()}
                     rows = np.stack(list(run.values()), axis=1)
@@ -184,6 +186,7 @@ def test_a_force_that_is_the_same_at_all_speeds_and_loads_is_named(analysed):
     assert "the mean friction of both directions is 40" in note
     assert "at all speeds and loads, as by a constant force that is not measured" in note
     assert "half the difference of both, 177 N, is free of it" in note
+    assert "Seals with more friction in one direction" in note  # which is no fault of the map
     check = check_of(results, "constant_force")
     assert (check.grade, check.value) == ("with care", pytest.approx(100 * 40 / 177, abs=0.5))
     assert "of friction, as by a constant force that is not measured" in quality_verdict(
@@ -207,6 +210,17 @@ def test_a_campaign_of_one_direction_states_what_no_check_shows(analysed):
 def test_a_force_within_the_tolerance_of_the_instruments_is_not_named(analysed):
     results = analysed(offset_n=-10.0, instruments=INSTRUMENTS)
     assert not [n for n in results.notes if n.startswith("directions")]
+
+
+@pytest.mark.parametrize(
+    ("trial_n", "cut", "noted"),
+    [(4, "reversals", True), (0, "reversals", False), (4, "none", False)],
+)
+def test_a_zero_that_drifts_over_the_campaign_is_noted(analysed, trial_n, cut, noted):
+    """It raises friction in one direction as much as it lowers it in the other."""
+    notes = [n for n in analysed(trial_n=trial_n, cut=cut).notes if n.startswith("drift:")]
+    assert len(notes) == noted
+    assert all("changes by -4" in n and "in both directions alike" in n for n in notes)
 
 
 @pytest.mark.parametrize("known", [True, False])

@@ -31,6 +31,7 @@ from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.summary.unlike_trials import unlike_notes
+from hbench.analysis.summary.zero_drift import zero_drift_notes
 from hbench.analysis.temperature.hersey import with_hersey
 from hbench.analysis.temperature.oil_temperature import oil_temperature
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
@@ -236,6 +237,7 @@ def derive(
         *checks,
         *not_computed(screened, efficiencies, instruments),
         *direction_notes(steady),
+        *zero_drift_notes(steady, screened, clock),
         *unlike_notes(steady),
     )
     bands = friction_bands(steady)

@@ -85,6 +85,20 @@ def test_channels_of_three_rates_come_to_the_times_of_the_position(bring_in, tmp
     assert "1000 Hz" in notes[0] and "20 Hz" in notes[0]
 
 
+def test_a_channel_without_a_start_beside_others_that_state_one_has_no_times(bring_in, tmp_path):
+    """It would count from the first of the others, and friction would be that of other times."""
+    from nptdms import ChannelObject, TdmsWriter
+
+    start = {"wf_start_time": np.datetime64("2024-05-01T12:00:02")}
+    columns = {"x": (X, start), "p": (P[::10], {}), "f": (F, start)}
+    with TdmsWriter(tmp_path / "a.tdms") as writer:
+        for name, (values, about) in columns.items():
+            properties = about | {"wf_increment": 0.05 if name == "f" else 0.01}
+            writer.write_segment([ChannelObject("log", name, values, properties=properties)])
+    with pytest.raises(DataError, match="column p: the file states no times for it"):
+        bring_in("a.tdms")
+
+
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_channel_that_is_not_there_is_reported_with_those_that_are(bring_in, tmp_path, name):
     write, force = FORMATS[name]

@@ -2,6 +2,7 @@
 
 import gzip
 import lzma
+import re
 
 import numpy as np
 import pytest
@@ -120,6 +121,9 @@ def test_a_name_that_stands_twice_is_refused_and_its_number_taken():
         ("2024-05-01 12:00:00,5", "2024-05-01 12:00:00,625", 0.125),
         ("2024-05-01T12:00:00Z", "2024-05-01T14:00:01+02:00", 1.0),
         ("31.5.2024 23:59:59,998", "01.06.2024 00:00:00,002", 0.004),
+        ("2024/05/31 23:59:59.998", "2024/6/1 0:00:00.002", 0.004),
+        ("31-May-2024 23:59:59.998", "01-Jun-2024 00:00:00.002", 0.004),
+        ("0 days 00:00:00", "0 days 00:00:00.004000", 0.004),
     ],
 )
 def test_date_times_become_seconds(first, second, step):
@@ -169,12 +173,20 @@ def test_units_come_from_the_row_under_the_header(bring_in):
     np.testing.assert_allclose(run.f_applied_n, 2000)
 
 
+def test_units_in_other_spellings_are_those_of_hbench(bring_in):
+    run, _ = bring_in("t,x,p,f\nSekunden,mm,bar(g),Newton\n0,0,1,2\n0.5,20,1,2\n1,40,1,2\n")
+    np.testing.assert_allclose([run.t_s[-1], run.p_tp_pa[0], run.f_applied_n[0]], [1, 1e5, 2])
+
+
 @pytest.mark.parametrize(
     ("row", "given", "message"),
     [
-        ("ms,mm,psi,kp", {}, "1.csv: column f: .*'kp'"),
+        ("ms,mm,psi,digits", {}, "1.csv: column f: .*'digits'"),
         ("ms,mm,N,kN", {}, "1.csv: column p: .*'N'.*p_tp_pa .*Pa"),
         ("ms,mm,bar,N", {"p_tp_pa": "psi"}, "1.csv: column p: .*'bar'.*'psi'"),
+        ("ms,mm,Bar,N", {"p_tp_pa": "MPa"}, "1.csv: column p: .*'Bar'.*'MPa'"),
+        ("ms,mm,bar,Newton", {"f_applied_n": "kN"}, "1.csv: column f: .*'Newton'.*'kN'"),
+        ("ms,Volt,bar,N", {"x_m": "mm"}, "1.csv: column x: .*'Volt'.*'mm'"),
     ],
 )
 def test_units_that_cannot_be_or_contradict_are_refused(bring_in, rules, row, given, message):
@@ -387,6 +399,18 @@ def test_units_come_from_a_labview_files_header():
     assert table.unit("F") is None
 
 
+def test_times_come_from_a_labview_files_header_where_no_column_has_them():
+    text = LABVIEW.replace("Separator\tTab", "Separator\tTab\nX_Columns\tNo")
+    text = text.replace("X0\t0\t0", "X0\t5.0E-1\t5.0E-1")
+    text = re.sub(r"^0\.0\d+", "", text, flags=re.MULTILINE)
+    table = parse_table(text.encode(), "a.lvm", text_dialect(text).layout)
+    for name in ("x", "F"):
+        np.testing.assert_allclose(table.own_times(name), [0.5, 0.51, 0.52, 0.53])
+    assert table.numbers("F").tolist() == [2001, 2002, 2003, 2004]
+    table = parse_table(LABVIEW.encode(), "a.lvm", text_dialect(LABVIEW).layout)
+    assert table.own_times("x") is None
+
+
 def test_a_comment_in_a_row_is_not_lost_unnoticed():
     text = LABVIEW.replace("11.0\t2002", "11.0\t2002\tstart")
     with pytest.raises(DataError, match="line 16: found 3 columns .*; expected 4"):
@@ -440,6 +464,9 @@ def test_the_numbers_of_the_columns_are_a_header(first):
         ("Overflow", "Leave the cell empty"),
         ("*****", "Leave the cell empty"),
         ("2024-05-01T12:00:00", "unit: date-time"),
+        ("0.01 sec", "Remove 'sec' behind each number"),
+        ("12.5bar", "Remove 'bar' behind each number"),
+        ("12 apples", None),
         ("twelve", None),
     ],
 )

@@ -12,7 +12,7 @@ from hbench.errors import ConfigError, DataError
 from hbench.motion.rest import zero_offset
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.importing.importer import import_folder
-from hbench.store.importing.resampling import interval_means, whole_intervals
+from hbench.store.importing.resampling import held_position, interval_means, whole_intervals
 
 
 @pytest.fixture
@@ -267,3 +267,23 @@ def test_a_time_in_a_wrong_unit_is_visible_where_no_stroke_is_found(bring_in, ru
     with pytest.raises(DataError, match="positions from 20 to 120 mm in 6980 s") as caught:
         bring_in(1e3 * t, x, 0 * t, 0 * t)  # ms taken as s
     assert "check the unit of t_s in the map" in caught.value.hint
+
+
+T_FAST = np.arange(0, 6, 0.002)
+MOVED = np.interp(T_FAST, [0, 1, 4, 6], [0, 0, 120, 120]) + 0.01 * np.sin(20 * T_FAST)  # mm
+
+
+@pytest.mark.parametrize(
+    ("x", "noted"),
+    [
+        (MOVED[np.arange(len(MOVED)) // 50 * 50], True),  # sampled at 10 Hz, and held
+        (MOVED[np.arange(len(MOVED)) // 5 * 5], False),  # at 100 Hz, which is fast enough
+        (5 * np.round(MOVED / 5), False),  # steps of an encoder
+        (MOVED, False),
+    ],
+)
+def test_a_position_that_is_held_between_slow_samples_is_noted_with_its_rate(x, noted):
+    notes = [note.text.format_map(note.numbers) for note in held_position("a.csv", T_FAST, x)]
+    assert len(notes) == noted
+    assert all("one of 50.0 samples only, at 10.0 Hz" in note for note in notes)
+    assert all("Write 'resample: 10.0 Hz'" in note for note in notes)

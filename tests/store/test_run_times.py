@@ -9,6 +9,7 @@ import yaml
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.writer import CampaignWriter
 from hbench.store.importing.importer import import_folder
+from hbench.store.importing.plausibility import LoggedSpan, at_the_same_time
 
 NOON = datetime(2026, 10, 25, 0, 50, tzinfo=UTC)
 SUMMER, WINTER = timezone(timedelta(hours=2)), timezone(timedelta(hours=1))
@@ -73,10 +74,20 @@ def test_a_clock_that_was_not_set_leaves_the_order_alone_and_is_reported(campaig
         ),
         (("10:00:0{}", "09:00:0{}", "11:30:0{}"), {}),  # of unknown days
         (("1970-01-01 10:00:0{}", "2024-05-03 09:00:0{}", "2024-05-03 11:30:0{}"), {}),
+        # a clock that begins at one date whenever it is switched on
+        (("2020-01-01 00:00:0{}", "2020-01-01 00:00:0{}.5", "2020-01-01 00:01:0{}"), {}),
     ],
 )
 def test_dates_in_foreign_logs_are_the_start_times_of_their_runs(tmp_path, at, stamps, expected):
     assert starts_of(tmp_path, at, stamps) == expected
+
+
+@pytest.mark.parametrize(("second_s", "noted"), [(10, False), (8, False), (2, True), (-3, True)])
+def test_files_of_one_bench_that_were_logged_at_the_same_time_are_noted(second_s, noted):
+    starts = {"1.csv": NOON, "2.csv": NOON + timedelta(seconds=second_s)}
+    spans = [LoggedSpan(name, at, at + timedelta(seconds=10)) for name, at in starts.items()]
+    note = at_the_same_time(spans)
+    assert bool(note) == noted and all(name in note for name in starts if noted)
 
 
 def test_times_of_day_are_on_the_date_that_the_map_states(tmp_path, at):

@@ -8,6 +8,7 @@ import openpyxl
 import pytest
 
 from hbench import workflow
+from hbench.config.files.yaml_text import parse_yaml
 from hbench.errors import DataError
 
 AREA_M2 = np.pi / 4 * 0.04**2
@@ -79,8 +80,9 @@ def test_sheets_that_are_not_read_are_reported(tmp_path, monkeypatch):
     overview = [HEAD[:3], *(run[0][:3] for run in RUNS)]
     sheets = {f"Run {i}": [HEAD[3:], *(r[3:] for r in run)] for i, run in enumerate(RUNS, start=1)}
     workbook(tmp_path / "campaign.xlsx", {"Overview": overview, **sheets})
-    notes = workflow.suggest_import_map(tmp_path).notes
-    assert any("the first sheet was read; 9 others: Run 1, Run 2" in note for note in notes)
+    found = workflow.suggest_import_map(tmp_path)
+    assert any("one sheet was read; 8 others: Run 2, Run 3" in note for note in found.notes)
+    assert parse_yaml(found.text)["format"]["sheet"] == "Run 1"  # the overview is no log
     assert recipe("sheets", tmp_path, monkeypatch) == [f"Run {i}.csv" for i in range(1, 10)]
 
 

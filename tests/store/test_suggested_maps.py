@@ -3,6 +3,7 @@
 import re
 import shutil
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -117,11 +118,36 @@ def as_mat(path, run):
     savemat(path.with_suffix(".mat"), {"log": log}, oned_as="column")
 
 
+def as_slow_pressures(path, run):
+    """Pressures at half the rate, with times of their own."""
+    pressures = {"t": run["t_s"][1::2], "pA": run["p_tp_pa"][1::2], "pB": run["p_tr_pa"][1::2]}
+    axis = {"t": run["t_s"], "x": 1e3 * run["x_m"], "F": run["f_applied_n"]}
+    content = {"hydraulics": pressures, "zaxis": axis}  # the times of the pressures are first
+    savemat(path.with_suffix(".mat"), content, oned_as="column")
+
+
 def as_parquet(path, run):
     pytest.importorskip("pyarrow")
     times = pd.Timestamp("2024-05-01") + pd.to_timedelta(run["t_s"], unit="s")
     columns = {key: run[key] for key in ("x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")}
     pd.DataFrame({"when": times, **columns}).to_parquet(path.with_suffix(".parquet"))
+
+
+def as_time_index(path, run):
+    """pandas writes the row labels as a column of durations."""
+    pytest.importorskip("pyarrow")
+    columns = {key: run[key] for key in ("x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")}
+    times = pd.to_timedelta(run["t_s"], unit="s")
+    pd.DataFrame(columns, index=times).to_parquet(path.with_suffix(".parquet"))
+
+
+def as_nanoseconds(path, run):
+    """Since 1970, without a unit."""
+    pytest.importorskip("pyarrow")
+    columns = {key: run[key] for key in ("x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")}
+    times = 1_714_550_400_000_000_000 + np.rint(1e9 * run["t_s"]).astype(np.int64)
+    table = pd.DataFrame({"timestamp": times, **columns})
+    table.to_parquet(path.with_suffix(".parquet"))
 
 
 def as_xlsx(path, run):
@@ -147,6 +173,23 @@ def as_second_sheet(path, run):
         table.to_excel(book, sheet_name="Messdaten", index=False)
 
 
+def as_form(path, run):
+    """A cover sheet with dates and sizes, and a header whose cells are merged."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["Protokoll"], ["Datum", datetime(2024, 5, 1)], ["Kolben", 40], ["Hub", 500]):
+        book.active.append(row)
+    sheet = book.create_sheet("Messwerte")
+    sheet.append(["Zeit", "Weg", "Druck", None, "Kraft"])
+    sheet.merge_cells("C1:D1")
+    sheet.append([None, None, "Kolben", "Stange"])
+    sheet.append(["s", "mm", "bar", "bar", "N"])
+    x, pressures = 1e3 * run["x_m"], (run["p_tp_pa"] / 1e5, run["p_tr_pa"] / 1e5)
+    for row in zip(run["t_s"], x, *pressures, run["f_applied_n"], strict=True):
+        sheet.append([float(value) for value in row])
+    book.save(path.with_suffix(".xlsx"))
+
+
 def as_kgf_cm2(path, run):
     columns = {"t (s)": run["t_s"], "x (mm)": 1e3 * run["x_m"]}
     columns |= {
@@ -162,7 +205,11 @@ def as_comment(path, run):
 
 
 @pytest.mark.parametrize(
-    "write", [as_mat, as_parquet, as_xlsx, as_second_sheet, as_kgf_cm2, as_comment]
+    "write",
+    [
+        *(as_mat, as_slow_pressures, as_parquet, as_time_index, as_nanoseconds),
+        *(as_xlsx, as_second_sheet, as_form, as_kgf_cm2, as_comment),
+    ],
 )
 def test_formats(logs, imported, write):
     for trial in (1, 2):
@@ -745,3 +792,79 @@ def test_times_of_day_ask_for_their_date(logs):
         head = "Zeit;x [mm];p_A [bar];p_B [bar];F [N]"
         (logs / f"50mm_s_{trial}.csv").write_text("\n".join([head, *rows, ""]))
     assert "times of day; for the order of the runs add test: {date:" in suggest_map(logs).text
+
+
+def test_a_position_without_times_is_not_called_at_rest(logs):
+    run = one_stroke(0.05, 1000.0, 1)
+    stamps = [f"step {number}" for number in range(len(run["t_s"]))]
+    columns = {"time": stamps, "x [mm]": 1e3 * run["x_m"], "p_A [bar]": run["p_tp_pa"] / 1e5}
+    pd.DataFrame(columns).to_csv(logs / "1.csv", index=False)
+    suggestion = suggest_map(logs)
+    assert parse_yaml(suggestion.text)["kind"] == "steady"
+    assert any("'step 0'" in note for note in suggestion.notes)
+
+
+def test_one_load_alone_does_not_give_the_signs(logs):
+    """Its valve lets the load fall with the speed by 1 %, while friction raises the pressure."""
+    for v in (0.03, 0.06, 0.09):
+        for trial in (1, 2):
+            run = there_and_back(v, 2000.0, seed=int(1e3 * v) + trial)
+            columns = {
+                "t [s]": run["t_s"],
+                "x [mm]": 1e3 * run["x_m"],
+                "p_A [bar]": run["p_tp_pa"] / 1e5,
+                "p_B [bar]": run["p_tr_pa"] / 1e5,
+                "F [N]": run["f_applied_n"] - 200 * np.gradient(run["x_m"], run["t_s"]),
+            }
+            pd.DataFrame(columns).to_csv(logs / f"{1e3 * v:.0f}mm_s_{trial}.csv", index=False)
+    suggestion = suggest_map(logs)
+    columns = parse_yaml(suggestion.text)["columns"]
+    assert not any("scale" in column for column in columns.values())
+    assert "guesses to check: x_m, f_applied_n" in suggestion.notes
+
+
+def test_the_sides_of_more_than_two_numbered_pressures_are_guesses(logs):
+    """P1 may be that of the supply."""
+    for load in (1000, 3000):
+        run = there_and_back(0.05, load)
+        columns = {"t [s]": run["t_s"], "x [mm]": 1e3 * run["x_m"], "F [N]": run["f_applied_n"]}
+        columns |= {"P1 [bar]": 180 + 1e-6 * run["p_tp_pa"], "P2 [bar]": run["p_tp_pa"] / 1e5}
+        pd.DataFrame(columns | {"P3 [bar]": run["p_tr_pa"] / 1e5}).to_csv(logs / f"{load}N.csv")
+    suggestion = suggest_map(logs)
+    guesses = next(note for note in suggestion.notes if note.startswith("guesses to check"))
+    assert {"p_tp_pa", "p_tr_pa"} <= set(re.findall(r"\w+", guesses))
+    assert "there are also P2 [bar], P3 [bar]" in suggestion.text
+
+
+def test_rows_of_an_export_with_two_rates_are_not_those_of_one_time(logs):
+    """The pressures end after a fifth of the rows: the rows below have none."""
+    for load in (1000, 2000, 3000):
+        run = there_and_back(0.05, load)
+        slow = np.full((3, len(run["t_s"])), "", dtype=object)
+        for row, values in enumerate((1e3 * run["t_s"], run["p_tp_pa"], run["p_tr_pa"])):
+            slow[row, : len(values[::5])] = [f"{value:.6g}" for value in values[::5]]
+        fast = (1e3 * run["t_s"], 1e3 * run["x_m"], run["f_applied_n"])
+        rows = [
+            ",".join([*s, *(f"{v:.6g}" for v in f)])
+            for s, f in zip(slow.T, np.transpose(fast), strict=True)
+        ]
+        head = ["Name,rig", "Starttime of export,133898804820400000,x", "", "Name,pA,pB,Name,x,F"]
+        text = "\n".join([*head, "Unit,Pa,Pa,Unit,mm,N", "", *rows, ""])
+        (logs / f"{load}N.csv").write_text(text)
+    rules = parse_yaml(suggest_map(logs).text)
+    assert {key: column["column"] for key, column in rules["columns"].items()} == {
+        "x_m": "x",
+        "p_tp_pa": "pA",
+        "p_tr_pa": "pB",
+        "f_applied_n": "F",
+    }
+    assert not any("scale" in column for column in rules["columns"].values())
+
+
+def test_a_speed_at_which_a_pressure_has_no_values_is_left_out_of_the_balance():
+    files = [there_and_back(0.05, load) for load in (0, 1000, 2000)]
+    steady = [plateaus(file["t_s"], file["x_m"]) for file in files]
+    files[0]["p_tp_pa"][steady[0][1].section] = np.nan
+    found = force_balance(files, steady)
+    assert found.sections == sum(map(len, steady)) - 1
+    assert found.bore_m == pytest.approx(PISTON_M, rel=0.01)

@@ -8,7 +8,8 @@ from hbench.store.formats.date_times import parse_date_time
 from hbench.store.suggesting.dialect import is_date_time, text_dialect
 from hbench.store.suggesting.file_names import joined_holds, name_patterns
 from hbench.store.suggesting.quantities import meaning
-from hbench.store.suggesting.units import split_unit, unit_in
+from hbench.store.suggesting.units import split_unit
+from hbench.units import unit_in
 
 
 def table(head, separator, *cells):
@@ -98,8 +99,24 @@ def test_a_text_without_columns_of_numbers_has_no_dialect(text):
 
 MEANINGS = {
     "t_s": ("Zeit", "Time [s]", "t_ms", "data.t", "elapsed time", "Zeitstempel"),
-    "x_m": ("Weg", "Position (mm)", "x / mm", "Kolbenweg", "stroke_mm", "Cylinder position (in)"),
-    "v_m_s": ("v_mm_s", "Geschwindigkeit in mm/s", "JibVelocity", "piston speed", "v_ist"),
+    "x_m": (
+        "Weg",
+        "Position (mm)",
+        "x / mm",
+        "LVDT_V",
+        "Main.fActPos",
+        "Kolbenweg",
+        "stroke_mm",
+        "Cylinder position (in)",
+    ),
+    "v_m_s": (
+        "v_mm_s",
+        "ActVelo",
+        "Geschwindigkeit in mm/s",
+        "JibVelocity",
+        "piston speed",
+        "v_ist",
+    ),
     "v_ref_m_s": ("v_soll", "JibXDotRef", "speed setpoint", "Sollgeschwindigkeit"),
     "p_tp_pa": (
         "p_A [bar]",
@@ -109,6 +126,8 @@ MEANINGS = {
         "Kolbenseitendruck",
         "Cap pressure",
         "p_Kolben CH 2",
+        "P1_V",
+        "Main.fPressA",
     ),
     "p_tr_pa": (
         "pB",
@@ -119,7 +138,16 @@ MEANINGS = {
         "p_Stange CH 1",
     ),
     "p_s_pa": ("Ps", "Systemdruck", "supply pressure", "p_sys"),
-    "f_applied_n": ("F_kN", "Kraft [kN]", "Load cell", "Kraftmessdose", "Druckkraft", "Load"),
+    "f_applied_n": (
+        "F_kN",
+        "Kraft [kN]",
+        "Main.fForce",
+        "LC_V",
+        "Load cell",
+        "Kraftmessdose",
+        "Druckkraft",
+        "Load",
+    ),
     "u_t_v": ("u", "valve command", "Ventilspannung"),
     "temp_tank_k": ("Temp_Oil", "T_oil [°C]", "Öltemperatur", "Tank temperature (degC)"),
     "temp_port_k": ("T_Port_A (°C)", "Temperatur Anschluss A"),
@@ -167,6 +195,8 @@ def test_a_unit_of_another_quantity_contradicts_the_name():
         ("-", None),
         ("pa", "Pa"),
         ("pA", None),  # the pressure at port A
+        ("PA", None),
+        ("ns", "ns"),
     ],
 )
 def test_units_are_understood_in_usual_spellings(text, unit):

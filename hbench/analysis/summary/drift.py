@@ -56,7 +56,7 @@ _HOUR_S = 3600.0
 
 
 @dataclass(frozen=True)
-class _Trials:
+class Trials:
     """Trials of all points with two or more; arrays (n,)."""
 
     curve: np.ndarray  # number of the curve
@@ -66,6 +66,7 @@ class _Trials:
     friction_n: np.ndarray  # positive against the motion
     temp_k: np.ndarray  # NaN where it was not measured
     setup: np.ndarray  # number of the set-up
+    direction: np.ndarray  # 1 where the cylinder extends, else -1
 
 
 def friction_drift(
@@ -77,7 +78,7 @@ def friction_drift(
     point. None if there are fewer than two degrees of freedom, all trials of each point have one
     time, or most points have no friction.
     """
-    trials = _trials(curves, {run.run.plan.run: run.run.plan.trial for run in runs}, clock)
+    trials = trials_of(curves, {run.run.plan.run: run.run.plan.trial for run in runs}, clock)
     if not len(trials.t):
         return None
     tau = within(trials.t, trials.point)
@@ -117,7 +118,7 @@ def friction_drift(
         per_hour=None if hour is None else hour * rate,
         per_hour_ci95=None if hour is None else hour * half,
         span_s=span if clock.known else None,
-        p=_p_value(rate, se, dof),
+        p=p_value(rate, se, dof),
         points=points,
         trials=len(tau),
         dof=dof,
@@ -152,7 +153,8 @@ def drift_checks(drift: Drift | None) -> tuple[QualityCheck, ...]:
     return (QualityCheck("drift", grade, size, "%", _GOOD, LARGE_DRIFT, drift=drift),)
 
 
-def _trials(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunClock) -> _Trials:
+def trials_of(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunClock) -> Trials:
+    """Return the trials of all points of ``curves``; ``trial_of`` has the trial of each run."""
     rows = []
     setups: dict[str, int] = {}
     number = 0
@@ -171,12 +173,12 @@ def _trials(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunCloc
                 speed = abs(point.v_m_s)
                 of_trial = setups.setdefault(setup[trial], len(setups))
                 at = fmean(times[trial])
-                rows.append((i, number, speed, at, sign * friction, temp, of_trial))
-    return _Trials(*np.array(rows, dtype=float).reshape(-1, len(fields(_Trials))).T)
+                rows.append((i, number, speed, at, sign * friction, temp, of_trial, sign))
+    return Trials(*np.array(rows, dtype=float).reshape(-1, len(fields(Trials))).T)
 
 
 def _with_temperature(
-    trials: _Trials, y: np.ndarray, span: float, dof: int
+    trials: Trials, y: np.ndarray, span: float, dof: int
 ) -> tuple[float | None, float | None, float | None]:
     """Return the oil's linear change over ``span`` [K], its correlation with friction, and p.
 
@@ -191,10 +193,10 @@ def _with_temperature(
     if size == 0.0:
         return change, None, None
     r = min(max(float(deviation @ y) / size, -1.0), 1.0)
-    return change, r, _p_value(r, float(np.sqrt((1.0 - r**2) / dof)), dof)
+    return change, r, p_value(r, float(np.sqrt((1.0 - r**2) / dof)), dof)
 
 
-def _speed_share(trials: _Trials, span: float) -> float:
+def _speed_share(trials: Trials, span: float) -> float:
     """Return the share of ``span`` between the slowest and the fastest speed of a curve."""
     v = within(trials.speed_m_s, trials.curve)
     if not v.any():
@@ -211,7 +213,8 @@ def _is_relative(deviation_n: np.ndarray, mean_n: np.ndarray) -> bool:
     return is_proportional(deviation_n @ deviation_n, share @ share, mean_n)
 
 
-def _p_value(rate: float, se: float, dof: int) -> float:
+def p_value(rate: float, se: float, dof: int) -> float:
+    """Return the probability of a rate beyond this one without a drift, by Student's t."""
     if se == 0.0:
         return 1.0 if rate == 0.0 else 0.0
     return float(2.0 * stdtr(dof, -abs(rate / se)))

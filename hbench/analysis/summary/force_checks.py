@@ -208,8 +208,9 @@ def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
             f"directions: the mean friction of both directions is {mean.middle_n:.3g} N (U "
             f"{mean.u_all_n:.2g} N) at all speeds and loads, as by a constant force that is not "
             "measured: the weight of an upright piston and rod, a zero offset, absolute pressures. "
-            "It is part of the friction of each direction; half the difference of both, "
-            f"{mean.half_n:.3g} N, is free of it"
+            "Such a force is part of the friction of each direction; half the difference of both, "
+            f"{mean.half_n:.3g} N, is free of it. Seals with more friction in one direction, as "
+            "under the higher pressures there, do the same"
         )
     found = _change_with_load(curves)
     if found is not None and 0 < found.least <= _CHANGE_GOOD:

@@ -68,7 +68,8 @@ def check_lengths(channels: Mapping[str, np.ndarray], table: Table) -> None:
         if len(values) != n:
             raise DataError(
                 f"{table.source}: {name} has {len(values)} samples and t_s has {n}",
-                "Resample the channels to one time base first.",
+                "In a map, state the column of its own times with 'time'; otherwise resample the "
+                "channels to one time base first.",
             )
 
 

@@ -182,7 +182,7 @@ class Arrays:
         for names in (self._root, self._other):
             if column in names:
                 return names[column]
-        at: Any = self._root
+        at: Any = {**self._other, **self._root}
         for step in column.split("."):
             match = _STEP.fullmatch(step.strip())
             if match is None or not isinstance(at, Mapping) or match[1] not in at:

@@ -39,8 +39,8 @@ def open_excel(file: BinaryIO, source: str, layout: Format) -> TextTable:
             for column in range(len(formulas)):
                 row[column] = row[column] or (formulas[column] if column in empty else "")
         rows = dict(sorted(rows.items()))
-    first = next(iter(rows.values()), [])
-    width = len(first) if layout.header else max(map(len, rows.values()), default=0)
+    head = list(rows.values())[: layout.header + layout.units_row]  # merged cells are empty
+    width = max(map(len, head if layout.header else rows.values()), default=0)
     cells = [row + [""] * (width - len(row)) for row in rows.values()]
     others = () if layout.sheet else tuple(name for name in names if name != chosen)
     try:

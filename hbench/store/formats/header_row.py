@@ -4,11 +4,13 @@ import re
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.store.formats.date_times import parse_date_time
+from hbench.units import unit_in
 
 # In place of a value: of spreadsheets and loggers, such as for an overloaded or open input.
 _MISSING = (
@@ -20,6 +22,7 @@ _FILLERS = "-*#?+ "  # cells of these alone
 _GROUPED = re.compile(
     r"[+-]?\d{1,3}(?P<mark>[.,' ])\d{3}(?:(?P=mark)\d{3})*(?:(?P<decimal>[.,])\d+)?"
 )
+_WITH_UNIT = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?\s*([^\W\d].*)")  # 0.01 sec
 _MOST_ROWS = 60
 _MOST_BETWEEN = 3  # rows between header and data, such as units
 _NUMERIC = 0.5  # of the cells of a row of data
@@ -33,17 +36,33 @@ def ends_with_comment(names: Sequence[str]) -> bool:
     return len(names) > 1 and names[-1].strip().lower() == "comment"
 
 
-def labview_units(text: str, layout: Format, width: int) -> tuple[str, ...]:
-    """Return the units of ``width`` columns above the header; empty where there are none.
+class LabviewHeader(NamedTuple):
+    """What LabVIEW writes above the columns, of which the first has the times; empty without it."""
 
-    The first column has the times, which LabVIEW writes in seconds without a label.
-    """
-    for line in text.splitlines()[: layout.preamble]:
-        label, *units = re.split(r"[\t,;]", line)
-        if label == "Y_Unit_Label" and any(units):
-            units = units[: width - 1]
-            return ("s", *units) if len(units) == width - 1 else ()
-    return ()
+    units: tuple[str, ...] = ()
+    times: tuple[tuple[float, float], ...] = ()  # [s] start and step, where no column has them
+
+
+def labview_header(text: str, layout: Format, width: int) -> LabviewHeader:
+    """Return the header of ``width`` columns, of which the times are in seconds."""
+    if not layout.preamble:
+        return LabviewHeader()
+    marks = "," if layout.separator == "comma" else r"[\t;]"
+    rows = (re.split(marks, line) for line in text.splitlines()[: layout.preamble])
+    of = {label: cells[: width - 1] for label, *cells in rows}
+    units = of.get("Y_Unit_Label", [])
+    times: tuple[tuple[float, float], ...] = ()
+    if of.get("X_Columns", [""])[0].strip() == "No":
+        with suppress(ValueError):  # no numbers, or of few columns: the times are not known
+            start, step = (
+                [float(cell.replace(layout.decimal, ".")) for cell in of.get(label, [])]
+                for label in ("X0", "Delta_X")
+            )
+            times = tuple(zip(start, step, strict=True))
+    return LabviewHeader(
+        ("s", *units) if any(units) and len(units) == width - 1 else (),
+        ((0.0, 0.0), *times) if len(times) == width - 1 else (),
+    )
 
 
 def layout_hint(
@@ -108,6 +127,8 @@ def cell_hint(cell: str, layout: Format) -> str:
     with suppress(ValueError, OverflowError):
         parse_date_time(cell.strip())
         return "Write 'unit: date-time' at this column of the map if it has dates or times."
+    if (match := _WITH_UNIT.fullmatch(cell.strip())) and unit_in(match[1]):
+        return f"Remove {match[1]!r} behind each number: the map states the unit of a column."
     return ""
 
 

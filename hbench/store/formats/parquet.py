@@ -27,17 +27,19 @@ def open_parquet(file: BinaryIO, source: str, layout: Format) -> Arrays:
 
 
 def _signal(content: Any, field: Any) -> Signal | None:
-    """Return a column of numbers or date-times; None for another."""
+    """Return a column of numbers, date-times or durations in s; None for another."""
     from pyarrow import types
 
-    kinds = (types.is_integer, types.is_floating, types.is_timestamp)
+    kinds = (types.is_integer, types.is_floating, types.is_timestamp, types.is_duration)
     if not any(is_kind(field.type) for is_kind in kinds):
         return None
-    return Signal(content.metadata.num_rows, partial(_samples, content, field.name))
+    unit = "s" if types.is_duration(field.type) else None
+    return Signal(content.metadata.num_rows, partial(_samples, content, field.name), unit=unit)
 
 
 def _samples(content: Any, name: str) -> np.ndarray:
-    return content.read(columns=[name], use_threads=False).column(name).to_numpy()
+    values = content.read(columns=[name], use_threads=False).column(name).to_numpy()
+    return values / np.timedelta64(1, "s") if values.dtype.kind == "m" else values
 
 
 def read_parquet(data: bytes, source: str) -> "DataFrame":

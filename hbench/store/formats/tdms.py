@@ -28,11 +28,12 @@ def _signal(channel: Any, origin: np.datetime64 | None) -> Signal:
     about, size = channel.properties, len(channel)
     step = about.get("wf_increment", 0.0)
     start = about.get("wf_start_offset", 0.0)
-    if origin is not None and "wf_start_time" in about:
+    is_known = origin is None or "wf_start_time" in about  # not beside channels that state a start
+    if origin is not None and is_known:
         start += (about["wf_start_time"] - origin) / np.timedelta64(1, "s")
     return Signal(
         size,
         lambda: channel[:],
-        (lambda: start + step * np.arange(size)) if step else None,
+        (lambda: start + step * np.arange(size)) if step and is_known else None,
         about.get("unit_string") or None,
     )

@@ -18,7 +18,7 @@ from hbench.store.files.bounded_read import LARGEST_TEXT, read_whole
 from hbench.store.formats import header_row
 from hbench.store.formats.date_times import parse_date_time
 from hbench.store.formats.encoding import decoded, is_text
-from hbench.store.formats.header_row import ends_with_comment, labview_units, layout_hint
+from hbench.store.formats.header_row import ends_with_comment, labview_header, layout_hint
 from hbench.store.formats.plain_rows import PlainRows, ungrouped, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
@@ -38,6 +38,7 @@ class TextTable:
     layout: Format
     source: str
     short_lines: tuple[int, ...] = ()
+    times: tuple[tuple[float, float], ...] = ()  # of the columns: start and step [s], of LabVIEW
     other_sheets: tuple[str, ...] = ()  # of a workbook of which no sheet was chosen
     _converted: dict[int, np.ndarray] = field(default_factory=dict, repr=False, compare=False)
     leaves_out_rows: ClassVar[bool] = False
@@ -88,7 +89,10 @@ class TextTable:
 
     def unit(self, column: int | str) -> str | None:
         """Return a column's unit in the row of units, without brackets; None without that row."""
-        return self.units[self.position(column)].strip(" []()") if self.units else None
+        if not self.units:
+            return None
+        unit = self.units[self.position(column)].strip(" []")
+        return unit[1:-1].strip() if unit.startswith("(") and unit.endswith(")") else unit
 
     def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
         """Return a column (n,) as floats; with ``gaps``, NaN where a cell is empty or "nan".
@@ -150,8 +154,9 @@ class TextTable:
         return times
 
     def own_times(self, column: int | str) -> np.ndarray | None:
-        """Return None: a text states its times in columns."""
-        return None
+        """Return the times (n,) [s] by LabVIEW's header; None if the times are in a column."""
+        start, step = self.times[self.position(column)] if self.times else (0.0, 0.0)
+        return start + step * np.arange(len(self.rows)) if step else None
 
     def _plain(self, position: int) -> list[str]:
         """Return a column's cells with numbers in Python's notation; other text stays invalid."""
@@ -196,7 +201,8 @@ def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
         rows, numbers, _ = _cells(texts, numbers, layout, source)
     ended = text.endswith(("\n", "\r"))
     table = _table(top, rows, [*above, *numbers], layout, source, ended=ended)
-    return replace(table, units=table.units or labview_units(text, layout, len(table.names)))
+    labview = labview_header(text, layout, len(table.names))
+    return replace(table, units=table.units or labview.units, times=labview.times)
 
 
 def table_of_rows(

@@ -24,7 +24,7 @@ def aligned(
     rate is averaged over the first base's sampling interval about each of its times, which keeps
     higher frequencies from aliasing. Values within a gap longer than ``max_gap_s`` (60 s for
     temperatures of the oil) are NaN. Samples outside the time range that all channels have in
-    common are left out. Raises ``DataError``.
+    common are left out; a temperature is its first or last value for 60 s. Raises ``DataError``.
     """
     first = bases[0]
     if len(bases) == 1:
@@ -45,7 +45,7 @@ def aligned(
                 "Increase screening.max_gap in the map to interpolate over longer times.",
             )
         faster = _is_faster(own, step)
-        margin = step / 2 if faster else 0.0
+        margin = step / 2 if faster else -longest_s if slow else 0.0
         start, stop = max(start, base.t_s[0] + margin), min(stop, base.t_s[-1] - margin)
         convert = partial(_averaged, step_s=step) if faster else _interpolated
         for key, values in base.channels.items():

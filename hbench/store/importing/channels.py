@@ -18,7 +18,7 @@ from hbench.store.importing.alignment import aligned
 from hbench.store.importing.clipping import clipped_samples, frozen_samples, suspected_samples
 from hbench.store.importing.file_notes import FileNote
 from hbench.store.importing.plausibility import below_vacuum, beyond_full_scale, forgotten_rod
-from hbench.store.importing.resampling import interval_means, whole_intervals
+from hbench.store.importing.resampling import held_position, interval_means, whole_intervals
 from hbench.store.importing.time_bases import TimeBase, column_unit, read_time_bases
 from hbench.store.importing.zeros import subtraction, zeroed
 from hbench.units import from_si
@@ -73,6 +73,8 @@ def read_channels_by_map(
         *forgotten_rod(name, cylinder, rules),
     )
     lines = table.lines_of(base.rows)
+    if rules.resample is None:
+        implausible = (*implausible, *held_position(name, channels["t_s"], channels["x_m"]))
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
     subtracted = [subtraction(name, key, rules.unit(key), zero) for key, zero in zeros.items()]
     return FileChannels(

@@ -25,7 +25,12 @@ from hbench.store.importing.imported_run import (
     StoreLog,
     open_source,
 )
-from hbench.store.importing.plausibility import Levels, other_units
+from hbench.store.importing.plausibility import (
+    Levels,
+    LoggedSpan,
+    at_the_same_time,
+    other_units,
+)
 from hbench.store.importing.sections import Section, Sections, cut
 from hbench.store.importing.signs import contradicting_signs
 from hbench.store.importing.stuck_sensors import (
@@ -77,6 +82,7 @@ def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns
     notes: list[FileNote] = []
     unusable: dict[str, DataError] = {}
     activity: dict[str, SensorActivity] = {}
+    spans: dict[str, LoggedSpan] = {}
     for match in matches.files:
         try:
             mapped = read_mapped_file(folder, match, rules)
@@ -87,15 +93,28 @@ def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns
                 raise next(iter(unusable.values())) from None
             continue
         activity[match.name] = activity_of(mapped.read, rules.min_stroke)
+        if (span := _span(mapped)) is not None:
+            spans[mapped.file.sha256] = span  # a copy has the same times
         of_file, signs = pieces_of(mapped, found, store, len(pieces) + 1)
         pieces += of_file
         notes += [*mapped.read.notes, *found.notes, *signs]
     pieces, stuck = _without_stuck_sensors(pieces, stuck_sensors(activity), folder, rules, store)
     notes += [*stuck, *_left_out(folder, unusable)]
-    on_all = _on_all(pieces, matches.unmatched, rules)
+    on_all = [*_on_all(pieces, matches.unmatched, rules)]
+    if clash := at_the_same_time(spans.values()):
+        pieces = [replace(piece, start=None) for piece in pieces]
+        on_all.append(clash)
     plans = plans_of(pieces, rules)
     notes += [*_same_trials(pieces, plans), *notes_on_units(pieces, plans)]
     return ImportedRuns(runs_of(pieces, plans), (*merged(notes), *on_all))
+
+
+def _span(mapped: MappedFile) -> LoggedSpan | None:
+    origin, t_s = mapped.read.origin, mapped.read.channels["t_s"]
+    if origin is None or origin.year < 2000:  # not used: the time of a clock without a date
+        return None
+    start, stop = (origin + timedelta(seconds=float(t)) for t in t_s[[0, -1]])
+    return LoggedSpan(mapped.match.name, start, stop)
 
 
 def map_is_wrong(unusable: int, files: int) -> bool:

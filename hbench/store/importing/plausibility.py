@@ -1,4 +1,4 @@
-"""Plausibility of pressures and forces: absolute ones, other units, values that can't be measured.
+"""Plausibility of pressures, forces and dates: absolute pressures, other units, unset clocks.
 
 Pressures of a cylinder are those above the atmosphere: it acts on the rod, so that F_T of absolute
 pressures would be too large by p_atm (A_p - A_r).
@@ -7,6 +7,8 @@ pressures would be too large by p_atm (A_p - A_r).
 import re
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping
+from datetime import datetime
+from itertools import pairwise
 from statistics import fmean, median
 from typing import NamedTuple
 
@@ -73,6 +75,31 @@ def other_units(runs: Iterable[Levels]) -> Iterator[FileNote]:
                     "unit in this file; import files of each unit with a map of their own"
                 )
                 yield FileNote(file, text, {"ratio": float(f"{level / usual:.3g}")})
+
+
+class LoggedSpan(NamedTuple):
+    """First and last time of a file, by its dates."""
+
+    file: str
+    start: datetime
+    stop: datetime
+
+
+def at_the_same_time(spans: Iterable[LoggedSpan]) -> str:
+    """Return a note if two files of one bench have the same times; empty if none have.
+
+    The end of a file may be the beginning of the next one: they share half of the shorter one.
+    """
+    for before, after in pairwise(sorted(spans, key=lambda span: span.start)):
+        shared = min(before.stop, after.stop) - after.start
+        shorter = min(span.stop - span.start for span in (before, after))
+        if 2 * shared > shorter:
+            return (
+                f"{before.file} and {after.file} were logged at the same time by their dates, as "
+                "if a clock had not been set: the dates are not used, and the order of the runs "
+                "is that of the files' names"
+            )
+    return ""
 
 
 def _units_apart(channel: str, ratio: float) -> str:

@@ -1,8 +1,34 @@
-"""Means of unevenly sampled channels over equal intervals."""
+"""Means of unevenly sampled channels over equal intervals, and positions that need them."""
+
+from collections.abc import Iterator
 
 import numpy as np
 
+from hbench.store.importing.file_notes import FileNote
+
 MOST_INTERVALS = 10_000_000
+_LEAST_CHANGES = 20  # of a position, to determine their rate
+_HELD_S = 0.021  # longer than the speed's shortest block, of which an oscillation is determined
+_REGULAR = 0.8  # of the changes: so many are equally far from the one before
+_SMALL = 0.2  # of the median change: steps of a coarse encoder are all of one height
+
+
+def held_position(name: str, t_s: np.ndarray, x_m: np.ndarray) -> Iterator[FileNote]:
+    """Yield a note on a position that is sampled more slowly than the log, and held meanwhile."""
+    changes = np.flatnonzero(np.diff(x_m))
+    if len(changes) < _LEAST_CHANGES:
+        return
+    held, heights = np.diff(changes), np.abs(np.diff(x_m))[changes]
+    every, step_s = float(np.median(held)), float(np.median(np.diff(t_s)))
+    if every < 2 or every * step_s < _HELD_S:
+        return
+    is_regular = np.mean(np.abs(held - every) <= 1) > _REGULAR
+    if is_regular and heights.min() < _SMALL * np.median(heights):
+        text = (
+            "x_m changes in one of {every} samples only, at {rate} Hz, and is held meanwhile: its "
+            "steps may look like stick-slip. Write 'resample: {rate} Hz' in the map"
+        )
+        yield FileNote(name, text, {"every": every, "rate": float(f"{1 / every / step_s:.3g}")})
 
 
 def whole_intervals(t_s: np.ndarray, rate_hz: float, max_gap_s: float) -> np.ndarray:

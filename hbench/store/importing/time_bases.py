@@ -17,7 +17,7 @@ from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable
 from hbench.store.importing.file_notes import FileNote
 from hbench.store.importing.plausibility import ATMOSPHERE, is_absolute_pressure
-from hbench.units import parse_unit, to_si
+from hbench.units import UNITS, parse_unit, to_si, unit_in
 
 _IN_BRACKETS = re.compile(r"[(\[]\s*([^()\[\]]{1,20}?)\s*[)\]]\s*$")
 
@@ -157,8 +157,9 @@ def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> st
     if in_file is None:
         return column.unit or wanted
     where = f"{table.source}: column {column.column}: unit in the file is {in_file!r}"
+    spelled = unit_in(in_file) or in_file  # such as bar for Bar or bar(g)
     try:
-        unit = parse_unit(in_file) if in_file else None
+        unit = parse_unit(spelled) if spelled else None
     except ValueError:
         unit = None
     if column.unit is not None:
@@ -174,7 +175,7 @@ def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> st
     if unit.dimension != parse_unit(wanted).dimension:
         message = f"{where}; {name} needs a unit such as {wanted}"
         raise DataError(message, _scale_hint(name, wanted, in_file))
-    return in_file
+    return spelled
 
 
 def _scale_hint(name: str, unit: str, in_file: str) -> str:
@@ -195,11 +196,12 @@ def _name(table: Table, column: int | str) -> str:
 def _unit_in_name(name: str) -> str | None:
     """Return the unit in brackets at the end of a column's name, if it is a known one."""
     match = _IN_BRACKETS.search(name)
-    try:
-        known = match is not None and (match[1] == "%" or any(parse_unit(match[1]).dimension))
-    except ValueError:
-        known = False
-    return match[1] if match is not None and known else None
+    if match is None:
+        return None
+    text = match[1]
+    if len(text) == 1 and text.islower() and text not in UNITS:  # a symbol: v is not the volt
+        return None
+    return text if text == "%" or unit_in(text) is not None else None
 
 
 def _complete(

@@ -9,7 +9,7 @@ from hbench.channels import CHANNELS
 from hbench.config.import_layout import LEAST, LIMITS
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
 from hbench.store.suggesting.nominal_values import Fields, unit_of_levels, unit_of_travel
-from hbench.store.suggesting.quantities import Quantity, quantity_of
+from hbench.store.suggesting.quantities import Quantity, is_numbered, quantity_of
 from hbench.store.suggesting.samples import SampleColumn
 from hbench.store.suggesting.signals import (
     are_proportional,
@@ -18,8 +18,7 @@ from hbench.store.suggesting.signals import (
     velocity_factor,
 )
 from hbench.store.suggesting.time_base import TimeChoice
-from hbench.store.suggesting.units import ANGLES
-from hbench.units import parse_unit
+from hbench.units import ANGLES, parse_unit
 
 _QUANTITIES: dict[str, Quantity] = {
     "x_m": "position",
@@ -116,7 +115,20 @@ def _by_name(columns: Sequence[SampleColumn]) -> dict[str, Choice]:
         if channel == "x_m":
             group = column.meaning.group
         chosen[channel] = _named_choice(column, channel, len(equals))
-    return chosen
+    return chosen | dict(_of_several_numbers(columns, chosen))
+
+
+def _of_several_numbers(
+    columns: Sequence[SampleColumn], chosen: Mapping[str, Choice]
+) -> Iterator[tuple[str, Choice]]:
+    """Yield the pressures whose side is a number, such as P1, where there are more than two."""
+    numbered = [c for c in columns if c.meaning.quantity == "pressure" and is_numbered(c.name)]
+    for channel in ("p_tp_pa", "p_tr_pa"):
+        choice = chosen.get(channel)
+        if len(numbered) > 2 and choice is not None and choice.column in numbered:
+            others = ", ".join(c.name for c in numbered if c is not choice.column)
+            reason = f"by its number; check, as there are also {others}"
+            yield channel, replace(choice, certainty=GUESS, reason=reason)
 
 
 def _points(column: SampleColumn, channel: str, group: frozenset[str]) -> float:

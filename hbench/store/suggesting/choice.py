@@ -17,3 +17,4 @@ class Choice:
     certainty: str
     reason: str
     scale: float | None = 1.0  # None: to be given by the user
+    time: SampleColumn | None = None  # of its times, if they are not those of t_s

@@ -10,7 +10,7 @@ from itertools import islice
 from hbench.config.import_layout import Format
 from hbench.store.formats.date_times import parse_date_time
 from hbench.store.formats.header_row import ends_with_comment
-from hbench.store.suggesting.units import unit_in
+from hbench.units import unit_in
 
 _SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "whitespace": None}  # by preference
 _THOUSANDS = {".": (",", "'", " "), ",": (".", "'", " ")}  # possible ones, by the decimal mark

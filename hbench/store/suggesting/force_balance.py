@@ -4,7 +4,8 @@
 
 with the friction F_c > 0, for a position that increases when the cylinder extends and a force that
 is positive when it opposes extension. The coefficients are fitted to the means over the sections of
-constant speed. Without P_r in the files, the rod side is taken as open to the air. If c shows that
+constant speed. One load alone does not determine them: its small changes with the speed are those
+of friction too. Without P_r in the files, the rod side is taken as open to the air. If c shows that
 it is not, the sign of the position and the area are not determined: a pressure that is not logged
 may change with the direction, like friction, and with the load.
 """
@@ -21,6 +22,7 @@ from hbench.store.suggesting.choice import GUESS, Choice
 _SIGMAS = 5.0  # a coefficient nearer to zero is not determined
 _LEAST = 8  # sections
 _EXACT = 0.03  # of a diameter, its standard error
+_LEAST_CHANGE = 0.05  # of the largest force: its range in one direction, with several loads
 _OPEN = 0.1  # of the largest A_p P_p: the constant c of a rod side that is open to the air
 
 
@@ -50,12 +52,19 @@ def force_balance(
         if not {"x_m", "p_tp_pa", "f_applied_n"} <= file.keys():
             return NOTHING
         for plateau in plateaus:
-            means = {name: float(np.nanmean(file[name][plateau.section])) for name in file}
+            known = {name: values[plateau.section] for name, values in file.items()}
+            known = {name: values[np.isfinite(values)] for name, values in known.items()}
+            if not all(map(len, known.values())):
+                continue  # a channel has no value at this speed
+            means = {name: float(values.mean()) for name, values in known.items()}
             rod = [-means["p_tr_pa"]] if has_rod else []
             rows.append([means["p_tp_pa"], *rod, -float(np.sign(plateau.v_m_s)), 1.0])
             forces.append(means["f_applied_n"])
     matrix, force = np.array(rows), np.array(forces)
     if len(rows) < _LEAST or len(set(matrix[:, -2])) < 2:
+        return NOTHING
+    by_direction, *_ = np.linalg.lstsq(matrix[:, -2:], force, rcond=None)
+    if np.ptp(force - matrix[:, -2:] @ by_direction) < _LEAST_CHANGE * np.abs(force).max():
         return NOTHING
     scale = np.abs(matrix).max(axis=0)
     if not scale.all() or np.linalg.matrix_rank(matrix / scale, tol=1e-6) < matrix.shape[1]:

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from hbench.config.import_map import FIELDS
-from hbench.store.suggesting.units import unit_in
-from hbench.units import parse_unit
+from hbench.units import parse_unit, unit_in
 
 _NUMBER = re.compile(r"(?:(?<=[_= ])-)?\d{1,12}(?:[.,]\d{1,12})?")
 # A date, perhaps with a time of day, becomes a star.

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from hbench.store.suggesting.units import ANGLES, split_ending, split_unit
-from hbench.units import parse_unit
+from hbench.store.suggesting.units import split_ending, split_unit
+from hbench.units import ANGLES, parse_unit
 
 Quantity = Literal["time", "position", "velocity", "pressure", "force", "valve", "temperature", ""]
 Side = Literal["piston", "rod", "supply", "load piston", "load rod", "tank", "port", "seal", ""]
@@ -83,19 +83,22 @@ _NAMES: dict[Quantity, tuple[re.Pattern[str], re.Pattern[str]]] = {
     ),
     "velocity": (
         re.compile(
-            r"\b(v|vel|velocity|speed|geschw|geschwindigkeit|x ?dot|dx|dxdt|xp|v ?(ist|cyl|zyl))\b"
+            r"\b(v|vel|velo|velocity|speed|geschw|geschwindigkeit|x ?dot|dx|dxdt|xp"
+            r"|v ?(ist|cyl|zyl))\b"
         ),
         re.compile(r"\b(rate)\b"),
     ),
     "force": (
         re.compile(
-            r"\b(f|force|kraft|torque|moment|drehmoment|kmd|load ?cell"
+            r"\b(f|frc|force|kraft|fuerza|forza|torque|moment|drehmoment|kmd|load ?cell"
             r"|f ?(applied|ext|last|mess|cyl|axial|load))\b"
         ),
         re.compile(r"\b(load|last|lc|dms)\b"),
     ),
     "pressure": (
-        re.compile(r"\b(p|pressure|press|druck|p ?(tp|tr|lp|lr|ls|sys|[abcsp]|[0-9])|dp)\b"),
+        re.compile(
+            r"\b(p|prs|pressure|press|presion|druck|p ?(tp|tr|lp|lr|ls|sys|[abcsp]|[0-9])|dp)\b"
+        ),
         re.compile(r"\b(dr|pr|pt)\b"),
     ),
     "time": (
@@ -130,6 +133,7 @@ _SIDES: tuple[tuple[Side, re.Pattern[str]], ...] = (
 )
 
 
+_PREFIX = re.compile(r"\bf\b")  # of a number's name in a PLC, as in fPosition
 _SEVERAL = 4  # names with a word in common
 _OF_LOAD: dict[Side, Side] = {"piston": "load piston", "rod": "load rod"}
 
@@ -168,7 +172,8 @@ def meaning(name: str, unit: str | None = None, ignored: frozenset[str] = frozen
         shorter, ending = split_ending(path)
         words = _without(words_of(shorter), ignored)
         by_name = _by_words(words, None).quantity
-        is_signal = ending is not None and len(ending) > 1 and _fits("valve", ending)  # such as mV
+        is_long = len(ending or "") > 1 or (path.endswith("V") and len(shorter) > 1)  # not p_v
+        is_signal = ending is not None and is_long and _fits("valve", ending)  # such as mV
         if ending and (_fits(by_name, ending) or is_signal if by_name else len(ending) > 1):
             return _by_words(words, ending)
     return _by_words(_without(words_of(path), ignored), unit or in_name)
@@ -179,6 +184,12 @@ def common_words(names: Sequence[str]) -> frozenset[str]:
     if len(names) < _SEVERAL:
         return frozenset()
     return frozenset.intersection(*(frozenset(words_of(name).split()) for name in names))
+
+
+def is_numbered(name: str) -> bool:
+    """Return whether only a number in the name of a pressure states its side, as in P2."""
+    words = words_of(split_unit(name)[0])
+    return re.search(r"\d", words) is not None and not _side(re.sub(r"\d+", " ", words))
 
 
 def _without(words: str, ignored: frozenset[str]) -> str:
@@ -247,6 +258,8 @@ def _quantity(words: str, of_unit: Quantity) -> tuple[Quantity, bool]:
             found.remove("valve")  # such as the pressure at a valve
         if "pressure" in found and "valve" in found and "valve" not in words.split()[:1]:
             found.remove("valve")
+        if len(found) > 1 and not _NAMES["force"][column].search(_PREFIX.sub(" ", words)):
+            found = [quantity for quantity in found if quantity != "force"]
         if found:
             return found[0], column == 0
     return "", False

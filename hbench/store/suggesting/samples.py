@@ -16,10 +16,11 @@ from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable
 from hbench.store.suggesting.dialect import Dialect, rows_dialect, text_dialect
 from hbench.store.suggesting.quantities import Meaning, common_words, meaning
-from hbench.store.suggesting.units import unit_in, unknown_unit
+from hbench.store.suggesting.units import unknown_unit
+from hbench.units import unit_in
 
 _MOST_COLUMNS = 300
-_LARGEST = 1e15  # of a number: a larger one is no measurement
+_LARGEST = 1e19  # of a number, as nanoseconds since 1970: a larger one is no measurement
 _WITH_DIALECT = ("text", "Excel")
 
 
@@ -35,7 +36,7 @@ class SampleFile:
     units: dict[int | str, str]  # stated by the file, but for those in names
     own_times: dict[int | str, np.ndarray]  # [s] stated by the file
     unread: dict[str, str]  # columns that are neither numbers nor date-times: name and first fault
-    other_sheets: tuple[str, ...] = ()  # of a workbook, which were not read
+    other_sheets: tuple[str, ...] = ()  # of a workbook, with tables that were not read
 
     @property
     def signature(self) -> tuple:
@@ -80,31 +81,39 @@ def read_sample(folder: Path, name: str, like: Dialect | None = None) -> SampleF
     with open_foreign(path) as (file, file_format):
         is_text = file_format.name == "text"
         data = read_whole(file, str(path), file_format.largest) if is_text else b""
-    dialect = None
+    dialect: Dialect | None = None
+    others: tuple[str, ...] = ()
     if file_format.name in _WITH_DIALECT:
         dialect = like
         if like is None and file_format.is_text:
             dialect = None if _is_binary(data) else text_dialect(decoded(data))
         elif like is None:
-            dialect = _sheet_dialect(path)
+            dialect, others = _sheet_dialect(path)
         if dialect is None:
             return None
     with open_table(path, Format() if dialect is None else dialect.layout) as table:
-        return _sample(name, file_format, dialect, table)
+        return _sample(name, file_format, dialect, table, others)
 
 
-def _sheet_dialect(path: Path) -> Dialect | None:
-    """Return the dialect of a workbook's first sheet that contains a table of numbers."""
+def _sheet_dialect(path: Path) -> tuple[Dialect | None, tuple[str, ...]]:
+    """Return the dialect of a workbook's first sheet that contains a table of numbers.
+
+    Also the other sheets with a table. A cover sheet contains some numbers too: a sheet with less
+    than half of the rows of the longest table has none.
+    """
     sheets: list[str | None] = [None]
+    found: list[tuple[str | None, Dialect, int]] = []
     for name in sheets:
         with open_table(path, Format(header=False, sheet=name)) as sheet:
             assert isinstance(sheet, TextTable)
             rows = list(zip(sheet.lines.tolist(), sheet.rows, strict=True))
             dialect = rows_dialect(rows, {} if name is None else {"sheet": name})
             if dialect is not None:
-                return dialect
+                found.append((name, dialect, len(rows)))
             sheets += sheet.other_sheets
-    return None
+    least = max((rows for *_, rows in found), default=0) / 2
+    tables = [(name, dialect) for name, dialect, rows in found if rows >= least]
+    return tables[0][1] if tables else None, tuple(name for name, _ in tables[1:] if name)
 
 
 def _is_binary(data: bytes) -> bool:
@@ -113,7 +122,11 @@ def _is_binary(data: bytes) -> bool:
 
 
 def _sample(
-    name: str, file_format: FileFormat, dialect: Dialect | None, table: Table
+    name: str,
+    file_format: FileFormat,
+    dialect: Dialect | None,
+    table: Table,
+    other_sheets: tuple[str, ...],
 ) -> SampleFile | None:
     columns: dict[int | str, np.ndarray] = {}
     units, own_times = {}, {}
@@ -143,7 +156,7 @@ def _sample(
         units=units,
         own_times=own_times,
         unread=unread,
-        other_sheets=table.other_sheets if isinstance(table, TextTable) else (),
+        other_sheets=other_sheets,
     )
 
 

@@ -40,7 +40,7 @@ from hbench.store.suggesting.motion import motion_of
 from hbench.store.suggesting.name_fields import numbers_of
 from hbench.store.suggesting.quantities import meaning
 from hbench.store.suggesting.samples import SampleColumn, SampleFile, read_sample, sample_columns
-from hbench.store.suggesting.time_base import TimeChoice, choose_time
+from hbench.store.suggesting.time_base import TimeChoice, choose_time, with_own_times
 from hbench.units import parse_unit
 
 _MOST_FILES = 12  # read for a suggestion
@@ -115,7 +115,7 @@ def _joined_or_split(
     for sample in samples.values():
         if others := sample.other_sheets:
             yield (
-                f"{sample.name}: the first sheet was read; {counted(len(others), 'other')}: "
+                f"{sample.name}: one sheet was read; {counted(len(others), 'other')}: "
                 f"{first_names(others)}; format.sheet in the map chooses one; {_JOIN}"
             )
 
@@ -190,8 +190,8 @@ def _suggested_map(
     time = choose_time(files, columns)
     pattern_of = {name: pattern for pattern in alike for name in pattern.names}
     fields = [pattern_of[file.name].values(file.name) for file in files]
-    choices = choose_channels(columns, time, fields)
-    channels = [_channels(i, time, choices) for i in range(len(files))]
+    choices = with_own_times(choose_channels(columns, time, fields), time, columns)
+    channels = [_channels(i, file, time, choices) for i, file in enumerate(files)]
     steady = [plateaus(c["t_s"], c["x_m"]) if c else [] for c in channels]
     choices = with_signs(choices, channels, steady)
     factors = column_factors(columns, files[0].units)
@@ -238,13 +238,18 @@ def _unread(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) -> dic
     return faults
 
 
-def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[str, np.ndarray]:
-    """Return the channels in SI of file ``i`` that have the time's samples, without gaps."""
+def _channels(
+    i: int, file: SampleFile, time: TimeChoice, choices: Mapping[str, Choice]
+) -> dict[str, np.ndarray]:
+    """Return the channels in SI of ``file``, the number ``i``, that have the time's samples.
+
+    They have no gaps.
+    """
     t_s = time.t_s[i]
     values = {
         channel: parse_unit(choice.unit).to_si(choice.column.values[i] * choice.scale)
         for channel, choice in choices.items()
-        if len(choice.column.values[i]) == len(t_s) and choice.scale is not None
+        if time.is_that_of(choice.column, i, file) and choice.scale is not None
     }
     values = {
         channel: y
@@ -312,7 +317,8 @@ def _notes(suggested: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
         yield f"not read: {name}: {fault}"
     for name, fault in suggested.unread.items():
         means = meaning(name)
-        if means.is_sure and means.channel not in ("", *suggested.choices):
+        is_stated = means.channel == "t_s" and suggested.time.stated
+        if means.is_sure and not is_stated and means.channel not in ("", *suggested.choices):
             yield f"{means.channel}: column {name!r} can't be read: {fault}"
     for series in suggested.series:
         if series.fault:

@@ -1,7 +1,7 @@
 """The column of times of some files, and its unit."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,11 +36,24 @@ class TimeChoice:
         steps = np.concatenate([np.diff(t[np.isfinite(t)]) for t in self.t_s])
         return float(1 / np.median(steps[steps > 0])) if (steps > 0).any() else np.nan
 
+    def is_that_of(self, column: SampleColumn, i: int, file: SampleFile) -> bool:
+        """Return whether a column has these times in ``file``, the number ``i``."""
+        own_s = file.own_times.get(column.key) if self.stated else None
+        same = own_s is None or np.array_equal(own_s, self.t_s[i], equal_nan=True)
+        return len(column.values[i]) == len(self.t_s[i]) and same
+
 
 def choose_time(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) -> TimeChoice:
     """Choose the column of times: by its name, by its type, or because it increases evenly."""
     named = [c for c in columns if c.meaning.channel == "t_s" and not c.is_date_time]
-    named.sort(key=lambda c: (not c.meaning.is_sure, c.unit is None))
+    positions = [c for c in columns if c.meaning.channel == "x_m"]
+    named.sort(
+        key=lambda c: (
+            not any(_lengths(c) == _lengths(x) for x in positions),
+            not c.meaning.is_sure,
+            c.unit is None,
+        )
+    )
     dated = [c for c in columns if c.is_date_time]
     others = [c for c in columns if not c.is_date_time and not c.meaning.quantity]
     for group, how in ((named, "by its name"), (dated, "date-times"), (others, _EVENLY)):
@@ -49,11 +62,41 @@ def choose_time(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) ->
             if all(_increases(t) for t in seconds[1]):
                 return _choice(column, *seconds, how)
         if group is dated and files[0].own_times:
-            positions = [c.key for c in columns if c.meaning.channel == "x_m"]
-            key = next(k for k in (*positions, *files[0].own_times) if k in files[0].own_times)
+            keys = (*(x.key for x in positions), *files[0].own_times)
+            key = next(k for k in keys if k in files[0].own_times)
             times = tuple(file.own_times[key] for file in files)
             return TimeChoice(None, times, stated=True)
     return TimeChoice(None, tuple(np.zeros(0) for _ in files))
+
+
+def with_own_times(
+    choices: dict[str, Choice], time: TimeChoice, columns: Sequence[SampleColumn]
+) -> dict[str, Choice]:
+    """Return the choices with the column of times of each that has another number of samples.
+
+    This is one of the same length and unit, of the same group or struct if there is one.
+    """
+    out = dict(choices)
+    for channel, choice in choices.items() if time.choice is not None else ():
+        lengths = _lengths(choice.column)
+        if lengths == [len(t) for t in time.t_s]:
+            continue
+        fits = [c for c in columns if c.meaning.channel == "t_s" and _lengths(c) == lengths]
+        fits.sort(key=lambda c: _group(c) != _group(choice.column))
+        for column in fits[:1]:
+            unit, t_s = _seconds(column)
+            if time.choice is not None and unit == time.choice.unit and all(map(_increases, t_s)):
+                out[channel] = replace(choice, time=column)
+    return out
+
+
+def _lengths(column: SampleColumn) -> list[int]:
+    return list(map(len, column.values))
+
+
+def _group(column: SampleColumn) -> str:
+    """Return the group or struct in a column's path; empty if it has none."""
+    return str(column.key).replace(".", "/").rpartition("/")[0]
 
 
 def _choice(column: SampleColumn, unit: str, t_s: tuple[np.ndarray, ...], how: str) -> TimeChoice:
@@ -96,7 +139,7 @@ def _assumed_unit(column: SampleColumn) -> str:
     start = column.known[0]
     if step < _SHORT_DAY and any(low < start < high for low, high in _DAYS):
         return "d"
-    for unit in ("s", "ms", "us"):
+    for unit in ("s", "ms", "us", "ns"):
         if _RATES_HZ[0] <= 1 / (step * parse_unit(unit).factor) <= _RATES_HZ[1]:
             return unit
     return "s"

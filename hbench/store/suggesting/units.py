@@ -2,10 +2,8 @@
 
 import re
 
-from hbench.units import SPELLINGS, in_ascii, parse_unit
+from hbench.units import unit_in
 
-_POWERS = str.maketrans({" ": "", "^": ""})
-ANGLES = ("deg", "rad")  # units of a position that have no dimension
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\[\](){}<>]*(?:\([^()]*\))?)\s*[\])}>]\s*$")
 # Of an unknown unit: what is in square brackets, or a quotient in round ones.
 _UNKNOWN = re.compile(r"\[\s*([^\[\]]{1,20}?)\s*\]\s*$|\(\s*([^()/]{1,9}/[^()/]{1,9}?)\s*\)\s*$")
@@ -17,25 +15,6 @@ _ELECTRICAL = re.compile(
     r"[\s_.(\[](mA|counts|cts|digits?|increments|lsb)[)\]]?\s*$", re.IGNORECASE
 )
 _ENDING = re.compile(r"[\s_.\-]+([^\s_.\-]+|mm?[_/]s)$")
-
-
-def unit_in(text: str) -> str | None:
-    """Return the unit of hbench that a text such as ``[kN]`` or ``sec`` means, or None."""
-    bare = text.strip().strip("[]{}<>").strip()
-    bare = bare[1:-1].strip() if bare.startswith("(") and bare.endswith(")") else bare
-    bare = in_ascii(bare)
-    if bare == "pA":  # the pressure at port A
-        return None
-    spelled = SPELLINGS.get(bare.lower().translate(_POWERS))
-    for unit in (spelled, bare):
-        try:
-            if not unit or not unit[0].isalpha():
-                continue
-            if any(parse_unit(unit).dimension) or unit in ANGLES:
-                return unit
-        except ValueError:
-            continue
-    return None
 
 
 def split_unit(name: str) -> tuple[str, str | None]:

@@ -154,6 +154,9 @@ def _column(suggested: SuggestedMap, channel: str, choice: Choice) -> str:
         _is_stated(suggested, choice) or (key == channel and choice.unit == CHANNELS[channel].unit)
     ):
         parts.append(f"unit: {scalar(choice.unit, flow=True)}")
+    if choice.time is not None:
+        key = choice.time.key
+        parts.append(f"time: {key if isinstance(key, int) else scalar(key, flow=True)}")
     if choice.scale is None:
         parts.append(f"scale: {_ASKED}")
     elif choice.scale != 1.0:

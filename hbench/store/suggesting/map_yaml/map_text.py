@@ -145,7 +145,8 @@ def _screening(suggested: SuggestedMap) -> Iterator[str]:
 
 def _is_at_rest(suggested: SuggestedMap) -> bool:
     """Return whether a position was logged that shows no motion."""
-    return suggested.motion is None and "x_m" in suggested.choices
+    has_times = any(len(t_s) for t_s in suggested.time.t_s)
+    return suggested.motion is None and "x_m" in suggested.choices and has_times
 
 
 def _about(suggested: SuggestedMap, motion: Motion) -> str:

@@ -10,8 +10,7 @@ from hbench.store.suggesting.file_names import NamePattern
 from hbench.store.suggesting.motion import Motion
 from hbench.store.suggesting.samples import SampleColumn
 from hbench.store.suggesting.time_base import TimeChoice
-from hbench.store.suggesting.units import ANGLES
-from hbench.units import parse_unit
+from hbench.units import ANGLES, parse_unit
 
 _PNEUMATIC_PA = 1.2e6  # a higher pressure is hydraulic
 

@@ -1,0 +1,58 @@
+"""Drift of a force's zero: friction that rises in one direction and falls in the other.
+
+A drifting zero of the load cell or of a pressure adds c t to F_T - F_applied in both directions
+alike, so that it cancels in the drift d of friction (``drift.py``). Of trial j of point i is
+
+    F_ij = a_i + c t_ij + d t_ij sign(v_i) + e_ij,   F = F_T - F_applied
+
+with the levels, set-ups and degrees of freedom of ``drift.py``, less one for c.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+
+from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.statistics.within import within
+from hbench.analysis.summary.drift import p_value, trials_of
+from hbench.analysis.summary.run_clock import RunClock
+from hbench.analysis.summary.setups import means_of_setups, sizes_and_sets
+from hbench.records import Curve, ScreenedRun
+
+_SIGNIFICANT = 0.01
+_SMALL = 0.05  # of friction: a smaller change is not reported
+_LEAST_DOF = 2
+
+
+def zero_drift_notes(
+    curves: Sequence[Curve], runs: Iterable[ScreenedRun], clock: RunClock
+) -> Iterator[str]:
+    """Yield a note on a force that changes in both directions alike, if this is significant."""
+    trials = trials_of(curves, {run.run.plan.run: run.run.plan.trial for run in runs}, clock)
+    if len(np.unique(trials.direction)) < 2:
+        return
+    size, sets = sizes_and_sets(trials.setup, trials.point)
+    tau = within(trials.t, trials.point)
+    force_n = within(trials.direction * trials.friction_n, trials.point)
+    of_setups = [
+        np.sqrt(size) * means_of_setups(values, trials.setup)
+        for values in (tau, trials.direction * tau, force_n)
+    ]
+    matrix, y = np.stack(of_setups[:2], axis=1), of_setups[2]
+    dof = len(size) - sets - 2
+    if dof < _LEAST_DOF or not matrix[:, 0].any():
+        return
+    found, *_ = np.linalg.lstsq(matrix, y, rcond=None)
+    residual = y - matrix @ found
+    covariance = np.linalg.pinv(matrix.T @ matrix) * float(residual @ residual) / dof
+    rate, se, span = float(found[0]), float(np.sqrt(covariance[0, 0])), clock.span(curves)
+    change_n, half_n = rate * span, student_factor(dof) * se * span
+    least_n = abs(change_n) - half_n
+    usual_n = float(np.median(np.abs(trials.friction_n)))
+    if p_value(rate, se, dof) < _SIGNIFICANT and least_n > _SMALL * usual_n:
+        yield (
+            f"drift: F_T - F_applied changes by {change_n:.3g} +- {half_n:.2g} N over the campaign "
+            "in both directions alike, as by a drifting zero of the load cell or of a pressure. "
+            "This is part of the friction of each direction, and not of U; half the difference of "
+            "both is free of it. Subtract the zeros at rest, or let the sensors warm up"
+        )
