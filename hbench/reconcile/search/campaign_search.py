@@ -77,7 +77,7 @@ class CampaignSearch(EffectRefinement):
             search = replace(search, candidates=left)
             final = search._with_candidates(final)
             current, steps = search._searched(final, steps[:-1], ruled_out)
-            final, gone = search.refined_and_named(current, _named(steps, ruled_out))
+            final, gone = search.refined_and_named(current, added_names(steps, ruled_out))
             ruled_out = ruled_out | gone
         return SearchResult(given, refitted, steps, final, refused, ruled_out=ruled_out)
 
@@ -90,7 +90,7 @@ class CampaignSearch(EffectRefinement):
         """Return the model with all effects that are found, and the steps after the ``known``."""
         current, steps = model, list(known)
         while len(steps) < _MOST_EFFECTS:
-            added = _named(steps, ruled_out)
+            added = added_names(steps, ruled_out)
             so_far = f" beside {', '.join(added)}" if added else ""
             self.stage(f"searching for an effect{so_far} among {len(self.candidates)} candidates")
             step, with_effect = self._step(current, added)
@@ -103,7 +103,7 @@ class CampaignSearch(EffectRefinement):
             if with_effect is None:
                 steps.append(step)
                 break
-            joined = _named([*steps, step], ruled_out)
+            joined = added_names([*steps, step], ruled_out)
             current, dropped = self.without_superfluous(with_effect, joined)
             steps.append(replace(step, dropped=dropped))
         return current, tuple(steps)
@@ -307,11 +307,6 @@ class CampaignSearch(EffectRefinement):
         evaluated = self._evaluate_in_full(model, added, name)
         tested = self._with_threshold(evaluated, added, [name])
         return tested.model is not None and self.criteria.accepts(tested.candidate)
-
-
-def _named(steps: Sequence[SearchStep], ruled_out: Collection[str]) -> tuple[str, ...]:
-    """Return the effects that the steps add, without those that were ruled out."""
-    return tuple(name for name in added_names(steps) if name not in ruled_out)
 
 
 def _mean_square(residuals: GapMap, points: np.ndarray) -> float:
