@@ -35,7 +35,7 @@ def _unnamed(
     after: GapMap,
     held_out: np.ndarray,
 ) -> UnnamedLaw:
-    table = estimates.hypothesis(estimates.beta).tables[law.table]
+    table = estimates.hypothesis.tables[law.table]
     unit, values = target_unit(table.adds_to), table.values
     names = [mode_name(law.table, j) for j in range(len(table.modes))]
     at = [estimates.chosen.index(estimates.model.data.names.index(name)) for name in names]

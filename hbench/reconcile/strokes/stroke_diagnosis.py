@@ -172,7 +172,7 @@ def _assembled(
         estimates = search.estimates(final, names)
         by_load = leave_each_load_out(search, start, names)
     priors = nuisances(strokes.plant)
-    factors, best = search.factors(estimates), estimates.hypothesis(estimates.beta)
+    factors, best = search.factors(estimates), estimates.hypothesis
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
     alternatives = tuple(
         replace(candidate, balance=step.balance)

@@ -212,7 +212,7 @@ def _step(
             for search, model in zip(searches, with_effect[candidate.name], strict=True)
         ]
         reasons = [
-            search.measured.excess_friction(each.hypothesis(each.beta), candidate.name)
+            search.measured.excess_friction(each.hypothesis, candidate.name)
             for search, each in zip(searches, estimates, strict=True)
         ]
         if candidate.name not in OF_THE_SEAL:
