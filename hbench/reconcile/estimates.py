@@ -183,7 +183,7 @@ def fit_coefficients(
 ) -> ParameterEstimates:
     """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``."""
     chosen, priors = tuple(model.index(names)), model.priors(names)
-    beta = maximum_likelihood(model.data, priors, chosen, train)[0]
+    beta = maximum_likelihood(model.data, priors, chosen, train)
     of_fit = spread(model.data, priors, chosen, beta, train, _like_speeds(model.gap_map))
     bounds = priors.select(chosen)
     return ParameterEstimates(plant, model, chosen, beta, *of_fit, bounds.low, bounds.high)

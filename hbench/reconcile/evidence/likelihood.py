@@ -51,16 +51,10 @@ class Priors:
 
 
 def maximum_likelihood(
-    data: Products,
-    priors: Priors,
-    chosen: Sequence[int],
-    points: np.ndarray,
-    signs: np.ndarray | None = None,
-    groups: np.ndarray | None = None,
+    data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarray
 ) -> np.ndarray:
-    """Return the most likely beta (b, chosen) over some ``points``; ``signs`` (b, p) make nulls."""
-    sums = data.sums(chosen, data.part(points), signs, groups)
-    return most_likely(sums, priors.select(chosen))[0]
+    """Return the most likely beta (q,) of the ``chosen`` columns over some ``points``."""
+    return most_likely(data.sums(chosen, data.part(points)), priors.select(chosen))[0, 0]
 
 
 def most_likely(sums: Sums, priors: Priors) -> np.ndarray:

@@ -99,7 +99,7 @@ class BalanceProducts:
         """Return the products of the residuals that remain at the fit of a table."""
         data, priors = self._with(table)
         n, q = len(self.columns), len(data.names)
-        beta = maximum_likelihood(data, priors, range(q), points)[0]
+        beta = maximum_likelihood(data, priors, range(q), points)
         every = {**self.columns, **self._modes(table)}
         fitted = sum(np.nan_to_num(c) * b for c, b in zip(every.values(), beta, strict=True))
         steps, base = beta[:n], self.base
