@@ -97,9 +97,7 @@ class LinearisedModel:
         shift = np.zeros(len(self.data.names))
         for which in self.coefficients_of(names):
             shift[self.column(which)] = self.hypothesis.coefficient(which) / typical_size(which)
-        tight = self.tight
-        tight = Priors(tight.centre + shift, tight.sigma, tight.low + shift, tight.high + shift)
-        return replace(self, tight=tight)
+        return replace(self, tight=self.tight.shifted(-shift))
 
     def priors(self, names: Iterable[str]) -> Priors:
         """Return the priors of all columns where only the effects ``names`` may be any size.

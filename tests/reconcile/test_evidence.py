@@ -291,7 +291,7 @@ def test_the_fit_costs_no_more_than_the_model_as_it_is():
     raw, free, points = drawn(rng, [1.5, -0.7]), freedom(2), np.arange(30)
     beta = maximum_likelihood(raw.products(), free, [0, 1], points)
     moved = Drawn(raw.d - raw.columns @ beta, raw.columns).products()
-    about = Priors(free.centre - beta, free.sigma, free.low - beta, free.high - beta)
+    about = free.shifted(beta)
     assert cost(moved, about, [0, 1], points) == pytest.approx(raw.cost(beta, free, [0, 1], points))
     assert cost(moved, about, [0, 1], points) < cost(raw.products(), free, [0, 1], points) - 5
 
