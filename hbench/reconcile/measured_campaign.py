@@ -11,7 +11,7 @@ from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
-from hbench.reconcile.gaps.log_map import Windows, log_map
+from hbench.reconcile.gaps.log_map import Windows, log_map, ranked_gaps
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, stepped
 from hbench.reconcile.learned.columns import hats, knots_of, table_columns
 from hbench.reconcile.learned.table import Table, empty_table, is_mode, mode_of
@@ -43,6 +43,7 @@ from hbench.reconcile.measured.disturbances import (
 from hbench.reconcile.measured.integration import Parts
 from hbench.reconcile.measured.session import PRESSURES, Session
 from hbench.reconcile.nuisance import drift_deviations, nuisances, standard_deviation, tolerances
+from hbench.records import Gap
 from hbench.records.reconcile.diagnosis import LEVEL_SCATTER
 
 _STEP = 1e-3  # of a logarithm
@@ -150,6 +151,10 @@ class MeasuredCampaign:
         material = self.material * self._ranges(model) / residuals.scatter[0]
         levels = tuple(self._levels(model, residuals))
         return replace(residuals, levels=levels, material=material)
+
+    def ranked_gaps(self, residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
+        """Return the gaps of all balances, largest first; see ``log_map.ranked_gaps``."""
+        return ranked_gaps(residuals, allowed)
 
     @property
     def compares_rest(self) -> bool:
