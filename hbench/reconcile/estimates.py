@@ -12,16 +12,22 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.column_names import (
+    CoefficientKey,
+    coefficient_name,
+    coefficient_of,
+    delayed_channel,
+    factor_path,
+)
 from hbench.reconcile.evidence.likelihood import maximum_likelihood, spread
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.reconcile.hypothesis import (
-    CoefficientKey,
     Hypothesis,
     effect_coefficients,
     typical_size,
 )
 from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
-from hbench.reconcile.measured.disturbances import DELAY_S, delayed_channel
+from hbench.reconcile.measured.disturbances import DELAY_S
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
 from hbench.records.reconcile.diagnosis import REST_M_S
@@ -56,9 +62,9 @@ class ParameterEstimates:
         values, priors = self.hypothesis.factors, nuisances(self.plant)
         factors = {}
         for i, name in enumerate(self._names):
-            if not name.startswith("/") or not self._is_shown(name):
+            path = factor_path(name)
+            if not path or not self._is_shown(name):
                 continue
-            path = name[1:]
             value, half_width = values[path], priors[path] * self._half_width(i)
             ends = (float(value * np.exp(-half_width)), float(value * np.exp(half_width)))
             se = priors[path] * value * self._standard_error(i)
@@ -69,10 +75,9 @@ class ParameterEstimates:
         """Return an effect's coefficients in the catalogue's units, where data show them."""
         parameters = {}
         for i, column in enumerate(self._names):
-            effect, _, key = column.partition(".")
+            which = effect, key = coefficient_of(column)
             if effect != name or not self._is_shown(column):
                 continue
-            which = effect, key
             unit = EFFECTS[name].coefficients[key].unit
             size = typical_size(which) / parse_unit(unit).factor
             start = self.model.hypothesis.coefficient(which) / parse_unit(unit).factor
@@ -107,7 +112,9 @@ class ParameterEstimates:
         """
         known = effect_coefficients(name)
         shown = [
-            which for which in self.model.coefficients_of([name]) if self._is_shown(".".join(which))
+            which
+            for which in self.model.coefficients_of([name])
+            if self._is_shown(coefficient_name(which))
         ]
         keys = [which for which in shown if which in known]
         if not keys:

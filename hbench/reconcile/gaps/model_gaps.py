@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.column_names import coefficient_name
 from hbench.reconcile.diagnosis_fields import residual_map
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import column_means
@@ -81,6 +82,6 @@ def _allowed(measured: MeasuredCampaign, model: LinearisedModel) -> np.ndarray:
     squares = np.zeros(len(model.gap_map.names))
     for which, limit in measured.tolerances.items():
         if EFFECTS[which[0]].of_sensor:
-            change = model.columns[".".join(which)] / typical_size(which)
+            change = model.columns[coefficient_name(which)] / typical_size(which)
             squares += standard_deviation(limit) ** 2 * np.nan_to_num(column_means(change**2))
     return np.sqrt(squares)

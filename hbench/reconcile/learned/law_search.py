@@ -29,6 +29,7 @@ from hbench.analysis.statistics.permutations import permutation_p, random_signs
 from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
+from hbench.reconcile.column_names import mode_name
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.learned.balance_products import (
@@ -41,7 +42,6 @@ from hbench.reconcile.learned.table import (
     LawFound,
     Table,
     balances_of,
-    mode_name,
 )
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured_campaign import MeasuredCampaign

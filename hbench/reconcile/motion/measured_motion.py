@@ -22,8 +22,9 @@ from hbench.model.build import friction_parameters, lone_cylinder
 from hbench.model.effects.catalogue import EFFECTS, read_effects, with_all_effects
 from hbench.model.parameters import CylinderParameters
 from hbench.model.sensors import ideal_sensors
+from hbench.reconcile.column_names import CoefficientKey
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
+from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel, sensor_maps
 from hbench.reconcile.measured.integration import Parts

@@ -40,7 +40,7 @@ from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, SMALL, TIE, indistinguishable, may_be_rival
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
-from hbench.reconcile.hypothesis import effect_coefficients, typical_size
+from hbench.reconcile.hypothesis import coefficient_names, typical_size
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search.refinement import EffectRefinement
@@ -110,8 +110,8 @@ class CampaignSearch(EffectRefinement):
 
     def _with_candidates(self, model: LinearisedModel) -> LinearisedModel:
         """Return a model with the columns of all candidates."""
-        keys = [".".join(c) for name in self.candidates for c in effect_coefficients(name)]
-        return self.with_columns(model, [key for key in keys if key not in model.columns])
+        wanted = coefficient_names(self.candidates)
+        return self.with_columns(model, [name for name in wanted if name not in model.columns])
 
     def small_effects(self, model: LinearisedModel) -> SmallEffects | None:
         """Return effects too small to be named with which a model has no unexplained gap.

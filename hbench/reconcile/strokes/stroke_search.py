@@ -28,6 +28,12 @@ from hbench.reconcile.acceptance import (
     indistinguishable,
     threshold_of,
 )
+from hbench.reconcile.column_names import (
+    coefficient_name,
+    coefficient_of,
+    factor_name,
+    is_coefficient,
+)
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, times, whole_dof
 from hbench.reconcile.evidence.cross_validation import rotated
 from hbench.reconcile.gaps.gap_map import GapMap
@@ -119,8 +125,8 @@ class StrokeSearchResult:
 def start_search(strokes: MeasuredStrokes) -> tuple[SeriesSearch, LinearisedModel]:
     """Return the search of a series and the levelled model. Raises ``DataError``."""
     measured = strokes.levelled
-    names = [f"/{path}" for path in nuisances(measured.plant)]
-    names += map(".".join, measured.observable)
+    names = [*map(factor_name, nuisances(measured.plant))]
+    names += map(coefficient_name, measured.observable)
     start = linearise(measured, Hypothesis(), measured.columns(Hypothesis(), names))
     points = np.arange(len(start.gap_map.points))
     effects = tuple(dict.fromkeys(name for name, _ in measured.observable))
@@ -281,7 +287,7 @@ def _visible_effects(model: LinearisedModel, balance: str) -> set[str]:
     groups = [i for i, (name, _) in enumerate(model.data.groups) if name == balance]
     visible = np.flatnonzero(model.data.columns.nonzero[groups].any(axis=0))
     names = [model.data.names[j] for j in visible]
-    return {name.partition(".")[0] for name in names if not name.startswith("/")}
+    return {coefficient_of(name)[0] for name in names if is_coefficient(name)}
 
 
 def _inconsistency(estimates: Sequence[ParameterEstimates], name: str) -> str:
