@@ -206,40 +206,50 @@ def _step(
     candidates = tuple(ranked(tuple(summed), lambda candidate: candidate.score, TIE))
     with_effect = {name: [_model_of(of_series[name]) for of_series in evaluated] for name in names}
     accepted = [candidate for candidate in candidates if _CRITERIA.accepts(candidate)]
-    ruled_out = {}
-    for candidate in accepted:
-        if balance == "force_middle":
-            reasons = [search.measured.contradiction(candidate.name) for search in searches]
-            if reason := next(filter(None, reasons), ""):
-                ruled_out[candidate.name] = reason
-                continue
-        estimates = [
-            search.estimates(model, (*added, candidate.name))
-            for search, model in zip(searches, with_effect[candidate.name], strict=True)
-        ]
-        reasons = [
-            search.measured.excess_friction(each.hypothesis, candidate.name)
-            for search, each in zip(searches, estimates, strict=True)
-        ]
-        if candidate.name not in OF_THE_SEAL:
-            reasons.append(_inconsistency(estimates, candidate.name))
-        if reason := next(filter(None, reasons), ""):
-            ruled_out[candidate.name] = reason
+    reasons = {
+        each.name: _reason_against(searches, with_effect[each.name], added, each.name, balance)
+        for each in accepted
+    }
+    ruled_out = {name: reason for name, reason in reasons.items() if reason}
     accepted = [candidate for candidate in accepted if candidate.name not in ruled_out]
     rejected = (candidate for candidate in candidates if candidate not in accepted)
     candidates = (*accepted, *rejected)
+    step = StrokeSearchStep(balance, models[0], candidates, None, (), ruled_out)
     if not accepted:
-        return StrokeSearchStep(balance, models[0], candidates, None, (), ruled_out), models
+        return step, models
     ambiguous, name = _not_distinguishable(accepted), accepted[0].name
+    several = len(ambiguous) > 1
+    step = replace(step, ambiguous=ambiguous) if several else replace(step, added=name)
     extended = [
         search.refit(model, (*added, name))
         for search, model in zip(searches, with_effect[name], strict=True)
     ]
-    if len(ambiguous) > 1:
-        return StrokeSearchStep(
-            balance, models[0], candidates, None, ambiguous, ruled_out
-        ), extended
-    return StrokeSearchStep(balance, models[0], candidates, name, (), ruled_out), extended
+    return step, extended
+
+
+def _reason_against(
+    searches: Sequence[SeriesSearch],
+    models: Sequence[LinearisedModel],
+    added: tuple[str, ...],
+    name: str,
+    balance: str,
+) -> str:
+    """Return why an effect is ruled out although its score suffices; empty if it is not.
+
+    ``models`` are those of the series with the effect.
+    """
+    if balance == "force_middle":
+        contradictions = (search.measured.contradiction(name) for search in searches)
+        if reason := next(filter(None, contradictions), ""):
+            return reason
+    estimates = [
+        search.estimates(model, (*added, name))
+        for search, model in zip(searches, models, strict=True)
+    ]
+    for search, each in zip(searches, estimates, strict=True):
+        if reason := search.measured.excess_friction(each.hypothesis, name):
+            return reason
+    return "" if name in OF_THE_SEAL else _inconsistency(estimates, name)
 
 
 def _not_distinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
