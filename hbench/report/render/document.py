@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
+from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -28,6 +29,13 @@ from hbench.report.render.word_tables import (
 )
 from hbench.sentences import sentences
 
+# Settings of all Jinja environments: text is escaped, and an unknown variable is an error.
+ESCAPED: dict[str, Any] = {
+    "autoescape": True,
+    "undefined": StrictUndefined,
+    "trim_blocks": True,
+    "lstrip_blocks": True,
+}
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
 _FIGURE = re.compile(r"Figure (\d+)\. ")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
@@ -271,13 +279,7 @@ def slug(text: str) -> str:
 
 @cache
 def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("hbench.report.render", ""),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = Environment(loader=PackageLoader("hbench.report.render", ""), **ESCAPED)
     filters = {
         "anchor": anchor,
         "beside": beside,
