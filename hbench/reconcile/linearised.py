@@ -1,9 +1,8 @@
 """Linearised model about a hypothesis: residuals of the balances and their columns.
 
 The columns (see ``evidence/likelihood.py``) are the derivatives of the measured residuals by the
-parameters.
-Units: factors in standard deviations of their priors (of the logarithm), coefficients in typical
-sizes, disturbances and modes of learned laws in standard deviations of their priors.
+parameters. Units: factors in standard deviations of their priors (of the logarithm), coefficients
+in typical sizes, disturbances and modes of learned laws in standard deviations of their priors.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

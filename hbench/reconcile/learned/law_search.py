@@ -4,9 +4,9 @@ For each balance that remains, tables over one and over two quantities are compa
 cross-validated likelihood over the training points, as candidates are (folder ``evidence``): a
 table over two quantities must be better by 5 nats; where it is not kept, the best over one is
 tried. In a flow they compete with an error of the position sensor, which changes all four flows by
-one table.
-It may repeat with the sensor's pitch, so it has 8, 16 or 32 knots along the stroke, the number with
-the best score. The first of these that meets all of the following is kept, best score first:
+one table. It may repeat with the sensor's pitch, so it has 8, 16 or 32 knots along the stroke, the
+number with the best score. The first of these that meets all of the following is kept, best score
+first:
 
     its score exceeds 5 nats and the threshold of itself and of all tables over one quantity with
     null data sets: its own residuals with random signs (``acceptance.AcceptanceCriteria``),

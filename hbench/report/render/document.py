@@ -124,9 +124,8 @@ def numbered(document: Document, on_paper: bool = False) -> Document:
 
     A table without a title has that of its section. ``[[anchor]]`` in the verdict or in the text of
     a section becomes the number of the first table in the section with this anchor, or without one
-    its title.
-    Parts that are not printed are left out ``on_paper``, where a reference to one is its title.
-    They are counted, so that a table has the same number on the page and on paper.
+    its title. Parts that are not printed are left out ``on_paper``, where a reference to one is its
+    title. They are counted, so that a table has the same number on the page and on paper.
     """
     counted = _Numbers(on_paper)
     sections = tuple(counted.numbered(section, "") for section in document.sections)
