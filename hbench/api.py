@@ -93,8 +93,7 @@ class Campaign:
         """One row per direction and load: friction and efficiency at ``v_m_s``, and breakaway.
 
         Columns such as ``friction_n_u95`` are the half-widths of the 95 % intervals of trials and
-        instruments; ``friction_n_basis`` is trials, one_trial, extrapolated, ramp
-        or breakaway.
+        instruments; ``friction_n_basis`` is trials, one_trial, extrapolated, ramp or breakaway.
         """
         return pd.DataFrame(
             {name: value for name, value in series.items() if name not in _HEADLINE}

@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from hbench import workflow
+from hbench.analysis.comparison.difference_tests import InstrumentPair
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
@@ -138,7 +139,7 @@ def test_factors_have_columns_of_their_own_and_match_series_of_other_labels(
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
     workflow.import_runs(tmp_path / "logs", tmp_path / "b", tmp_path / "map.yaml", clock)
     other = workflow.analyze(tmp_path / "b")
-    compared, notes = campaign_differences(own, other, (None, None), False)
+    compared, notes = campaign_differences(own, other, InstrumentPair(None, None, False))
     assert len(compared) == 4 and not notes
     for pair in compared:
         assert pair.a.factor_values["warmth"] == pair.b.factor_values["warmth"]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from itertools import combinations
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, field_validator, model_validator
 
 from hbench.channels import CHANNELS
 from hbench.config import quantity as q
@@ -55,11 +55,14 @@ Cut = Literal["none", "reversals", "plateaus"]
 AnySpeed = Annotated[float, BeforeValidator(_speed)]
 
 
-def known_kind(kind: str) -> str:
+def _known_kind(kind: str) -> str:
     """Return a kind of runs. Raises ``ValueError`` if there is none of this name."""
     if kind not in KINDS:
         raise ValueError(f"must be one of {kind_names()}")
     return kind
+
+
+Kind = Annotated[str, AfterValidator(_known_kind)]  # a row of KINDS
 
 
 def units_behind(files: str) -> Iterator[tuple[str, str]]:
@@ -94,7 +97,7 @@ class FileSeries(ConfigSection):
     # What else was varied, such as current or lubricant: its unit where the file's name has the
     # value, as in {current: A}; or the value itself, as in {lubricant: PTFE grease}.
     factors: dict[str, str] = {}
-    kind: str | None = None  # of these files, if it is not that of the map
+    kind: Kind | None = None  # of these files, if it is not that of the map
     cut: Cut | None = None
 
     @property
@@ -108,11 +111,6 @@ class FileSeries(ConfigSection):
             (name, f"{fields[name]} {value}".rstrip() if name in fields else value)
             for name, value in self.factors.items()
         )
-
-    @field_validator("kind")
-    @classmethod
-    def _known_kind(cls, kind: str | None) -> str | None:
-        return None if kind is None else known_kind(kind)
 
     @field_validator("factors")
     @classmethod
@@ -177,7 +175,7 @@ class ImportMap(CampaignSettings):
     """Map for ``hbench import``."""
 
     name: str
-    kind: str = "steady"  # a row of KINDS
+    kind: Kind = "steady"
     format: Format = Format()
     columns: dict[str, Column] = Field(min_length=2)  # t_s may be missing if files state times
     # Channel: quantity, for channels that are known but not logged. It may contain a field of the
@@ -200,11 +198,6 @@ class ImportMap(CampaignSettings):
         1 % of the speed, at 1 m/s it would be 0.2 %.
         """
         return {"high_speed_error": None} | limits if isinstance(limits, dict) else limits
-
-    @field_validator("kind")
-    @classmethod
-    def _known_kind(cls, kind: str) -> str:
-        return known_kind(kind)
 
     def of(self, series: FileSeries) -> "ImportMap":
         """Return the map with the kind and the cut of one of its series."""

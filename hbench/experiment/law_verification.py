@@ -39,10 +39,10 @@ def verify_laws(
 ) -> VerifiedLaws:
     """Simulate the ``measured`` verification runs with each identified law, and compare both.
 
-    ``bench_data`` is the content of the bench file, ``campaign_plans`` are all
-    runs of the campaign in order. The measured runs must have a motion and v_ref. Where the model's
-    board stops itself, the runs before that are compared and ``not_verified`` has the reason.
-    Raises ``DataError`` for a log without a channel that friction needs.
+    ``bench_data`` is the content of the bench file, ``campaign_plans`` are all runs of the campaign
+    in order. The measured runs must have a motion and v_ref. Where the model's board stops itself,
+    the runs before that are compared and ``not_verified`` has the reason. Raises ``DataError`` for
+    a log without a channel that friction needs.
     """
     bench = parse_bench(bench_data, "bench")
     mass_kg = bench.moving_mass.test

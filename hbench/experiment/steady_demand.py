@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from hbench.config.bench import Bench
 from hbench.control.linearisation import OperatingPoint, steady_point
 from hbench.errors import ConfigError
+from hbench.experiment.plan import load_pressure
 from hbench.model.build import plant_parameters
 from hbench.model.friction.laws import steady_friction
 from hbench.model.parameters import PlantParameters
@@ -80,7 +81,7 @@ def _compensated(
     """Return the load cylinder's friction that its pressures don't add to the load [N]."""
     if bench.controllers.load.by == "pressures":
         return 0.0
-    p_lp = (par.load.area_rod_m2 * p_lr_pa + f_load_n) / par.load.area_piston_m2
+    p_lp = load_pressure(bench, f_load_n, p_lr_pa)
     return float(steady_friction(v_m_s, p_lp, p_lr_pa, par.load.friction))
 
 

@@ -5,7 +5,7 @@ import numpy as np
 SAME_SPEED = 0.05  # relative gap between measured speeds of one nominal speed
 
 
-def similar_values(values: np.ndarray, tolerance: float = SAME_SPEED) -> list[np.ndarray]:
+def similar_values(values: np.ndarray, tolerance: float) -> list[np.ndarray]:
     """Return the indices of each group of similar positive ``values`` (n,), rising.
 
     Neighbours in a group differ by at most ``tolerance``, as a share of the larger one, and are

@@ -39,9 +39,9 @@ def map_on_cores(work: Callable[[Any], Any], arguments: Iterable[Any]) -> Iterat
 
     ``work``, arguments and results must be picklable. The processes are forks where that is safe,
     which need not import anything. Arguments are taken on demand, and a process has one thread for
-    linear algebra. The end of this generator or of its process kills the workers
-    at once, as by ``kill -9``, so ``work`` must leave data from which it can continue.
-    Raises the errors of ``work``, and ``ProcessDied`` if a process has died.
+    linear algebra. The end of this generator or of its process kills the workers at once, as by
+    ``kill -9``, so ``work`` must leave data from which it can continue. Raises the errors of
+    ``work``, and ``ProcessDied`` if a process has died.
     """
     forks = can_fork()
     context = get_context("fork" if forks else "spawn")

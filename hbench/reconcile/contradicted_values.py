@@ -18,6 +18,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from hbench.config.bench import Bench, Plant
+from hbench.reconcile.column_names import factor_name
 from hbench.reconcile.measured.balances import BALANCES, FLOWS
 from hbench.reconcile.measured.comparable_runs import comparable_runs
 from hbench.reconcile.measured.contradictions import refuse_contradictions
@@ -54,9 +55,11 @@ def contradicted_values(bench: Bench | None, plant: Plant, runs: Sequence[Run]) 
 
 def _measured_factors(measured: MeasuredCampaign) -> dict[str, float]:
     """Return the measured values in multiples of the given ones, where they are determined."""
-    columns = measured.columns(measured.start, [f"/{path}" for path in _POWERS])
+    columns = measured.columns(measured.start, map(factor_name, _POWERS))
     gaps, flows = measured.gap_map(measured.start), np.isin(BALANCES, FLOWS)
-    slopes = [-columns[f"/{path}"] / FACTORS[path] / power for path, power in _POWERS.items()]
+    slopes = [
+        -columns[factor_name(path)] / FACTORS[path] / power for path, power in _POWERS.items()
+    ]
     with np.errstate(divide="ignore", invalid="ignore"):
         values = np.array([gaps.difference, *slopes]) / gaps.scatter
     values = values[:, :, flows].reshape(len(values), -1)

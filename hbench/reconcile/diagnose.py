@@ -15,9 +15,8 @@ from hbench.reconcile.diagnosis_fields import (
     insufficient_data_diagnosis,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.gaps.gap_map import GapMap, point_of
-from hbench.reconcile.gaps.log_map import ranked_gaps
-from hbench.reconcile.gaps.model_gaps import gap_fields, ranked_by
+from hbench.reconcile.gaps.gap_map import point_of
+from hbench.reconcile.gaps.model_gaps import gap_fields, refitted_and_unexplained
 from hbench.reconcile.gaps.overlays import overlays
 from hbench.reconcile.gaps.tables import SimulatedStages
 from hbench.reconcile.hypothesis import Hypothesis
@@ -41,7 +40,6 @@ from hbench.reconcile.separation.separability import Separation, with_remaining_
 from hbench.reconcile.verdict import decide_verdict
 from hbench.records import (
     Diagnosis,
-    Gap,
     Overlay,
     Run,
     RunPlan,
@@ -160,16 +158,15 @@ def assembled(
     not_tried: Mapping[str, str],
     missing: tuple[str, ...],
     left_out: tuple[str, ...],
-    rank: Callable[[GapMap, np.ndarray], tuple[Gap, ...]] = ranked_gaps,
 ) -> Diagnosis:
-    """Return the diagnosis that the result of a search gives; ``rank`` returns the gaps."""
+    """Return the diagnosis that the result of a search gives."""
     final = result.final
     held_out_points = frozenset(final.gap_map.points[i] for i in held_out)
     train = np.setdiff1d(np.arange(len(final.gap_map.points)), held_out)
     estimates = fit_coefficients(task.plant, final, result.confirmed, train)
     runs = tuple(run for log in measured.logs for run in log.runs)
     simulated, overlaid, notes = _verification(task, result, held_out_points)
-    where, unexplained = ranked_by(rank, measured, result)
+    where, unexplained = refitted_and_unexplained(measured, result)
     verdict, why = decide_verdict(result, unexplained)
     rivals = _rivals(result)
     tried = tuple(name for name in EFFECTS if name not in not_tried)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,22 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.column_names import (
+    CoefficientKey,
+    coefficient_name,
+    coefficient_of,
+    delayed_channel,
+    factor_path,
+)
 from hbench.reconcile.evidence.likelihood import maximum_likelihood, spread
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.reconcile.hypothesis import (
-    CoefficientKey,
     Hypothesis,
     effect_coefficients,
     typical_size,
 )
 from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
-from hbench.reconcile.measured.disturbances import DELAY_S, delayed_channel
+from hbench.reconcile.measured.disturbances import DELAY_S
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
 from hbench.records.reconcile.diagnosis import REST_M_S
@@ -40,28 +47,27 @@ class ParameterEstimates:
     chosen: tuple[int, ...]  # (q,) indices of the model's columns
     beta: np.ndarray  # (q,)
     covariance: np.ndarray  # (q, q)
-    sandwich: (
-        np.ndarray
-    )  # (q, q) covariance from the residuals alone; see ``evidence/likelihood.py``
+    sandwich: np.ndarray  # (q, q) covariance by the residuals alone; see ``likelihood.spread``
     dof: np.ndarray  # (q,)
     low: np.ndarray  # (q,)
     high: np.ndarray  # (q,)
 
-    def hypothesis(self, beta: np.ndarray) -> Hypothesis:
-        """Return the hypothesis at some beta (q,)."""
-        return hypothesis_at(self.model, self.plant, self.chosen, beta)
+    @cached_property
+    def hypothesis(self) -> Hypothesis:
+        """The most likely hypothesis."""
+        return hypothesis_at(self.model, self.plant, self.chosen, self.beta)
 
     def factors(self) -> dict[str, FitParameter]:
         """Return the factors on the nuisances that change what is compared, by dotted path."""
-        values, priors = self.hypothesis(self.beta).factors, nuisances(self.plant)
+        values, priors = self.hypothesis.factors, nuisances(self.plant)
         factors = {}
         for i, name in enumerate(self._names):
-            if not name.startswith("/") or not self._is_shown(name):
+            path = factor_path(name)
+            if not path or not self._is_shown(name):
                 continue
-            path = name[1:]
             value, half_width = values[path], priors[path] * self._half_width(i)
             ends = (float(value * np.exp(-half_width)), float(value * np.exp(half_width)))
-            se = priors[path] * value * float(np.sqrt(self.covariance[i, i]))
+            se = priors[path] * value * self._standard_error(i)
             factors[path] = self._parameter(i, value, se, ends, "1")
         return factors
 
@@ -69,18 +75,13 @@ class ParameterEstimates:
         """Return an effect's coefficients in the catalogue's units, where data show them."""
         parameters = {}
         for i, column in enumerate(self._names):
-            effect, _, key = column.partition(".")
+            which = effect, key = coefficient_of(column)
             if effect != name or not self._is_shown(column):
                 continue
-            which = effect, key
             unit = EFFECTS[name].coefficients[key].unit
             size = typical_size(which) / parse_unit(unit).factor
             start = self.model.hypothesis.coefficient(which) / parse_unit(unit).factor
-            value = start + size * float(self.beta[i])
-            half_width = size * self._half_width(i)
-            se = size * float(np.sqrt(self.covariance[i, i]))
-            ends = (value - half_width, value + half_width)
-            parameters[key] = self._parameter(i, value, se, ends, unit)
+            parameters[key] = self._scaled(i, start + size * float(self.beta[i]), size, unit)
         return parameters
 
     def delays(self) -> dict[str, FitParameter]:
@@ -89,7 +90,7 @@ class ParameterEstimates:
         They are not 0 (95 %), and without one a balance would deviate by more than what is
         material.
         """
-        gap_map, values = self.model.gap_map, self.hypothesis(self.beta).disturbances
+        gap_map, values = self.model.gap_map, self.hypothesis.disturbances
         delays = {}
         for i, name in enumerate(self._names):
             if not (channel := delayed_channel(name)):
@@ -97,12 +98,8 @@ class ParameterEstimates:
             change = np.sqrt(column_means((self.model.columns[name] / gap_map.scatter) ** 2))
             if not np.any(np.abs(values[name]) * change > gap_map.material):
                 continue
-            value, half_width = _MS * values[name], _MS * self._half_width(i)
-            if abs(value) < half_width:
-                continue
-            ends = (value - half_width, value + half_width)
-            se = _MS * float(np.sqrt(self.covariance[i, i]))
-            delays[channel] = self._parameter(i, value, se, ends, "ms")
+            if abs(values[name]) >= self._half_width(i):
+                delays[channel] = self._scaled(i, _MS * values[name], _MS, "ms")
         return delays
 
     def may_be_zero(self, name: str) -> bool:
@@ -115,7 +112,9 @@ class ParameterEstimates:
         """
         known = effect_coefficients(name)
         shown = [
-            which for which in self.model.coefficients_of([name]) if self._is_shown(".".join(which))
+            which
+            for which in self.model.coefficients_of([name])
+            if self._is_shown(coefficient_name(which))
         ]
         keys = [which for which in shown if which in known]
         if not keys:
@@ -143,6 +142,12 @@ class ParameterEstimates:
     def _names(self) -> tuple[str, ...]:
         return tuple(self.model.data.names[i] for i in self.chosen)
 
+    def _scaled(self, i: int, value: float, size: float, unit: str) -> FitParameter:
+        """Return a parameter with a value, of which ``size`` is one unit of its beta."""
+        half_width = size * self._half_width(i)
+        ends = value - half_width, value + half_width
+        return self._parameter(i, value, size * self._standard_error(i), ends, unit)
+
     def _parameter(
         self, i: int, value: float, se: float, ends: tuple[float, float], unit: str
     ) -> FitParameter:
@@ -153,7 +158,10 @@ class ParameterEstimates:
         return FitParameter(value, None, ci95, bound, unit)
 
     def _half_width(self, i: int) -> float:
-        return float(student_factor(whole_dof(self.dof[i])) * np.sqrt(self.covariance[i, i]))
+        return student_factor(whole_dof(self.dof[i])) * self._standard_error(i)
+
+    def _standard_error(self, i: int) -> float:
+        return float(np.sqrt(self.covariance[i, i]))
 
     def _bound(self, i: int) -> Bound:
         if self.beta[i] <= self.low[i] + _AT_BOUND:
@@ -182,7 +190,7 @@ def fit_coefficients(
 ) -> ParameterEstimates:
     """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``."""
     chosen, priors = tuple(model.index(names)), model.priors(names)
-    beta = maximum_likelihood(model.data, priors, chosen, train)[0]
+    beta = maximum_likelihood(model.data, priors, chosen, train)
     of_fit = spread(model.data, priors, chosen, beta, train, _like_speeds(model.gap_map))
     bounds = priors.select(chosen)
     return ParameterEstimates(plant, model, chosen, beta, *of_fit, bounds.low, bounds.high)

@@ -4,7 +4,7 @@ And the disturbances of its measurement. A step in one parameter makes a column 
 differences.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,11 +12,15 @@ import numpy as np
 
 from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.column_names import (
+    CoefficientKey,
+    coefficient_name,
+    coefficient_of,
+    factor_path,
+    is_disturbance,
+)
 from hbench.reconcile.learned.table import Table
-from hbench.reconcile.measured.disturbances import is_disturbance
 from hbench.units import parse_unit
-
-CoefficientKey = tuple[str, str]  # name of the effect, key of its coefficient
 
 
 @dataclass(frozen=True)
@@ -75,6 +79,11 @@ def shape_coefficients(name: str) -> tuple[CoefficientKey, ...]:
     return tuple((name, key) for key, row in rows if not row.typical)
 
 
+def coefficient_names(effects: Iterable[str]) -> list[str]:
+    """Return the names of the columns of the coefficients that switch some effects on."""
+    return [coefficient_name(which) for name in effects for which in effect_coefficients(name)]
+
+
 def typical_size(which: CoefficientKey) -> float:
     """Return a coefficient's typical size [SI]; for a shape a quarter of its default, or 0.25."""
     row = EFFECTS[which[0]].coefficients[which[1]]
@@ -90,18 +99,15 @@ def stepped(
     ``size`` is the step: of a factor's logarithm, or a share of a coefficient's typical size or a
     disturbance's standard deviation. It is reversed at a coefficient's upper limit.
     """
-    if name.startswith("/"):
-        path = name[1:]
+    if path := factor_path(name):
         factor = hypothesis.factors.get(path, 1.0) * float(np.exp(size))
-        return replace(hypothesis, factors={**hypothesis.factors, path: factor}), size / widths[
-            path
-        ]
+        factors = {**hypothesis.factors, path: factor}
+        return replace(hypothesis, factors=factors), size / widths[path]
     if is_disturbance(name):
         value = hypothesis.disturbances.get(name, 0.0) + size
         disturbances = {**hypothesis.disturbances, name: value}
         return replace(hypothesis, disturbances=disturbances), size
-    effect, _, key = name.partition(".")
-    which = effect, key
+    which = effect, key = coefficient_of(name)
     row, current = EFFECTS[effect].coefficients[key], hypothesis.coefficient(which)
     step = max(size * typical_size(which), row.to_si(row.low) - current)
     if current + step > row.to_si(row.high):

@@ -1,9 +1,8 @@
 """Linearised model about a hypothesis: residuals of the balances and their columns.
 
 The columns (see ``evidence/likelihood.py``) are the derivatives of the measured residuals by the
-parameters.
-Units: factors in standard deviations of their priors (of the logarithm), coefficients in typical
-sizes, disturbances and modes of learned laws in standard deviations of their priors.
+parameters. Units: factors in standard deviations of their priors (of the logarithm), coefficients
+in typical sizes, disturbances and modes of learned laws in standard deviations of their priors.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,26 +12,36 @@ from typing import Any, Protocol
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.column_names import (
+    CoefficientKey,
+    coefficient_name,
+    coefficient_of,
+    factor_name,
+    factor_path,
+    is_coefficient,
+    is_disturbance,
+    is_mode,
+    mode_of,
+)
 from hbench.reconcile.evidence.likelihood import Priors
 from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.evidence.window_sums import products
 from hbench.reconcile.gaps.gap_map import GapMap, column_means
 from hbench.reconcile.hypothesis import (
-    CoefficientKey,
     Hypothesis,
     effect_coefficients,
     typical_size,
 )
-from hbench.reconcile.learned.table import is_mode, mode_of
-from hbench.reconcile.measured.disturbances import is_disturbance, limits
+from hbench.reconcile.measured.disturbances import limits
 from hbench.reconcile.nuisance import BOUND, REPLACED, nuisances, standard_deviation
 from hbench.records.reconcile.diagnosis import LEAST_EXPLAINED
 
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default
 _FIXED = 0.01  # standard deviation of a factor that is not refitted, in those of its prior
-_NO_EFFECT = "/~#"  # first letters of the names of factors, disturbances and modes
 _LARGEST_MODE = 30.0  # of a learned law, in standard deviations of its prior
+_Prior = tuple[float, float, float, float]  # of one column, as ``Priors``
+_OFF = (0.0, np.nan, 0.0, 0.0)  # prior of a column that no fit has unless its effect is tried
 Columns = Mapping[str, np.ndarray]  # by name: change of the residuals (w, c) by one unit
 
 
@@ -75,12 +84,12 @@ class LinearisedModel:
     def coefficients_of(self, names: Iterable[str]) -> tuple[CoefficientKey, ...]:
         """Return the coefficients of some effects that have a column, in column order."""
         wanted = set(names)
-        split = (name.partition(".") for name in self.data.names if name[0] not in _NO_EFFECT)
-        return tuple((effect, key) for effect, _, key in split if effect in wanted)
+        every = map(coefficient_of, filter(is_coefficient, self.data.names))
+        return tuple(which for which in every if which[0] in wanted)
 
     def column(self, which: CoefficientKey) -> int:
         """Return the index of a coefficient's column."""
-        return self.data.names.index(".".join(which))
+        return self.data.names.index(coefficient_name(which))
 
     @property
     def nuisances(self) -> tuple[int, ...]:
@@ -97,9 +106,7 @@ class LinearisedModel:
         shift = np.zeros(len(self.data.names))
         for which in self.coefficients_of(names):
             shift[self.column(which)] = self.hypothesis.coefficient(which) / typical_size(which)
-        tight = self.tight
-        tight = Priors(tight.centre + shift, tight.sigma, tight.low + shift, tight.high + shift)
-        return replace(self, tight=tight)
+        return replace(self, tight=self.tight.shifted(-shift))
 
     def priors(self, names: Iterable[str]) -> Priors:
         """Return the priors of all columns where only the effects ``names`` may be any size.
@@ -115,7 +122,7 @@ class LinearisedModel:
                 for name in ("centre", "sigma", "low", "high")
             )
         )
-        replaced = {f"/{path}" for effect, path in REPLACED.items() if effect in wanted}
+        replaced = {factor_name(path) for effect, path in REPLACED.items() if effect in wanted}
         at = np.array([name in replaced for name in self.data.names], bool)
         return replace(priors, sigma=np.where(at, _FIXED, priors.sigma))
 
@@ -143,45 +150,43 @@ def linearise_residuals(
     ``known`` are the products of other residuals with the same columns and scatter.
     """
     widths = nuisances(measured.plant)
-    tight, wide = [], []
-    for name in columns:
-        if name.startswith("/"):
-            at = np.log(hypothesis.factors.get(name[1:], 1.0)) / widths[name[1:]]
-            tight.append((-at, 1.0, -BOUND - at, BOUND - at))
-            wide.append(tight[-1])
-            continue
-        if is_disturbance(name):
-            at = hypothesis.disturbances.get(name, 0.0)
-            low, high = limits(name)
-            tight.append((-at, 1.0, low - at, high - at))
-            wide.append(tight[-1])
-            continue
-        if is_mode(name):
-            table, mode = mode_of(name)
-            at = hypothesis.tables[table].modes[mode]
-            tight.append((-at, 1.0, -_LARGEST_MODE - at, _LARGEST_MODE - at))
-            wide.append(tight[-1])
-            continue
-        effect, _, key = name.partition(".")
-        which = effect, key
-        row, size = EFFECTS[effect].coefficients[key], typical_size(which)
-        at, neutral = hypothesis.coefficient(which) / size, row.to_si(row.default)
-        sigma = _COEFFICIENT_PRIOR if row.typical else _SHAPE_PRIOR
-        low, high = min(row.to_si(row.low), neutral) / size - at, row.to_si(row.high) / size - at
-        limit = measured.tolerances.get(which, 0.0) / size
-        off = measured.start.coefficient(which) / size - at if limit else 0.0
-        within = off, standard_deviation(limit), max(off - limit, low), min(off + limit, high)
-        tight.append(within if limit else _OFF)
-        beside = EFFECTS[effect].alone and _beyond(measured, hypothesis, effect) - {which}
-        wide.append(within if beside else (neutral / size - at, sigma, low, high))
-    return LinearisedModel(
-        hypothesis,
-        residuals,
-        columns,
-        products(residuals, columns, known),
-        Priors(*np.array(tight).reshape(-1, 4).T),
-        Priors(*np.array(wide).reshape(-1, 4).T),
-    )
+    rows = [_tight_and_wide(measured, hypothesis, name, widths) for name in columns]
+    tight, wide = np.array(rows).reshape(-1, 2, 4).transpose(1, 2, 0)
+    data = products(residuals, columns, known)
+    return LinearisedModel(hypothesis, residuals, columns, data, Priors(*tight), Priors(*wide))
+
+
+def _tight_and_wide(
+    measured: Measured, hypothesis: Hypothesis, name: str, widths: Mapping[str, float]
+) -> tuple[_Prior, _Prior]:
+    """Return both priors of a step from the hypothesis; only those of a coefficient differ."""
+    if is_coefficient(name):
+        return _priors_of_coefficient(measured, hypothesis, coefficient_of(name))
+    if path := factor_path(name):
+        at, low, high = np.log(hypothesis.factors.get(path, 1.0)) / widths[path], -BOUND, BOUND
+    elif is_disturbance(name):
+        at, (low, high) = hypothesis.disturbances.get(name, 0.0), limits(name)
+    else:
+        table, mode = mode_of(name)
+        at, low, high = hypothesis.tables[table].modes[mode], -_LARGEST_MODE, _LARGEST_MODE
+    prior = -at, 1.0, low - at, high - at
+    return prior, prior
+
+
+def _priors_of_coefficient(
+    measured: Measured, hypothesis: Hypothesis, which: CoefficientKey
+) -> tuple[_Prior, _Prior]:
+    effect, key = which
+    row, size = EFFECTS[effect].coefficients[key], typical_size(which)
+    at, neutral = hypothesis.coefficient(which) / size, row.to_si(row.default)
+    sigma = _COEFFICIENT_PRIOR if row.typical else _SHAPE_PRIOR
+    low, high = min(row.to_si(row.low), neutral) / size - at, row.to_si(row.high) / size - at
+    limit = measured.tolerances.get(which, 0.0) / size
+    off = measured.start.coefficient(which) / size - at if limit else 0.0
+    within = off, standard_deviation(limit), max(off - limit, low), min(off + limit, high)
+    beside = EFFECTS[effect].alone and _beyond(measured, hypothesis, effect) - {which}
+    wide = within if beside else (neutral / size - at, sigma, low, high)
+    return within if limit else _OFF, wide
 
 
 def _beyond(measured: Measured, hypothesis: Hypothesis, effect: str) -> set[CoefficientKey]:
@@ -194,9 +199,6 @@ def _beyond(measured: Measured, hypothesis: Hypothesis, effect: str) -> set[Coef
     }
 
 
-_OFF = (0.0, np.nan, 0.0, 0.0)  # prior of a column that no fit has unless its effect is tried
-
-
 def hypothesis_at(
     model: LinearisedModel, plant: Any, chosen: Sequence[int], beta: np.ndarray
 ) -> Hypothesis:
@@ -207,8 +209,7 @@ def hypothesis_at(
     disturbances = dict(before.disturbances)
     for i, step in zip(chosen, beta.tolist(), strict=True):
         name = model.data.names[i]
-        if name.startswith("/"):
-            path = name[1:]
+        if path := factor_path(name):
             factors[path] = float(factors.get(path, 1.0) * np.exp(step * widths[path]))
         elif is_disturbance(name):
             disturbances[name] = disturbances.get(name, 0.0) + step
@@ -216,8 +217,7 @@ def hypothesis_at(
             table, mode = mode_of(name)
             tables[table] = tables[table].stepped(mode, step)
         else:
-            effect, _, key = name.partition(".")
-            which = effect, key
+            which = coefficient_of(name)
             values[which] = _allowed(which, before.coefficient(which) + step * typical_size(which))
     changed = replace(before, factors=factors, tables=tuple(tables), disturbances=disturbances)
     return changed.with_coefficients(values)
@@ -229,9 +229,10 @@ def _one_alone(model: LinearisedModel, chosen: Sequence[int], beta: np.ndarray) 
     It is the one that is farthest beyond. Transducers that are all wrong by a share are another
     effect: a wrong load cell.
     """
-    names = [model.data.names[i].partition(".")[0] for i in chosen]
-    for effect in {name for name in names if name[0] not in _NO_EFFECT and EFFECTS[name].alone}:
-        own = np.array([name == effect for name in names])
+    names = [model.data.names[i] for i in chosen]
+    effects = [coefficient_of(name)[0] if is_coefficient(name) else "" for name in names]
+    for effect in {each for each in effects if each and EFFECTS[each].alone}:
+        own = np.array([each == effect for each in effects])
         within = model.tight.select([i for i, wanted in zip(chosen, own, strict=True) if wanted])
         inside = np.clip(beta[own], within.low, within.high)
         farthest = np.argmax(np.abs(beta[own] - inside) / (within.high - within.low))
@@ -260,7 +261,7 @@ def changed_balances(
     touched = EFFECTS[name].balances
     windows, change = np.isin(without.point, points), np.zeros_like(without.difference)
     for which in effect_coefficients(name):
-        if (column := model.columns.get(".".join(which))) is not None:
+        if (column := model.columns.get(coefficient_name(which))) is not None:
             change += model.hypothesis.coefficient(which) / typical_size(which) * column
     with np.errstate(divide="ignore", invalid="ignore"):
         squares = column_means((change / without.scatter)[windows] ** 2)

@@ -10,11 +10,26 @@ from hbench.config.bench import Bench, Plant
 from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.parallel.threads import map_on_threads
+from hbench.reconcile.column_names import (
+    CoefficientKey,
+    coefficient_name,
+    coefficient_of,
+    delay_name,
+    drift_name,
+    factor_name,
+    factor_path,
+    is_coefficient,
+    is_disturbance,
+    is_mode,
+    is_ripple,
+    mode_of,
+    ripple_name,
+)
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
-from hbench.reconcile.gaps.log_map import Windows, log_map
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, stepped
+from hbench.reconcile.gaps.log_map import Windows, log_map, ranked_gaps
+from hbench.reconcile.hypothesis import Hypothesis, stepped
 from hbench.reconcile.learned.columns import hats, knots_of, table_columns
-from hbench.reconcile.learned.table import Table, empty_table, is_mode, mode_of
+from hbench.reconcile.learned.table import Table, empty_table
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.along import ALL_PARTS, connected
 from hbench.reconcile.measured.balances import (
@@ -34,15 +49,11 @@ from hbench.reconcile.measured.disturbances import (
     DELAY_S,
     POSITION,
     Ripples,
-    delay_name,
-    drift_name,
-    is_disturbance,
-    is_ripple,
-    ripple_name,
 )
 from hbench.reconcile.measured.integration import Parts
 from hbench.reconcile.measured.session import PRESSURES, Session
 from hbench.reconcile.nuisance import drift_deviations, nuisances, standard_deviation, tolerances
+from hbench.records import Gap
 from hbench.records.reconcile.diagnosis import LEVEL_SCATTER
 
 _STEP = 1e-3  # of a logarithm
@@ -105,8 +116,8 @@ class MeasuredCampaign:
     def nuisance_columns(self) -> list[str]:
         """Names of the columns of all nuisances."""
         return [
-            *(f"/{path}" for path in nuisances(self.plant)),
-            *map(".".join, self.tolerances),
+            *map(factor_name, nuisances(self.plant)),
+            *map(coefficient_name, self.tolerances),
             *map(drift_name, self.drifts),
             *map(delay_name, self.delayed),
             *(ripple_name(each, mode) for each in self.cylinders for mode in range(_RIPPLE_KNOTS)),
@@ -150,6 +161,10 @@ class MeasuredCampaign:
         material = self.material * self._ranges(model) / residuals.scatter[0]
         levels = tuple(self._levels(model, residuals))
         return replace(residuals, levels=levels, material=material)
+
+    def ranked_gaps(self, residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
+        """Return the gaps of all balances, largest first; see ``log_map.ranked_gaps``."""
+        return ranked_gaps(residuals, allowed)
 
     @property
     def compares_rest(self) -> bool:
@@ -259,7 +274,7 @@ class MeasuredCampaign:
 
         It has the laws alone that depend on the parameter, unless a state connects them.
         """
-        size = _STEP if name.startswith("/") else _SHARE
+        size = _STEP if factor_path(name) else _SHARE
         at_step, share = stepped(hypothesis, name, nuisances(self.plant), size)
         model = self.balance_model(at_step)
         step_s = model.step_s if name in _LAGS else _COLUMN_STEP_S
@@ -276,9 +291,9 @@ class MeasuredCampaign:
         """Return a column; ``before`` are the residuals at the hypothesis, by step and parts."""
         after = self._values(self.smoothed_sessions, model)
         change = (before[model.step_s, model.parts] - after) / share
-        if name.startswith("/") or is_disturbance(name):
+        if not is_coefficient(name):
             return change
-        touched = np.isin(BALANCES, EFFECTS[name.partition(".")[0]].balances)
+        touched = np.isin(BALANCES, EFFECTS[coefficient_of(name)[0]].balances)
         return np.where(touched, change, 0.0)
 
 
@@ -286,10 +301,10 @@ def parts_of(name: str) -> Parts:
     """Return the laws that the parameter of a column changes."""
     if is_disturbance(name):
         return ALL_PARTS
-    if name.startswith("/"):
+    if factor_path(name):
         flows = not name.startswith(("/friction.", "/moving_mass."))
         return Parts(flows, name.startswith("/friction."))
-    balances = EFFECTS[name.partition(".")[0]].balances
+    balances = EFFECTS[coefficient_of(name)[0]].balances
     return Parts(not {*FLOWS, "supply"}.isdisjoint(balances), not set(FORCES).isdisjoint(balances))
 
 

@@ -16,7 +16,7 @@ from hbench.config.scaling import value_paths
 from hbench.config.sensors import Instrument, Instruments
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import read_effects
-from hbench.reconcile.hypothesis import CoefficientKey
+from hbench.reconcile.column_names import CoefficientKey
 from hbench.units import from_si, to_si
 
 _FRICTION = {  # a first guess of a seal's friction may be off by a factor of 5

@@ -85,7 +85,7 @@ def revision(
     if result.unchanged:
         return {}, deepcopy(dict(sections))
     factors = estimates.factors()
-    return factors, revised(sections, factors, estimates.hypothesis(estimates.beta))
+    return factors, revised(sections, factors, estimates.hypothesis)
 
 
 def revised(

@@ -1,6 +1,6 @@
 """Steps of a search for missing effects, and its result."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from hbench.reconcile.learned.table import LawFound
@@ -65,7 +65,7 @@ class SearchResult:
     @property
     def names(self) -> tuple[str, ...]:
         """The effects that were added and not dropped, in order."""
-        return tuple(name for name in added_names(self.steps) if name not in self.ruled_out)
+        return added_names(self.steps, self.ruled_out)
 
     @property
     def additions(self) -> tuple[SearchStep, ...]:
@@ -94,9 +94,13 @@ class SearchResult:
         return bool(self.refused) and not self.confirmed and not self.laws
 
 
-def added_names(steps: Sequence[SearchStep]) -> tuple[str, ...]:
-    """Return the effects that the steps add and do not drop, in order."""
+def added_names(
+    steps: Sequence[SearchStep], ruled_out: Collection[str] = frozenset()
+) -> tuple[str, ...]:
+    """Return the effects that the steps add and do not drop, in order, but those ``ruled_out``."""
     dropped = {name: i for i, step in enumerate(steps) for name in step.dropped}
     return tuple(
-        step.added for i, step in enumerate(steps) if step.added and i >= dropped.get(step.added, 0)
+        step.added
+        for i, step in enumerate(steps)
+        if step.added and i >= dropped.get(step.added, 0) and step.added not in ruled_out
     )

@@ -189,9 +189,8 @@ def measure(
     repeats completed runs whose log is missing or changed; a changed log is kept. ``clock`` gives
     the time of the session's start; the times in the journal are that plus the time of the line, so
     that setting the computer's clock does not change them. A run that is rejected as it ends is
-    repeated at once, up to ``retry`` times.
-    During the measurement, the folder's ``live.json`` contains the state given to ``report``.
-    Raises ``ConfigError``, ``DeviceError``, ``DataError``.
+    repeated at once, up to ``retry`` times. During the measurement, the folder's ``live.json``
+    contains the state given to ``report``. Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """
     if line.plant is not None and line.port != "sim":
         raise ConfigError(

@@ -6,6 +6,7 @@ from pathlib import Path
 from hbench.analysis.comparison import matching
 from hbench.analysis.comparison.band_differences import band_differences, trend_differences
 from hbench.analysis.comparison.breakaway_differences import breakaway_differences
+from hbench.analysis.comparison.difference_tests import InstrumentPair
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.drift_effects import with_drift_effects
 from hbench.analysis.screening.zero_check import with_zero_checks
@@ -52,25 +53,24 @@ def compare(
     campaign_a, campaign_b = load_campaign(a), load_campaign(b)
     results_a, results_b = derive(campaign_a), derive(campaign_b)
     setups = campaign_a.setup(), campaign_b.setup()
-    instruments = (
-        with_zero_checks(setups[0].instruments, results_a.motions.zero_checks),
-        with_zero_checks(setups[1].instruments, results_b.motions.zero_checks),
-    )
     if same_instruments is None:
         same_source = results_a.provenance.source == results_b.provenance.source
         same_instruments = same_source and _of_one_bench(*setups)
+    instruments = InstrumentPair(
+        with_zero_checks(setups[0].instruments, results_a.motions.zero_checks),
+        with_zero_checks(setups[1].instruments, results_b.motions.zero_checks),
+        same_instruments,
+    )
     both = results_a, results_b
     tolerance = matching.speed_tolerance(*both) if speed_tolerance is None else speed_tolerance
-    curves, notes = campaign_differences(*both, instruments, same_instruments, tolerance)
+    curves, notes = campaign_differences(*both, instruments, tolerance)
     clocks = (
         RunClock.of(results_a.runs, campaign_a.start_times_s(), campaign_a.source_files()),
         RunClock.of(results_b.runs, campaign_b.start_times_s(), campaign_b.source_files()),
     )
-    curves, mean_of_curves = with_drift_effects(
-        curves, both, clocks, instruments, same_instruments, tolerance
-    )
-    bands = band_differences(*both, instruments, same_instruments, tolerance)
-    breakaways, others = breakaway_differences(*both, instruments, same_instruments)
+    curves, mean_of_curves = with_drift_effects(curves, both, clocks, instruments, tolerance)
+    bands = band_differences(*both, instruments, tolerance)
+    breakaways, others = breakaway_differences(*both, instruments)
     notes = (*notes, *others)
     if not (curves or breakaways or notes):
         raise DataError(
@@ -97,7 +97,7 @@ def compare(
         curves,
         notes,
         bands,
-        trend_differences(*both, bands, instruments, same_instruments),
+        trend_differences(*both, bands, instruments),
         (results_a.oil_temperature, results_b.oil_temperature),
         mean_of_curves,
         (results_a.drift, results_b.drift),

@@ -38,8 +38,7 @@ def design(
     bench's range. Without any, the point with the least margin is taken. With ``source`` the
     source's numbers are compared; without a ``point``, its operating point is taken. ``ratio`` is
     that of neighbouring bandwidths; with it, gains are proposed and checked with the firmware. If
-    they fail, ``RATIOS`` are tried until one passes.
-    Raises ``ConfigError``, ``ConvergenceError``.
+    they fail, ``RATIOS`` are tried until one passes. Raises ``ConfigError``, ``ConvergenceError``.
     """
     from hbench.control.grid import (  # slow import: scipy.signal
         checks_of_points,

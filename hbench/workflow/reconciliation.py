@@ -34,11 +34,10 @@ def reconcile(
 
     The model is a bench file, or a plant file applied to the campaign's bench. ``report`` gets the
     numbers of finished and of all simulations, ``stage`` what begins. Logs with chamber pressures
-    and commands are compared along their samples, whoever made them. Of other
-    imported logs one ``series`` is compared, which must be specified if there are several: the
-    motion of a mass whose drive force was measured, or else steady strokes.
-    Deviations below a share ``material`` of a signal's range do not matter. Raises ``ConfigError``,
-    ``DataError``.
+    and commands are compared along their samples, whoever made them. Of other imported logs one
+    ``series`` is compared, which must be specified if there are several: the motion of a mass whose
+    drive force was measured, or else steady strokes. Deviations below a share ``material`` of a
+    signal's range do not matter. Raises ``ConfigError``, ``DataError``.
     """
     # Slow imports: they compile.
     from hbench.workflow import campaign_diagnosis

@@ -42,9 +42,9 @@ from hbench.errors import ConfigError, DataError
 from hbench.experiment.staged_plan import planned_runs
 from hbench.parallel.forked import map_forked
 from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun, ZeroCheck
-from hbench.report.campaign.motion_tables import motion_tables
+from hbench.report.campaign.csv_motions import motion_tables
+from hbench.report.campaign.csv_tables import TABLES
 from hbench.report.campaign.results_document import results_json
-from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_report, write_results
 from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.stored_acceptance import stored_checks, stored_decision, stored_rule

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from hbench.analysis.comparison.band_differences import band_differences, trend_differences
+from hbench.analysis.comparison.difference_tests import InstrumentPair
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.matching import SetPoint, nearest_set_point, speed_tolerance
 from hbench.analysis.statistics.holm import holm
@@ -15,10 +16,11 @@ from hbench.config.sensors import Instruments
 from tests.support.analysis.drawn_seal import LARGE, drawn_seal
 
 STROKES = 0.20  # tolerance of their speeds
+UNKNOWN = InstrumentPair(None, None, False)
 
 
 def compared(a, b, known=(None, None), same=False, tolerance=STROKES):
-    return band_differences(a, b, known, same, tolerance)
+    return band_differences(a, b, InstrumentPair(*known, same), tolerance)
 
 
 def test_half_bands_middles_and_energies_are_compared_as_scipys_welch_test_does():
@@ -39,7 +41,7 @@ def test_half_bands_middles_and_energies_are_compared_as_scipys_welch_test_does(
 
 def test_slopes_are_compared_with_welchs_degrees_of_freedom():
     a, b = drawn_seal(1), drawn_seal(2, "B", slope=1.4)
-    (found,) = trend_differences(a, b, compared(a, b), (None, None), False)
+    (found,) = trend_differences(a, b, compared(a, b), UNKNOWN)
     lines = [trend.half for trend in (*a.band_trends, *b.band_trends)]
     squares = [line.slope_se_n_pa**2 for line in lines]
     se = np.sqrt(sum(squares))
@@ -56,7 +58,7 @@ def test_the_slopes_interval_contains_the_truth_in_95_percent_and_rarely_cries_w
     held = []
     for seed in range(count):
         a, b = drawn_seal(2 * seed), drawn_seal(2 * seed + 1, "B")
-        (found,) = trend_differences(a, b, compared(a, b), (None, None), False)
+        (found,) = trend_differences(a, b, compared(a, b), UNKNOWN)
         held.append(abs(found.half_slope_n_pa.value) <= found.half_slope_n_pa.ci95)
     assert np.mean(held) > 0.93
 
@@ -65,13 +67,13 @@ def test_a_slope_needs_three_pressures_of_both():
     a, b = drawn_seal(1), drawn_seal(2, "B", bars=(3.0, 5.0, 6.0))
     bands = compared(a, b)
     assert [round(each.a.p_tp_pa / 1e5) for each in bands] == [3, 5]
-    assert trend_differences(a, b, bands, (None, None), False) == ()
+    assert trend_differences(a, b, bands, UNKNOWN) == ()
 
 
 def test_another_bore_is_compared_at_the_same_pressure():
     a, b = drawn_seal(1), drawn_seal(2, "B", specimen=LARGE, pressure=1.03)
     assert len(compared(a, b)) == 4
-    curves, notes = campaign_differences(a, b, (None, None), False, STROKES)
+    curves, notes = campaign_differences(a, b, UNKNOWN, STROKES)
     assert len(curves) == 8 and notes == ()
     assert compared(a, drawn_seal(2, "B", specimen=LARGE, pressure=1.06)) == ()
 
@@ -83,11 +85,11 @@ def test_speeds_that_nobody_set_count_as_the_same_within_a_fifth():
         drawn_seal(2, "B", speeds=(8.3e-3, 7.3e-3)),
     )
     assert speed_tolerance(a, near) == 0.20
-    curves, notes = campaign_differences(a, near, (None, None), False, speed_tolerance(a, near))
+    curves, notes = campaign_differences(a, near, UNKNOWN, speed_tolerance(a, near))
     assert len(curves) == 8 and notes == ()
     assert len(compared(a, near)) == 4
     assert compared(a, far) == ()
-    curves, notes = campaign_differences(a, far, (None, None), False, STROKES)
+    curves, notes = campaign_differences(a, far, UNKNOWN, STROKES)
     assert len(curves) == len(notes) == 4 and all("retract" in note for note in notes)
 
 
@@ -95,7 +97,7 @@ def test_set_speeds_must_agree_within_two_percent():
     set_ = {"speed_is_measured": False}
     a, b = drawn_seal(1, **set_), drawn_seal(2, "B", speeds=(8.5e-3, 6e-3), **set_)
     assert speed_tolerance(a, b) == 0.02
-    curves, notes = campaign_differences(a, b, (None, None), False, speed_tolerance(a, b))
+    curves, notes = campaign_differences(a, b, UNKNOWN, speed_tolerance(a, b))
     assert {curve.direction for curve in curves} == {"retract"} and len(notes) == 4
 
 
@@ -154,7 +156,7 @@ def test_a_gain_error_of_the_load_cell_changes_half_band_and_energy_alike():
     energies = np.hypot(*(0.01 * each.energy_j for each in (first.a, first.b)))
     assert first.energy_j.u95 == pytest.approx(expanded(first.energy_j, energies), rel=1e-4)
     a, b = drawn_seal(1), drawn_seal(2, "B", slope=1.4)
-    (slope,) = trend_differences(a, b, compared(a, b), (known, known), False)
+    (slope,) = trend_differences(a, b, compared(a, b), InstrumentPair(known, known, False))
     gains = np.hypot(*(0.01 * t.half.slope_n_pa for t in (*a.band_trends, *b.band_trends)))
     assert slope.half_slope_n_pa.u95 == pytest.approx(
         expanded(slope.half_slope_n_pa, gains), rel=1e-4

@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 from hbench.analysis.comparison.breakaway_differences import breakaway_differences
+from hbench.analysis.comparison.difference_tests import InstrumentPair
 from hbench.analysis.curves.breakaway import breakaways
 from hbench.analysis.statistics.holm import holm
 from hbench.config.sensors import Instruments
@@ -36,7 +37,7 @@ def results(runs):
 
 
 def compared(a, b, known=(None, None), same=False):
-    return breakaway_differences(a, b, known, same)
+    return breakaway_differences(a, b, InstrumentPair(*known, same))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

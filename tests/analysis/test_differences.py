@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.comparison.difference_tests import welch
+from hbench.analysis.comparison.difference_tests import InstrumentPair, welch
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.drift_effects import with_drift_effects
 from hbench.analysis.statistics.holm import holm
@@ -74,7 +74,7 @@ def campaign(make_curve):
 
 
 def compared(a, b, same=True, known=(INSTRUMENTS, INSTRUMENTS)):
-    return campaign_differences(a, b, known, same)
+    return campaign_differences(a, b, InstrumentPair(*known, same))
 
 
 def test_each_number_has_its_own_uncertainty_of_trials_and_instruments(campaign):
@@ -257,10 +257,10 @@ def test_each_speed_has_the_u_of_its_mean_over_both_directions(campaign):
     a, b = (campaign(seed, directions=both) for seed in (1, 2))
 
     def mean(same, known=INSTRUMENTS):
-        pair = INSTRUMENTS, known
-        curves, _ = compared(a, b, same, pair)
+        pair = InstrumentPair(INSTRUMENTS, known, same)
+        curves, _ = campaign_differences(a, b, pair)
         clocks = RunClock({}, False), RunClock({}, False)
-        return with_drift_effects(curves, (a, b), clocks, pair, same, 0.02)[1]
+        return with_drift_effects(curves, (a, b), clocks, pair, 0.02)[1]
 
     same, others, unknown = mean(True), mean(False), mean(False, None)
     assert len(same.speeds) == len(SPEEDS)

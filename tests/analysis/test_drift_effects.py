@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hbench.analysis.comparison.difference_tests import InstrumentPair
 from hbench.analysis.comparison.drift_effects import with_drift_effects
 from hbench.analysis.comparison.matching import SPEED_TOLERANCE
 from hbench.analysis.summary.run_clock import RunClock
@@ -55,9 +56,8 @@ def effects(a, b, drift_a, drift_b):
         SimpleNamespace(curves=curves_a, drift=drift_a),
         SimpleNamespace(curves=curves_b, drift=drift_b),
     )
-    changed, mean = with_drift_effects(
-        pairs, results, (clock_a, clock_b), (None, None), False, SPEED_TOLERANCE
-    )
+    unknown = InstrumentPair(None, None, False)
+    changed, mean = with_drift_effects(pairs, results, (clock_a, clock_b), unknown, SPEED_TOLERANCE)
     return [each.drift_n for each in changed], mean, [pair.mean_n.value for pair in pairs]
 
 

@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 from hbench.analysis.comparison.difference_tests import (
+    InstrumentPair,
     WeightedCurve,
     mean_difference_u95,
     mean_u95,
@@ -130,8 +131,8 @@ def test_u_of_a_difference_of_means_has_the_errors_of_both_benches_or_of_none():
     """Both campaigns have the same forces: errors of the same instruments cancel."""
     both = [*both_directions(-0.5), *both_directions(0.5)]
     scatter = sqrt(2) * np.std(drawn_errors().mean(axis=1))
-    pair = INSTRUMENTS, INSTRUMENTS
-    assert mean_difference_u95(both, pair, False) == pytest.approx(1.96 * scatter, rel=0.01)
+    other, same = (InstrumentPair(INSTRUMENTS, INSTRUMENTS, same) for same in (False, True))
+    assert mean_difference_u95(both, other) == pytest.approx(1.96 * scatter, rel=0.01)
     of_trials, _ = mean_with_test(0.0, both)
-    assert mean_difference_u95(both, pair, True) == pytest.approx(of_trials)
-    assert mean_difference_u95(both, (INSTRUMENTS, None), False) is None
+    assert mean_difference_u95(both, same) == pytest.approx(of_trials)
+    assert mean_difference_u95(both, other._replace(b=None)) is None

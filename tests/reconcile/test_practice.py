@@ -51,7 +51,7 @@ def fitted(campaign, name, keys):
     for _ in range(2):
         model = linearise(campaign, at, campaign.columns(at, columns))
         estimates = fit_coefficients(campaign.plant, model, [name], np.arange(4))
-        at = estimates.hypothesis(estimates.beta)
+        at = estimates.hypothesis
     return estimates
 
 

@@ -26,9 +26,8 @@ def result_of(added, refused, laws=()):
 
 def estimates():
     return SimpleNamespace(
-        beta=np.zeros(1),
         factors=lambda: {"valve.gain": FitParameter(1.5, 0.1, (1.3, 1.7), None, "1")},
-        hypothesis=lambda beta: Hypothesis(),
+        hypothesis=Hypothesis(),
     )
 
 

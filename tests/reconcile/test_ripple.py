@@ -10,9 +10,10 @@ from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.build import plant_parameters
 from hbench.reconcile import measured_campaign
+from hbench.reconcile.column_names import ripple_name
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES
-from hbench.reconcile.measured.disturbances import CYLINDERS, ripple_name
+from hbench.reconcile.measured.disturbances import CYLINDERS
 from hbench.reconcile.search.campaign_search import CampaignSearch
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule

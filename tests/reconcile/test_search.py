@@ -17,8 +17,7 @@ from hbench.reconcile.evidence.cross_validation import CrossValidation
 from hbench.reconcile.evidence.likelihood import Priors
 from hbench.reconcile.evidence.products import Products
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
-from hbench.reconcile.gaps.log_map import ranked_gaps
-from hbench.reconcile.gaps.model_gaps import ranked_by
+from hbench.reconcile.gaps.model_gaps import refitted_and_unexplained
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search.campaign_search import CampaignSearch, _promising
@@ -69,7 +68,7 @@ def search_in(
 
 
 def unexplained(measured, found):
-    return ranked_by(ranked_gaps, measured, found)[1]
+    return refitted_and_unexplained(measured, found)[1]
 
 
 def gap(linear, name, out):

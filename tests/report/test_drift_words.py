@@ -9,6 +9,7 @@ from hbench.analysis.summary.drift import drift_checks
 from hbench.records import Drift
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.results_document import results_json
+from hbench.report.campaign.sections.drift import drift_sections
 from hbench.report.drift import (
     drift_advice,
     drift_finding,
@@ -18,7 +19,6 @@ from hbench.report.drift import (
     drift_with_oil,
     drift_words,
 )
-from hbench.report.drift_section import drift_sections
 from hbench.workflow.conformity.acceptance import decided
 
 CHANGES = ("change", "change_ci95", "change_percent", "change_percent_ci95")

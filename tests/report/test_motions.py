@@ -28,10 +28,10 @@ from hbench.records import (
     Zero,
     ZeroCheck,
 )
+from hbench.report.campaign.csv_motions import MOTION_TABLES, motion_tables
 from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.report.campaign.figures.motions import breakaways
-from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.page_motions import hold_table
 from hbench.report.campaign.page_tables import point_table

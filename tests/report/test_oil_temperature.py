@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hbench.records import OilTemperature, Reduction, ViscosityEffect
-from hbench.report.oil_temperature import temperature_section
+from hbench.report.campaign.sections.oil_temperature import temperature_section
 from hbench.report.oil_words import temperature_words
 
 EFFECT = ViscosityEffect(

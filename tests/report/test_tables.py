@@ -11,10 +11,8 @@ import pytest
 
 from hbench.records import Results, WordTable
 from hbench.report.campaign import page_tables
-from hbench.report.campaign.fit_tables import correlation_table
-from hbench.report.campaign.motion_tables import MOTION_TABLES
-from hbench.report.campaign.results_document import results_json
-from hbench.report.campaign.tables import (
+from hbench.report.campaign.csv_motions import MOTION_TABLES
+from hbench.report.campaign.csv_tables import (
     TABLES,
     band_trends_csv,
     bands_csv,
@@ -24,6 +22,8 @@ from hbench.report.campaign.tables import (
     fits_csv,
     runs_csv,
 )
+from hbench.report.campaign.fit_tables import correlation_table
+from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.terminal import summary_text
 from hbench.report.first_sheet import about_rows
 from hbench.report.headline import headline_words

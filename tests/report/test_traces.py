@@ -11,7 +11,7 @@ from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.figures.traces import MOST_RUNS, traces
 from hbench.report.campaign.page_tables import cause_table
 from hbench.report.campaign.reasons import reason_counts
-from hbench.report.rejected_section import rejected_sections
+from hbench.report.campaign.sections.rejected import rejected_sections
 from hbench.report.render.figures import of_section
 from hbench.report.render.series import series_of
 

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from hbench.analysis.comparison.band_differences import band_differences, trend_differences
+from hbench.analysis.comparison.difference_tests import InstrumentPair
 from hbench.report.campaign.page_tables import trend_table
 from hbench.report.comparison.bands import slope_table
 from tests.support.analysis.drawn_seal import drawn_seal, of_two_speeds
@@ -27,9 +28,9 @@ def test_the_lines_of_a_campaign_have_their_speeds():
 
 
 def test_differences_of_slopes_have_the_speeds_of_their_lines():
-    both, known = (campaign(1), campaign(3)), (None, None)
-    bands = band_differences(*both, known, False, 0.02)
-    trends = trend_differences(*both, bands, known, False)
+    both, known = (campaign(1), campaign(3)), InstrumentPair(None, None, False)
+    bands = band_differences(*both, known, 0.02)
+    trends = trend_differences(*both, bands, known)
     found = slope_table(SimpleNamespace(band_trends=trends))
     over = [ordinary_spaces(row[found.head.index("Over")]) for row in found.rows]
     assert sorted(set(over)) == ["A, 1–7 bar, 24 mm/s", "A, 1–7 bar, 8 mm/s"]

@@ -14,7 +14,7 @@ from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
     CampaignValue,
     Contributions,
-    Pair,
+    InstrumentPair,
     corrected,
     tested,
     untested,
@@ -49,14 +49,13 @@ _HALF, _MIDDLE = (0.5, -0.5), (0.5, 0.5)  # shares of extending and retracting
 
 
 def band_differences(
-    a: Results, b: Results, instruments: Pair, same_instruments: bool, tolerance: float
+    a: Results, b: Results, instruments: InstrumentPair, tolerance: float
 ) -> tuple[BandDifference, ...]:
     """Compare the bands that both campaigns have, in the order of A.
 
     ``tolerance`` is the largest relative difference of two speeds that count as the same.
     """
-    distinct = distinction(a, b)
-    found, of_both = list[BandDifference](), (same_instruments, instruments)
+    distinct, found = distinction(a, b), list[BandDifference]()
     for band in a.bands:
         other = _partner(band, b.bands, distinct, tolerance)
         if other is None:
@@ -67,12 +66,12 @@ def band_differences(
             BandDifference(
                 a=band,
                 b=other,
-                half_n=_difference(band, other, "half_n", half, *of_both),
-                middle_n=_difference(band, other, "middle_n", middle, *of_both),
+                half_n=_difference(band, other, "half_n", half, instruments),
+                middle_n=_difference(band, other, "middle_n", middle, instruments),
                 energy_j=None
                 if band.energy_j is None or other.energy_j is None
                 else _difference(
-                    band, other, "energy_j", _of_energy((band, other), half), *of_both
+                    band, other, "energy_j", _of_energy((band, other), half), instruments
                 ),
             )
         )
@@ -94,11 +93,10 @@ def trend_differences(
     a: Results,
     b: Results,
     bands: Sequence[BandDifference],
-    instruments: Pair,
-    same_instruments: bool,
+    instruments: InstrumentPair,
 ) -> tuple[BandTrendDifference, ...]:
     """Compare the slopes over pressure of series with at least three compared ``bands``."""
-    found, of_both = list[BandTrendDifference](), (same_instruments, instruments)
+    found = list[BandTrendDifference]()
     for trend in a.band_trends:
         for other in b.band_trends:
             common = [d for d in bands if d.a in trend.bands and d.b in other.bands]
@@ -111,8 +109,8 @@ def trend_differences(
                 BandTrendDifference(
                     a=trend,
                     b=other,
-                    half_slope_n_pa=_slope(trend.half, other.half, half, *of_both),
-                    middle_slope_n_pa=_slope(trend.middle, other.middle, middle, *of_both),
+                    half_slope_n_pa=_slope(trend.half, other.half, half, instruments),
+                    middle_slope_n_pa=_slope(trend.middle, other.middle, middle, instruments),
                 )
             )
     halves = corrected([each.half_slope_n_pa for each in found])
@@ -141,24 +139,24 @@ def _partner(
 
 
 def _difference(
-    a: Band, b: Band, name: str, both: OfInstruments, same: bool, instruments: Pair
+    a: Band, b: Band, name: str, both: OfInstruments, instruments: InstrumentPair
 ) -> Difference:
     """Return the difference of a number of two bands, such as ``half_n``."""
     error = welch([(-1.0, getattr(a, f"trials_{name}")), (1.0, getattr(b, f"trials_{name}"))])
     if error is None:
         return untested(getattr(a, name), getattr(b, name), NO_SCATTER)
     values = getattr(a, name), getattr(b, name)
-    return tested(*_with_instruments(values, both), *error, same, instruments)
+    return tested(*_with_instruments(values, both), *error, instruments)
 
 
 def _slope(
-    a: PressureLine, b: PressureLine, both: OfInstruments, same: bool, instruments: Pair
+    a: PressureLine, b: PressureLine, both: OfInstruments, instruments: InstrumentPair
 ) -> Difference:
     se, dof = satterthwaite([a.slope_se_n_pa**2, b.slope_se_n_pa**2], [a.slope_dof, b.slope_dof])
     if se == 0.0:
         return untested(a.slope_n_pa, b.slope_n_pa, "no scatter")
     values = a.slope_n_pa, b.slope_n_pa
-    return tested(*_with_instruments(values, both), se, dof, same, instruments)
+    return tested(*_with_instruments(values, both), se, dof, instruments)
 
 
 def _with_instruments(
@@ -169,11 +167,12 @@ def _with_instruments(
 
 
 def _of_instruments(
-    bands: tuple[Band, Band], shares: tuple[float, float], instruments: Pair
+    bands: tuple[Band, Band], shares: tuple[float, float], instruments: InstrumentPair
 ) -> OfInstruments:
     """Return the instruments' contributions to half bands or middles, if known for both."""
     a, b = (
-        _contributions(band, shares, known) for band, known in zip(bands, instruments, strict=True)
+        _contributions(band, shares, known)
+        for band, known in zip(bands, instruments.both, strict=True)
     )
     return (a, b) if a and b else None
 
@@ -190,7 +189,7 @@ def _of_energy(bands: tuple[Band, Band], half: OfInstruments) -> OfInstruments:
 
 
 def _slope_parts(
-    trends: tuple[BandTrend, BandTrend], shares: tuple[float, float], instruments: Pair
+    trends: tuple[BandTrend, BandTrend], shares: tuple[float, float], instruments: InstrumentPair
 ) -> OfInstruments:
     a, b = (
         weighted(
@@ -200,7 +199,7 @@ def _slope_parts(
                 strict=True,
             )
         )
-        for trend, known in zip(trends, instruments, strict=True)
+        for trend, known in zip(trends, instruments.both, strict=True)
     )
     return (a, b) if a and b else None
 

@@ -12,7 +12,7 @@ from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
     CampaignValue,
     Contributions,
-    Pair,
+    InstrumentPair,
     corrected,
     tested,
     untested,
@@ -35,7 +35,7 @@ _SAME = 0.05  # largest relative difference of two times at rest or rates that c
 
 
 def breakaway_differences(
-    a: Results, b: Results, instruments: Pair, same_instruments: bool
+    a: Results, b: Results, instruments: InstrumentPair
 ) -> tuple[tuple[BreakawayDifference, ...], tuple[str, ...]]:
     """Compare breakaway that both campaigns have, in the order of A; return notes on the other."""
     labels = any(len({each.series.label for each in _all(x)}) > 1 for x in (a, b))
@@ -46,8 +46,8 @@ def breakaway_differences(
             notes.append(f"{_name(one)}: only in A")
             continue
         left.remove(other)
-        values = _value(one, a, instruments[0]), _value(other, b, instruments[1])
-        difference = _difference(one, other, *values, same_instruments, instruments)
+        values = _value(one, a, instruments.a), _value(other, b, instruments.b)
+        difference = _difference(one, other, *values, instruments)
         found.append(BreakawayDifference(one, other, difference))
     notes += [f"{_name(each)}: only in B" for each in left]
     differences = corrected([each.breakaway_n for each in found])
@@ -81,13 +81,12 @@ def _difference(
     b: Breakaway,
     of_a: CampaignValue,
     of_b: CampaignValue,
-    same: bool,
-    instruments: Pair,
+    instruments: InstrumentPair,
 ) -> Difference:
     error = welch([(-1.0, a.trials_n), (1.0, b.trials_n)])
     if error is None:
         return untested(a.breakaway_n, b.breakaway_n, NO_SCATTER)
-    return tested(of_a, of_b, *error, same, instruments)
+    return tested(of_a, of_b, *error, instruments)
 
 
 def _value(each: Breakaway, results: Results, instruments: Instruments | None) -> CampaignValue:

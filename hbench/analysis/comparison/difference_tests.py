@@ -36,10 +36,40 @@ from hbench.config.sensors import Instruments
 from hbench.records import Curve, Difference
 
 Contributions = dict[str, StandardUncertainty]  # of the instruments' errors, with their signs
-Pair = tuple[Instruments | None, Instruments | None]  # of A and of B; None: not known
 Terms = Sequence[tuple[float, Sequence[float]]]  # weight of a mean, and its trials
 
 NO_SCATTER = "no scatter: a single trial"
+
+
+class InstrumentPair(NamedTuple):
+    """Instruments of both campaigns; None: not known."""
+
+    a: Instruments | None
+    b: Instruments | None
+    same: bool  # whether their errors are the same in both campaigns
+
+    @property
+    def both(self) -> tuple[Instruments | None, Instruments | None]:
+        """Those of A and of B."""
+        return self.a, self.b
+
+    @property
+    def coverage(self) -> Instruments | None:
+        """Those whose coverage factor a difference has; None, Student's, unless both agree."""
+        if self.a is None or self.b is None or self.a.expansion != self.b.expansion:
+            return None
+        return self.a
+
+    def parts(self, a: Contributions, b: Contributions) -> list[StandardUncertainty]:
+        """Return the independent parts of the errors in B - A.
+
+        ``a`` are the contributions to A with the sign that they have there, ``b`` those to B.
+        """
+        if not self.same:
+            return [*a.values(), *b.values()]
+        own = [part for side in (a, b) for name, part in side.items() if is_of_log(name)]
+        common = weighted([(1.0, a), (1.0, b)])
+        return [*own, *(part for name, part in common.items() if not is_of_log(name))]
 
 
 def welch(terms: Terms) -> tuple[float, float] | None:
@@ -69,8 +99,7 @@ def tested(
     b: CampaignValue,
     se: float,
     dof: float,
-    same_instruments: bool,
-    instruments: Pair,
+    instruments: InstrumentPair,
 ) -> Difference:
     """Return the difference b - a with its interval and p value.
 
@@ -83,11 +112,11 @@ def tested(
     if a.instruments is not None and b.instruments is not None:
         parts = [StandardUncertainty(se, dof), *map(StandardUncertainty, (a.drift, b.drift))]
         of_a = weighted([(-1.0, a.instruments)])
-        parts += _of_instruments(of_a, b.instruments, same_instruments)
-        u95 = combined(parts).expanded(_factor_of(instruments))
+        parts += instruments.parts(of_a, b.instruments)
+        u95 = combined(parts).expanded(instruments.coverage)
         u95_a, u95_b = (
             _own_u95(side.trials, side.instruments or {}, side.drift, known)
-            for side, known in zip((a, b), instruments, strict=True)
+            for side, known in zip((a, b), instruments.both, strict=True)
         )
     return Difference(
         a=a.value,
@@ -113,12 +142,6 @@ def _own_u95(
         return None
     parts = [StandardUncertainty(*error), StandardUncertainty(drift), *contributions.values()]
     return combined(parts).expanded(instruments)
-
-
-def _factor_of(instruments: Pair) -> Instruments | None:
-    """Return the instruments whose coverage factor a difference has: 2 if both ask for it."""
-    a, b = instruments
-    return a if a is not None and b is not None and a.expansion == b.expansion else None
 
 
 class WeightedCurve(NamedTuple):
@@ -153,7 +176,7 @@ def mean_u95(curves: Sequence[WeightedCurve], instruments: Instruments | None) -
 
 
 def mean_difference_u95(
-    curves: Sequence[WeightedCurve], instruments: Pair, same_instruments: bool
+    curves: Sequence[WeightedCurve], instruments: InstrumentPair
 ) -> float | None:
     """Return the expanded uncertainty of a mean difference over curves of both campaigns.
 
@@ -163,13 +186,13 @@ def mean_difference_u95(
     error = _mean_error(curves)
     a, b = (
         _common_errors([each for each in curves if sign * each.factor > 0], known)
-        for sign, known in zip((-1, 1), instruments, strict=True)
+        for sign, known in zip((-1, 1), instruments.both, strict=True)
     )
     if error is None or a is None or b is None:
         return None
     parts = [StandardUncertainty(*error), *(StandardUncertainty(drift) for _, drift in (a, b))]
-    parts += _of_instruments(a[0], b[0], same_instruments)
-    return combined(parts).expanded(_factor_of(instruments))
+    parts += instruments.parts(a[0], b[0])
+    return combined(parts).expanded(instruments.coverage)
 
 
 def _common_errors(
@@ -230,12 +253,3 @@ def weighted(terms: Iterable[tuple[float, Contributions]]) -> Contributions:
             before = total[name].value if name in total else 0.0
             total[name] = part._replace(value=before + weight * part.value)
     return total
-
-
-def _of_instruments(a: Contributions, b: Contributions, same: bool) -> list[StandardUncertainty]:
-    """Return the independent parts of the errors in b - a; those in ``a`` have its sign."""
-    if not same:
-        return [*a.values(), *b.values()]
-    own = [part for side in (a, b) for name, part in side.items() if is_of_log(name)]
-    common = weighted([(1.0, a), (1.0, b)])
-    return [*own, *(part for name, part in common.items() if not is_of_log(name))]

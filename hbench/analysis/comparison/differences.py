@@ -16,7 +16,7 @@ from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
     CampaignValue,
     Contributions,
-    Pair,
+    InstrumentPair,
     Terms,
     corrected,
     tested,
@@ -66,8 +66,7 @@ class WeightedPoints(NamedTuple):
 def campaign_differences(
     a: Results,
     b: Results,
-    instruments: Pair,
-    same_instruments: bool,
+    instruments: InstrumentPair,
     tolerance: float = SPEED_TOLERANCE,
 ) -> tuple[tuple[CurveDifference, ...], tuple[str, ...]]:
     """Compare the curves that both campaigns have; return them, and notes on the other curves.
@@ -90,7 +89,7 @@ def campaign_differences(
             notes.append(f"{_name(curve, rod_pressure)}: only in A")
             continue
         other = curves_b[partner]
-        difference = _curve_difference(curve, other, instruments, same_instruments, tolerance)
+        difference = _curve_difference(curve, other, instruments, tolerance)
         if not difference.points:
             notes.append(
                 f"{_name(curve, rod_pressure)}: no speeds in common; {_speeds(curve)} in A and "
@@ -99,7 +98,7 @@ def campaign_differences(
             continue
         if key in etas[0] and partner in etas[1] and KINDS[curve.kind].has_constant_speed:
             pair = (curve, etas[0][key]), (other, etas[1][partner])
-            efficiency = efficiency_difference(*pair, instruments, same_instruments, tolerance)
+            efficiency = efficiency_difference(*pair, instruments, tolerance)
             difference = replace(difference, efficiency=efficiency)
         compared.append(difference)
     paired = set(partners.values())
@@ -146,13 +145,13 @@ def _name(curve: Curve, rod_pressure: bool) -> str:
 
 
 def _curve_difference(
-    a: Curve, b: Curve, instruments: Pair, same_instruments: bool, tolerance: float
+    a: Curve, b: Curve, instruments: InstrumentPair, tolerance: float
 ) -> CurveDifference:
     """Compare two curves at A's speeds, in the mean over these, and in their fitted parameters."""
 
     def difference(weights_a: Weights, weights_b: Weights) -> Difference:
         points = WeightedPoints(a, weights_a), WeightedPoints(b, weights_b)
-        return _friction_difference(*points, instruments, same_instruments)
+        return _friction_difference(*points, instruments)
 
     points = tuple(
         FrictionDifference(
@@ -173,18 +172,18 @@ def _curve_difference(
 
 
 def _friction_difference(
-    a: WeightedPoints, b: WeightedPoints, instruments: Pair, same_instruments: bool
+    a: WeightedPoints, b: WeightedPoints, instruments: InstrumentPair
 ) -> Difference:
     """Return the difference of weighted sums of |F|."""
     terms_a, terms_b = _terms(a), _terms(b)
     value_a, value_b = (
         _friction_value(points, terms, known)
-        for points, terms, known in zip((a, b), (terms_a, terms_b), instruments, strict=True)
+        for points, terms, known in zip((a, b), (terms_a, terms_b), instruments.both, strict=True)
     )
     error = welch([*((-w, trials) for w, trials in terms_a), *terms_b])
     if error is None:
         return untested(value_a.value, value_b.value, NO_SCATTER)
-    return tested(value_a, value_b, *error, same_instruments, instruments)
+    return tested(value_a, value_b, *error, instruments)
 
 
 def _friction_value(

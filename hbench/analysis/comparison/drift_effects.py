@@ -18,7 +18,7 @@ from math import hypot
 from statistics import fmean
 
 from hbench.analysis.comparison.difference_tests import (
-    Pair,
+    InstrumentPair,
     WeightedCurve,
     mean_difference_u95,
     mean_u95,
@@ -44,8 +44,7 @@ def with_drift_effects(
     curves: Sequence[CurveDifference],
     results: tuple[Results, Results],
     clocks: tuple[RunClock, RunClock],
-    instruments: Pair,
-    same_instruments: bool,
+    instruments: InstrumentPair,
     tolerance: float,
 ) -> tuple[tuple[CurveDifference, ...], MeanOfCurves | None]:
     """Return the steady curves' differences with their ``drift_n``, and the mean of these curves.
@@ -59,7 +58,7 @@ def with_drift_effects(
     drift_a, drift_b = (each.drift for each in results)
     if not steady:
         return tuple(curves), None
-    others = clocks, instruments, same_instruments, tolerance
+    others = clocks, instruments, tolerance
     if drift_a is None or drift_b is None or drift_a.of_unknown_size or drift_b.of_unknown_size:
         return tuple(curves), _mean_of_curves(steady, None, *others)
     places = [
@@ -92,8 +91,7 @@ def _mean_of_curves(
     curves: Sequence[CurveDifference],
     drift_n: DriftEffect | None,
     clocks: tuple[RunClock, RunClock],
-    instruments: Pair,
-    same_instruments: bool,
+    instruments: InstrumentPair,
     tolerance: float,
 ) -> MeanOfCurves | None:
     """Return the mean difference; None for one curve, or without an interval by the trials."""
@@ -107,12 +105,12 @@ def _mean_of_curves(
     if test is None:
         return None
     ci95_n, p_value = test
-    u95 = mean_difference_u95(both, instruments, same_instruments)
+    u95 = mean_difference_u95(both, instruments)
     u95_a, u95_b = (
         mean_u95([each for each in both if sign * each.factor > 0], known)
-        for sign, known in zip((-1, 1), instruments, strict=True)
+        for sign, known in zip((-1, 1), instruments.both, strict=True)
     )
-    speeds = tuple(_at_speeds(curves, clocks, instruments, same_instruments, tolerance))
+    speeds = tuple(_at_speeds(curves, clocks, instruments, tolerance))
     half = ci95_n if u95 is None else u95
     return MeanOfCurves(
         value, half, a_n, len(means), ci95_n, p_value, drift_n, speeds, u95_a, u95_b
@@ -133,8 +131,7 @@ def _both(
 def _at_speeds(
     curves: Sequence[CurveDifference],
     clocks: tuple[RunClock, RunClock],
-    instruments: Pair,
-    same_instruments: bool,
+    instruments: InstrumentPair,
     tolerance: float,
 ) -> Iterator[MeanAtSpeed]:
     """Yield the mean over the curves at each speed; none where their speeds are not the same."""
@@ -150,7 +147,7 @@ def _at_speeds(
         mean = mean_with_test(value, both)
         if mean is None or max(speeds) > (1 + _SAME_SPEED) * min(speeds):
             return
-        u95 = mean_difference_u95(both, instruments, same_instruments)
+        u95 = mean_difference_u95(both, instruments)
         yield MeanAtSpeed(fmean(speeds), value, mean[0], u95)
 
 

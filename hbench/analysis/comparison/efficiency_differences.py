@@ -5,6 +5,7 @@ import numpy as np
 from hbench.analysis.comparison.difference_tests import (
     NO_SCATTER,
     CampaignValue,
+    InstrumentPair,
     tested,
     untested,
     weighted,
@@ -24,8 +25,7 @@ Points = list[tuple[CurvePoint, EfficiencyPoint]]
 def efficiency_difference(
     a: MeasuredEfficiency,
     b: MeasuredEfficiency,
-    instruments: tuple[Instruments | None, Instruments | None],
-    same_instruments: bool,
+    instruments: InstrumentPair,
     tolerance: float,
 ) -> Difference | None:
     """Return the difference of the means over the speeds at which both efficiencies are defined.
@@ -38,14 +38,16 @@ def efficiency_difference(
         return None
     value_a, value_b = (
         _mean_value(points, curve, known)
-        for points, (curve, _), known in zip((points_a, points_b), (a, b), instruments, strict=True)
+        for points, (curve, _), known in zip(
+            (points_a, points_b), (a, b), instruments.both, strict=True
+        )
     )
     if value_a.trials is None or value_b.trials is None:
         return untested(value_a.value, value_b.value, NO_SCATTER)
     se, dof = _error_of_means(points_a + points_b, len(points_a))
     if se <= ROUNDING * max(abs(value_a.value), abs(value_b.value)):
         return untested(value_a.value, value_b.value, "no scatter between the trials")
-    return tested(value_a, value_b, se, dof, same_instruments, instruments)
+    return tested(value_a, value_b, se, dof, instruments)
 
 
 def _at_common_speeds(

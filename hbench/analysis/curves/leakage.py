@@ -23,9 +23,9 @@ conversions are averaged; for a constant channel nothing is added.
 
 Two assumed errors are added as squares. Oil that warms or cools at ``TEMPERATURE_RATE_K_S``, or at
 the largest rate that was measured in the holds if it is larger, acts as a drift of the pressures by
-beta times its expansion. Pressures determine only C beta / V: a bulk
-modulus with a relative error ``BULK_MODULUS_ERROR`` gives C that error. The dead volumes of the
-bench file or map are taken as exact.
+beta times its expansion. Pressures determine only C beta / V: a bulk modulus with a relative error
+``BULK_MODULUS_ERROR`` gives C that error. The dead volumes of the bench file or map are taken as
+exact.
 
 A side that is open to the air has no balance. Holds with one open side alone do not distinguish
 what leaks across the piston from what leaks out of the closed side.

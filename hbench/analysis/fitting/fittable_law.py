@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hbench.analysis.rounding import merged
-
 _GRID = 15  # values of the nonlinear parameter tried for a start
 
 Bounds = Mapping[str, tuple[float, float]]
@@ -86,7 +84,7 @@ class FittableLaw:
             p = np.clip(np.insert(linear, index, value), lower, upper)
             starts.append(p)
             costs.append(np.sum(((self.model(inputs, p) - friction) / sigma) ** 2))
-        padded = np.array([np.inf, *merged(np.array(costs)), np.inf])
+        padded = np.array([np.inf, *costs, np.inf])
         minima = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])
         return [starts[i] for i in np.flatnonzero(minima)]
 

@@ -21,7 +21,7 @@ def tustin_friction(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
 
 
 def tustin_jacobian(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the derivatives (n, 4) of ``tustin`` by its parameters."""
+    """Return the derivatives (n, 4) of ``tustin_friction`` by its parameters."""
     f_c, f_s, v_s, _ = p
     e = np.exp(-v_m_s / v_s)
     return np.column_stack([1 - e, e, (f_s - f_c) * e * v_m_s / v_s**2, v_m_s])

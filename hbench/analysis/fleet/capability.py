@@ -43,8 +43,7 @@ def capabilities(
 
     ``values`` are those of the fleet's table, means over the loads at the working speed ``v_m_s``;
     ``decided`` are the checks of the campaigns' acceptances. Both are in the order of the dates if
-    ``by_date``; otherwise there is no Cpk. At least ``FEWEST_CAMPAIGNS``
-    campaigns are needed.
+    ``by_date``; otherwise there is no Cpk. At least ``FEWEST_CAMPAIGNS`` campaigns are needed.
     """
     by_name = {quantity.name: quantity for quantity in QUANTITIES}
     for requirement in requirements:

@@ -167,12 +167,12 @@ def trials_of(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunCl
             for run in point.runs:
                 times[trial_of[run]].append(clock.times[run])
                 setup[trial_of[run]] = clock.setups.get(run, f"run {run}")
-            sign = 1.0 if point.v_m_s >= 0 else -1.0
             temps = point.trials_temp_k or (np.nan,) * point.n
             for trial, friction, temp in zip(point.trials, point.trials_n, temps, strict=True):
                 speed = abs(point.v_m_s)
                 of_trial = setups.setdefault(setup[trial], len(setups))
                 at = fmean(times[trial])
+                sign = curve.against_motion
                 rows.append((i, number, speed, at, sign * friction, temp, of_trial, sign))
     return Trials(*np.array(rows, dtype=float).reshape(-1, len(fields(Trials))).T)
 

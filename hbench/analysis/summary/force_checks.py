@@ -12,8 +12,8 @@ m = (F_extend + F_retract) / 2, changes with the load F that both have:
     s = sum x m / sum x^2,    x = F - F_speed,    U(s)^2 = sum x^2 U(m)^2 / (sum x^2)^2
 
 over the loads of each speed, with the intervals of the trials. A change that is a small part of
-friction does not matter. Friction that grows with the load in
-both directions leaves m as it is; if it grows in one alone, by 6 % of the load, s is 3 %.
+friction does not matter. Friction that grows with the load in both directions leaves m as it is; if
+it grows in one alone, by 6 % of the load, s is 3 %.
 
 Where one direction alone was measured, s is that of its friction. Friction grows with the load, so
 only a large s shows an error: where it is 50 %, a newton more at the rod costs the piston 1.5 N.

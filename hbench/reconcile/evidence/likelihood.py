@@ -40,6 +40,10 @@ class Priors:
             self.centre[columns], self.sigma[columns], self.low[columns], self.high[columns]
         )
 
+    def shifted(self, steps: np.ndarray) -> "Priors":
+        """Return the priors of what remains of beta after ``steps`` (q,)."""
+        return Priors(self.centre - steps, self.sigma, self.low - steps, self.high - steps)
+
     def damped(self, radius: float) -> "Priors":
         """Return the priors with a further normal prior about 0 of the deviation ``radius``.
 
@@ -50,17 +54,22 @@ class Priors:
         return replace(self, centre=self.centre * own / both, sigma=both**-0.5)
 
 
+class Fit(NamedTuple):
+    """Columns of a fit and the priors of all columns."""
+
+    chosen: Sequence[int]
+    priors: Priors
+
+    def changing(self, data: Products, groups: np.ndarray) -> list[int]:
+        """Return the columns that change some groups."""
+        return [j for j in self.chosen if data.columns.nonzero[groups, j].any()]
+
+
 def maximum_likelihood(
-    data: Products,
-    priors: Priors,
-    chosen: Sequence[int],
-    points: np.ndarray,
-    signs: np.ndarray | None = None,
-    groups: np.ndarray | None = None,
+    data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarray
 ) -> np.ndarray:
-    """Return the most likely beta (b, chosen) over some ``points``; ``signs`` (b, p) make nulls."""
-    sums = data.sums(chosen, data.part(points), signs, groups)
-    return most_likely(sums, priors.select(chosen))[0]
+    """Return the most likely beta (q,) of the ``chosen`` columns over some ``points``."""
+    return most_likely(data.sums(chosen, data.part(points)), priors.select(chosen))[0, 0]
 
 
 def most_likely(sums: Sums, priors: Priors) -> np.ndarray:
@@ -135,7 +144,7 @@ def cost(data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarr
     return float(_cost(sums, priors.select(chosen), unchanged, sums.variance(unchanged))[0, 0])
 
 
-def least_cost(data: Products, fit: "Fit", points: np.ndarray, groups: np.ndarray) -> float:
+def least_cost(data: Products, fit: Fit, points: np.ndarray, groups: np.ndarray) -> float:
     """Return - ln L of the best fit to some ``points`` and ``groups``, less a constant."""
     chosen = fit.changing(data, groups)
     sums = data.sums(chosen, data.part(points), groups=groups)
@@ -225,14 +234,3 @@ def _larger(least: np.ndarray, *others: np.ndarray) -> np.ndarray:
         values, vectors = np.linalg.eigh(0.5 * (turned + turned.T))
         root = root @ vectors * np.sqrt(np.maximum(values, 1.0))
     return root @ root.T
-
-
-class Fit(NamedTuple):
-    """Columns of a fit and the priors of all columns."""
-
-    chosen: Sequence[int]
-    priors: Priors
-
-    def changing(self, data: Products, groups: np.ndarray) -> list[int]:
-        """Return the columns that change some groups."""
-        return [j for j in self.chosen if data.columns.nonzero[groups, j].any()]

@@ -1,14 +1,15 @@
 """Gaps of the models of a search: given, refitted and final."""
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Hashable, Sequence
 from typing import Any
 
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.column_names import coefficient_name
 from hbench.reconcile.diagnosis_fields import residual_map
 from hbench.reconcile.estimates import ParameterEstimates
-from hbench.reconcile.gaps.gap_map import GapMap, column_means
+from hbench.reconcile.gaps.gap_map import column_means
 from hbench.reconcile.gaps.log_map import expected_square, unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
@@ -20,16 +21,15 @@ from hbench.reconcile.search_result import SearchResult
 from hbench.records import Gap, RunPlan
 
 
-def ranked_by(
-    rank: Callable[[GapMap, np.ndarray], tuple[Gap, ...]],
-    measured: MeasuredCampaign,
-    result: SearchResult,
+def refitted_and_unexplained(
+    measured: MeasuredCampaign, result: SearchResult
 ) -> tuple[tuple[Gap, ...], tuple[Gap, ...]]:
     """Return the gaps of the refitted model, and those that no effect explains, large or small."""
-    refitted = result.refitted
-    allowed = _allowed(measured, refitted)
-    by_effects = result.with_small.gap_map.in_units_of(result.refitted.gap_map)
-    return rank(refitted.gap_map, allowed), unexplained_gaps(rank(by_effects, allowed))
+    refitted = result.refitted.gap_map
+    allowed = _allowed(measured, result.refitted)
+    by_effects = result.with_small.gap_map.in_units_of(refitted)
+    unexplained = unexplained_gaps(measured.ranked_gaps(by_effects, allowed))
+    return measured.ranked_gaps(refitted, allowed), unexplained
 
 
 def gap_fields(
@@ -82,6 +82,6 @@ def _allowed(measured: MeasuredCampaign, model: LinearisedModel) -> np.ndarray:
     squares = np.zeros(len(model.gap_map.names))
     for which, limit in measured.tolerances.items():
         if EFFECTS[which[0]].of_sensor:
-            change = model.columns[".".join(which)] / typical_size(which)
+            change = model.columns[coefficient_name(which)] / typical_size(which)
             squares += standard_deviation(limit) ** 2 * np.nan_to_num(column_means(change**2))
     return np.sqrt(squares)

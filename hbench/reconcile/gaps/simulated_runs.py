@@ -27,10 +27,10 @@ def simulator(
     """Return a function that simulates plans with hypotheses of ``plant``.
 
     For a hypothesis with which the bench can't rest, the board stops, or takes far longer than
-    expected, it returns the reason as text.
-    One trial of each operating point gives the mean: friction has no scatter from stroke to stroke.
-    ``report`` receives the number of completed simulations and the total. ``spread`` maps over many
-    simulations; pass ``map`` to run them in sequence.
+    expected, it returns the reason as text. One trial of each operating point gives the mean:
+    friction has no scatter from stroke to stroke. ``report`` receives the number of completed
+    simulations and the total. ``spread`` maps over many simulations; pass ``map`` to run them in
+    sequence.
     """
 
     def simulate(

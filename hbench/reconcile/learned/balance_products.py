@@ -99,7 +99,7 @@ class BalanceProducts:
         """Return the products of the residuals that remain at the fit of a table."""
         data, priors = self._with(table)
         n, q = len(self.columns), len(data.names)
-        beta = maximum_likelihood(data, priors, range(q), points)[0]
+        beta = maximum_likelihood(data, priors, range(q), points)
         every = {**self.columns, **self._modes(table)}
         fitted = sum(np.nan_to_num(c) * b for c, b in zip(every.values(), beta, strict=True))
         steps, base = beta[:n], self.base
@@ -109,12 +109,10 @@ class BalanceProducts:
             mixed=base.mixed - curved,
             squares=base.squares - 2 * base.mixed @ steps + curved @ steps,
         )
-        known = self.priors
-        shifted = Priors(known.centre - steps, known.sigma, known.low - steps, known.high - steps)
         residuals = replace(self.residuals, difference=self.residuals.difference - fitted)
         own, groups = products(residuals, self.columns), self._groups
         rest.mixed[:, groups], rest.squares[:, groups] = own.mixed, own.squares
-        return replace(self, residuals=residuals, base=rest, priors=shifted)
+        return replace(self, residuals=residuals, base=rest, priors=self.priors.shifted(steps))
 
     @property
     def _groups(self) -> np.ndarray:

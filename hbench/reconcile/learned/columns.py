@@ -8,7 +8,8 @@ from hbench.config.effects import Target
 from hbench.model.effects.applied import SUPPLY_DROOP
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.parameters import CylinderParameters
-from hbench.reconcile.learned.table import Table, mode_name
+from hbench.reconcile.column_names import mode_name
+from hbench.reconcile.learned.table import Table
 from hbench.reconcile.measured.balances import (
     BALANCES,
     BalanceModel,

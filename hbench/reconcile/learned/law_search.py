@@ -4,9 +4,9 @@ For each balance that remains, tables over one and over two quantities are compa
 cross-validated likelihood over the training points, as candidates are (folder ``evidence``): a
 table over two quantities must be better by 5 nats; where it is not kept, the best over one is
 tried. In a flow they compete with an error of the position sensor, which changes all four flows by
-one table.
-It may repeat with the sensor's pitch, so it has 8, 16 or 32 knots along the stroke, the number with
-the best score. The first of these that meets all of the following is kept, best score first:
+one table. It may repeat with the sensor's pitch, so it has 8, 16 or 32 knots along the stroke, the
+number with the best score. The first of these that meets all of the following is kept, best score
+first:
 
     its score exceeds 5 nats and the threshold of itself and of all tables over one quantity with
     null data sets: its own residuals with random signs (``acceptance.AcceptanceCriteria``),
@@ -29,6 +29,7 @@ from hbench.analysis.statistics.permutations import permutation_p, random_signs
 from hbench.config.effects import MOST_KNOTS, TARGETS, target_quantities
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, score_to_exceed
+from hbench.reconcile.column_names import mode_name
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
 from hbench.reconcile.learned.balance_products import (
@@ -41,7 +42,6 @@ from hbench.reconcile.learned.table import (
     LawFound,
     Table,
     balances_of,
-    mode_name,
 )
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured_campaign import MeasuredCampaign

@@ -93,19 +93,3 @@ class LawFound:
 def empty_table(adds_to: Target, knots: Mapping[str, tuple[float, ...]], size: float) -> Table:
     """Return a table whose values are 0; ``size`` is their prior standard deviation."""
     return Table(adds_to, knots, size, (0.0,) * prod(map(len, knots.values())))
-
-
-def is_mode(name: str) -> bool:
-    """Return whether a column is that of a mode."""
-    return name.startswith("#")
-
-
-def mode_name(table: int, mode: int) -> str:
-    """Return the name of a mode's column."""
-    return f"#{table}.{mode}"
-
-
-def mode_of(name: str) -> tuple[int, int]:
-    """Return table and mode of a column."""
-    table, _, mode = name[1:].partition(".")
-    return int(table), int(mode)

@@ -6,9 +6,10 @@ import numpy as np
 
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.effects import QUANTITIES, target_unit
+from hbench.reconcile.column_names import mode_name
 from hbench.reconcile.estimates import ParameterEstimates, whole_dof
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.learned.table import LawFound, mode_name
+from hbench.reconcile.learned.table import LawFound
 from hbench.records import UnnamedLaw
 from hbench.units import parse_unit
 
@@ -35,7 +36,7 @@ def _unnamed(
     after: GapMap,
     held_out: np.ndarray,
 ) -> UnnamedLaw:
-    table = estimates.hypothesis(estimates.beta).tables[law.table]
+    table = estimates.hypothesis.tables[law.table]
     unit, values = target_unit(table.adds_to), table.values
     names = [mode_name(law.table, j) for j in range(len(table.modes))]
     at = [estimates.chosen.index(estimates.model.data.names.index(name)) for name in names]

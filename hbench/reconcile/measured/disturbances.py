@@ -5,17 +5,17 @@ from run to run. A ripple is a share of a cylinder's dry friction that depends o
 bore is the same along the whole stroke. It consists of modes (see ``learned/table.py``). A delay is
 the time by which the readings of a sensor, or the commands, are late against the position:
 amplifiers filter, and a logger may read one channel after another. Where all sensors are early, the
-position is late. The names of the columns begin with ``~``; values are in standard deviations of
-their priors.
+position is late. Values are in standard deviations of their priors.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from hbench.reconcile.column_names import delayed_channel
+
 CYLINDERS = "test", "load"
 ALL_COMMANDS, POSITION = "commands", "x"  # channels; that of the commands is of all valves
-_DELAY = "~delay_"
 _LARGEST = 3**0.5  # equally likely within a limit
 DELAY_S = 30e-3 / _LARGEST  # assumed; a filter of 10 Hz takes 23 ms
 
@@ -31,26 +31,6 @@ class Ripples(NamedTuple):
         return 1.0 + np.stack([np.interp(x_m, self.at_m, share) for share in self.shares])
 
 
-def drift_name(channel: str) -> str:
-    """Return the name of the column of a channel's drift."""
-    return f"~{channel}"
-
-
-def ripple_name(cylinder: str, mode: int) -> str:
-    """Return the name of the column of a mode of a cylinder's ripple."""
-    return f"~ripple_{cylinder}.{mode}"
-
-
-def delay_name(channel: str) -> str:
-    """Return the name of the column of a channel's delay."""
-    return f"{_DELAY}{channel}"
-
-
-def delayed_channel(name: str) -> str:
-    """Return the channel whose delay a column is that of; empty for another column."""
-    return name.removeprefix(_DELAY) if name.startswith(_DELAY) else ""
-
-
 def limits(name: str) -> tuple[float, float]:
     """Return the limits of a disturbance, in standard deviations.
 
@@ -58,13 +38,3 @@ def limits(name: str) -> tuple[float, float]:
     """
     is_late = delayed_channel(name) in (ALL_COMMANDS, POSITION)
     return (0.0 if is_late else -_LARGEST), _LARGEST
-
-
-def is_disturbance(name: str) -> bool:
-    """Return whether a column is that of a disturbance."""
-    return name.startswith("~")
-
-
-def is_ripple(name: str) -> bool:
-    """Return whether a column is that of a mode of a ripple."""
-    return name.startswith("~ripple_")

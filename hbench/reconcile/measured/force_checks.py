@@ -121,7 +121,7 @@ def fit_areas(
 
 
 def refuse_areas(
-    name: str, cylinder: CylinderParameters, fit: AreaFit, stated: Specimen | None = None
+    name: str, cylinder: CylinderParameters, fit: AreaFit, stated: Specimen | None
 ) -> None:
     """Raise ``DataError`` for areas that do not fit; the campaign has the areas ``stated``.
 

@@ -22,9 +22,9 @@ from hbench.model.build import friction_parameters, lone_cylinder
 from hbench.model.effects.catalogue import EFFECTS, read_effects, with_all_effects
 from hbench.model.parameters import CylinderParameters
 from hbench.model.sensors import ideal_sensors
+from hbench.reconcile.column_names import CoefficientKey
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.gaps.log_map import ranked_gaps
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
+from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel, sensor_maps
 from hbench.reconcile.measured.integration import Parts
@@ -119,6 +119,22 @@ class MeasuredMotion(MeasuredCampaign):
             ),
         )
 
+    def ranked_gaps(self, residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
+        """Return the gaps, with a p-value for runs that are not repeated.
+
+        In a correct model the mean square of a run exceeds that of noise as often as not (sign
+        test).
+        """
+        from scipy.stats import binomtest  # slow import
+
+        column = residuals.names.index(BALANCE)
+        relative = residuals.difference[:, column] / residuals.scatter[:, column]
+        runs = np.unique(residuals.run)
+        above = sum(np.nanmean(relative[residuals.run == run] ** 2) > 1 for run in runs)
+        p_value = float(binomtest(int(above), len(runs), alternative="greater").pvalue)
+        gaps = super().ranked_gaps(residuals, allowed)
+        return tuple(replace(gap, p_value=p_value) for gap in gaps)
+
     def _noise(self, mass: float) -> float:
         """Return the variance of a window's force by noise of the samples, of the median log.
 
@@ -206,21 +222,6 @@ def _white(log: Session, name: str) -> float:
     """
     third = np.convolve(log.channels[name], (1.0, -3.0, 3.0, -1.0), "same")
     return float(np.median(log.mean(third**2))) / 20
-
-
-def gaps_of_motion(residuals: GapMap, allowed: np.ndarray) -> tuple[Gap, ...]:
-    """Return the gaps as ``ranked_gaps`` does, with p-values for runs that are not repeated.
-
-    In a correct model the mean square of a run exceeds that of noise as often as not (sign test).
-    """
-    from scipy.stats import binomtest  # slow import
-
-    column = residuals.names.index(BALANCE)
-    relative = residuals.difference[:, column] / residuals.scatter[:, column]
-    runs = np.unique(residuals.run)
-    above = sum(np.nanmean(relative[residuals.run == run] ** 2) > 1 for run in runs)
-    p_value = float(binomtest(int(above), len(runs), alternative="greater").pvalue)
-    return tuple(replace(gap, p_value=p_value) for gap in ranked_gaps(residuals, allowed))
 
 
 def observable_in_motion(

@@ -22,7 +22,6 @@ from hbench.reconcile.motion.force_unit import in_newtons
 from hbench.reconcile.motion.measured_motion import (
     BALANCE,
     MeasuredMotion,
-    gaps_of_motion,
     measured_motion,
     observable_in_motion,
 )
@@ -82,9 +81,7 @@ def diagnose_motion(task: MotionTask) -> Diagnosis:
         material=task.material,
         stage=task.stage,
     )
-    diagnosis = assembled(
-        whole, measured, result, held_out, not_tried, (), tuple(left_out), gaps_of_motion
-    )
+    diagnosis = assembled(whole, measured, result, held_out, not_tried, (), tuple(left_out))
     fitted = frozenset(measured.start.effects) | frozenset(result.names)
     errors, shown = _held_out_errors(measured, result, held_out)
     notes = tuple(note for note in diagnosis.notes if note != NOT_SIMULATED)

@@ -85,7 +85,7 @@ def _changes(
             q: float(each[0]) for q, each in _at_point(measured, point, hypothesis, name).items()
         }
 
-    fitted = estimates.hypothesis(estimates.beta)
+    fitted = estimates.hypothesis
     here, half = at_point(fitted), half_widths(measured.plant, estimates, name, at_point)
     along_logs = _along_logs(measured, windows, fitted, name)
     moving = np.abs(windows.v_m_s) > REST_M_S

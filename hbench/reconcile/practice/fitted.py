@@ -35,7 +35,7 @@ def half_widths(
     g are derivatives of what ``evaluate`` returns by the effect's coefficients that are not at a
     bound, C is their covariance. nan where all are at their bounds.
     """
-    fitted = estimates.hypothesis(estimates.beta)
+    fitted = estimates.hypothesis
     before = evaluate(fitted)
     free = [key for key, p in estimates.of_effect(name).items() if p.at_bound is None]
     if not free:

@@ -40,7 +40,7 @@ from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, SMALL, TIE, indistinguishable, may_be_rival
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import unexplained_at
-from hbench.reconcile.hypothesis import effect_coefficients, typical_size
+from hbench.reconcile.hypothesis import coefficient_names, typical_size
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.search.candidates import EvaluatedCandidate
 from hbench.reconcile.search.refinement import EffectRefinement
@@ -77,7 +77,7 @@ class CampaignSearch(EffectRefinement):
             search = replace(search, candidates=left)
             final = search._with_candidates(final)
             current, steps = search._searched(final, steps[:-1], ruled_out)
-            final, gone = search.refined_and_named(current, _named(steps, ruled_out))
+            final, gone = search.refined_and_named(current, added_names(steps, ruled_out))
             ruled_out = ruled_out | gone
         return SearchResult(given, refitted, steps, final, refused, ruled_out=ruled_out)
 
@@ -90,7 +90,7 @@ class CampaignSearch(EffectRefinement):
         """Return the model with all effects that are found, and the steps after the ``known``."""
         current, steps = model, list(known)
         while len(steps) < _MOST_EFFECTS:
-            added = _named(steps, ruled_out)
+            added = added_names(steps, ruled_out)
             so_far = f" beside {', '.join(added)}" if added else ""
             self.stage(f"searching for an effect{so_far} among {len(self.candidates)} candidates")
             step, with_effect = self._step(current, added)
@@ -103,15 +103,15 @@ class CampaignSearch(EffectRefinement):
             if with_effect is None:
                 steps.append(step)
                 break
-            joined = _named([*steps, step], ruled_out)
+            joined = added_names([*steps, step], ruled_out)
             current, dropped = self.without_superfluous(with_effect, joined)
             steps.append(replace(step, dropped=dropped))
         return current, tuple(steps)
 
     def _with_candidates(self, model: LinearisedModel) -> LinearisedModel:
         """Return a model with the columns of all candidates."""
-        keys = [".".join(c) for name in self.candidates for c in effect_coefficients(name)]
-        return self.with_columns(model, [key for key in keys if key not in model.columns])
+        wanted = coefficient_names(self.candidates)
+        return self.with_columns(model, [name for name in wanted if name not in model.columns])
 
     def small_effects(self, model: LinearisedModel) -> SmallEffects | None:
         """Return effects too small to be named with which a model has no unexplained gap.
@@ -307,11 +307,6 @@ class CampaignSearch(EffectRefinement):
         evaluated = self._evaluate_in_full(model, added, name)
         tested = self._with_threshold(evaluated, added, [name])
         return tested.model is not None and self.criteria.accepts(tested.candidate)
-
-
-def _named(steps: Sequence[SearchStep], ruled_out: Collection[str]) -> tuple[str, ...]:
-    """Return the effects that the steps add, without those that were ruled out."""
-    return tuple(name for name in added_names(steps) if name not in ruled_out)
 
 
 def _mean_square(residuals: GapMap, points: np.ndarray) -> float:

@@ -13,11 +13,11 @@ import numpy as np
 from hbench.model.effects.catalogue import EFFECTS, lookalikes
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, AcceptanceCriteria, score_to_exceed
+from hbench.reconcile.column_names import CoefficientKey, coefficient_name
 from hbench.reconcile.evidence.cross_validation import Comparison, CrossValidation
 from hbench.reconcile.evidence.likelihood import Fit
 from hbench.reconcile.evidence.window_sums import STEADY, is_change, is_level
 from hbench.reconcile.hypothesis import (
-    CoefficientKey,
     effect_coefficients,
     shape_coefficients,
     typical_size,
@@ -128,7 +128,7 @@ class CandidateEvaluator(Refits):
     ) -> EvaluatedCandidate:
         """Evaluate a candidate at its fitted coefficients, and with its shape where that helps."""
         best = self._evaluate_at_best(model, model, added, name)
-        shapes = [".".join(which) for which in shape_coefficients(name)]
+        shapes = list(map(coefficient_name, shape_coefficients(name)))
         if shapes and best.model is not None and best.candidate.score > 0:
             shaped = self.with_columns(best.model, shapes)
             if best.candidate.explained <= CRITERIA.explained:  # another form may explain far more

@@ -18,6 +18,7 @@ import numpy as np
 from hbench.analysis.rounding import distinct_texts
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.acceptance import CRITERIA
+from hbench.reconcile.column_names import coefficient_name
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
 from hbench.reconcile.linearised import (
@@ -184,7 +185,7 @@ class EffectRefinement(CandidateEvaluator):
         start = self.with_columns(start, taking_part)
         best = self.refit(start, names, _columns_of(start, names))
         for name in names:
-            shapes = [".".join(which) for which in shape_coefficients(name)]
+            shapes = map(coefficient_name, shape_coefficients(name))
             if new := [shape for shape in shapes if shape not in best.columns]:
                 shaped = self.with_columns(best, new)
                 shaped = self.refit(shaped, names, _columns_of(shaped, names))
@@ -223,4 +224,4 @@ class EffectRefinement(CandidateEvaluator):
 
 def _columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:
     """Return the names of the columns that some effects have in a model."""
-    return [".".join(which) for which in model.coefficients_of(names)]
+    return list(map(coefficient_name, model.coefficients_of(names)))

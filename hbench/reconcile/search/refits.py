@@ -98,7 +98,7 @@ class Refits:
     ) -> np.ndarray:
         """Return the most likely steps of the columns of ``model.index(effects)``."""
         priors = model.priors(effects).damped(radius)
-        return maximum_likelihood(model.data, priors, model.index(effects), self.train)[0]
+        return maximum_likelihood(model.data, priors, model.index(effects), self.train)
 
     def _cost(self, model: LinearisedModel, effects: Sequence[str]) -> float:
         return cost(model.data, model.priors(effects), model.index(effects), self.train)

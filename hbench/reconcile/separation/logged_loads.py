@@ -41,7 +41,7 @@ def has_second_load(runs: Sequence[Run], load_areas: Areas | None = None) -> boo
     )
 
 
-def has_second_pressure(runs: Sequence[Run], load_areas: Areas | None = None) -> bool:
+def has_second_pressure(runs: Sequence[Run], load_areas: Areas | None) -> bool:
     """Return whether steady runs have one load at two rod-side pressures of the load cylinder.
 
     Both are the nominal ones, or the measured ones at nearly one speed where none are stated.

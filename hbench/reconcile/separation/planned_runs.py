@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from hbench.config.bench import Bench, Plant
 from hbench.errors import DataError
 from hbench.reconcile.gaps.simulated_runs import simulator
-from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients
+from hbench.reconcile.hypothesis import Hypothesis, coefficient_names
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
@@ -45,8 +45,7 @@ def linearised_runs(
 ) -> LinearisedModel:
     """Return the given model, linearised along runs, with the columns of some effects."""
     campaign = MeasuredCampaign(bench, plant, bench.instruments, sessions(runs), MATERIAL)
-    of_effects = [".".join(key) for name in effects for key in effect_coefficients(name)]
-    names = dict.fromkeys([*campaign.nuisance_columns, *of_effects])
+    names = dict.fromkeys([*campaign.nuisance_columns, *coefficient_names(effects)])
     return linearise(campaign, campaign.start, campaign.columns(campaign.start, names))
 
 

@@ -42,8 +42,9 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import usable_cores
 from hbench.parallel.threads import map_on_threads
 from hbench.reconcile.acceptance import CRITERIA, ambiguity_margin
+from hbench.reconcile.column_names import CoefficientKey
 from hbench.reconcile.evidence.likelihood import Priors, expected_loss, information
-from hbench.reconcile.hypothesis import CoefficientKey, effect_coefficients
+from hbench.reconcile.hypothesis import effect_coefficients
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.records import DetectableSize, EffectPair, Separability
 

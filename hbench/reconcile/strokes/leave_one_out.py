@@ -24,7 +24,7 @@ def gaps_at(
     stages = {"before": search.before}
     for stage, model, effects in (("refitted", refitted, ()), ("after", after, names)):
         best = search.estimates(model, effects)
-        stages[stage] = search.measured.gap_map(best.hypothesis(best.beta), start.gap_map)
+        stages[stage] = search.measured.gap_map(best.hypothesis, start.gap_map)
     return {stage: differences.select_points(points) for stage, differences in stages.items()}
 
 

@@ -34,8 +34,9 @@ from hbench.config.stroke_model import StrokePlant
 from hbench.model.effects.catalogue import EFFECTS, changed_by, read_effects
 from hbench.model.parameters import PlantParameters
 from hbench.model.sensors import SensorParameters, ideal_sensors
+from hbench.reconcile.column_names import CoefficientKey, coefficient_name, is_coefficient
 from hbench.reconcile.gaps.gap_map import GapMap, by_point, column_means, gap_map, gaps
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, effect_coefficients, stepped
+from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, stepped
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import WindowedRun
 from hbench.reconcile.nuisance import BACKGROUND, nuisances, sensor_tolerances
@@ -230,8 +231,8 @@ class MeasuredStrokes:
         wanted = dict.fromkeys(which for name in acting for which in effect_coefficients(name))
         if not self._rod_side_measured:
             wanted.pop(("pressure_offset", "p_tr"), None)
-        columns = self.columns(Hypothesis(), map(".".join, wanted))
-        return tuple(which for which in wanted if columns[".".join(which)].any())
+        columns = self.columns(Hypothesis(), map(coefficient_name, wanted))
+        return tuple(which for which in wanted if columns[coefficient_name(which)].any())
 
     def _compared(self, hypothesis: Hypothesis) -> list[WindowedRun]:
         """Return the residuals of the balances that are compared."""
@@ -262,7 +263,7 @@ class MeasuredStrokes:
         """Return a column; one of an effect is zero where it is below a tenth of the other."""
         after, share = stepped(hypothesis, name, nuisances(self.plant), _STEP)
         change = (before - self._values(after)) / share
-        if not name.startswith("/"):
+        if is_coefficient(name):
             most = np.abs(change).max(axis=0)
             large = (most > _LEAST_SHARE * most.max()) & (most > _NEGLIGIBLE_N)
             change = np.where(large, change, 0.0)

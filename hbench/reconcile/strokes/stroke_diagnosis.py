@@ -6,6 +6,7 @@ effects of the model were chosen with all loads: four loads are too few to choos
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from hbench.reconcile.nuisance import nuisances, zero_tolerances
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.separation.missing_data import missing_experiments
 from hbench.reconcile.strokes.leave_one_out import (
+    StageGaps,
     gap_floor,
     gap_table,
     gaps_at,
@@ -67,7 +69,6 @@ from hbench.records import (
     Candidate,
     Diagnosis,
     Gap,
-    GapTable,
     ScreenedRun,
     Verdict,
 )
@@ -152,6 +153,21 @@ def _check_areas(task: StrokeTask, pairs: Sequence[StrokePair]) -> None:
             )
 
 
+class _Fitted(NamedTuple):
+    """Model with some effects, and the gaps of each load outside its fit."""
+
+    model: LinearisedModel
+    estimates: ParameterEstimates
+    by_load: list[StageGaps]
+
+
+def _fitted(
+    search: SeriesSearch, start: LinearisedModel, model: LinearisedModel, names: Sequence[str]
+) -> _Fitted:
+    by_load = leave_each_load_out(search, start, names)
+    return _Fitted(model, search.estimates(model, names), by_load)
+
+
 def _assembled(
     task: StrokeTask,
     labels: Sequence[str],
@@ -160,19 +176,15 @@ def _assembled(
     left_out: tuple[str, ...],
 ) -> Diagnosis:
     search, start = series[0]
-    result = search_series(series)
-    strokes, final = search.measured, result.final
-    estimates = search.estimates(final, result.names)
-    by_load = leave_each_load_out(search, start, result.names)
-    fits = dict.fromkeys(result.names, estimates)
-    effects = _added_effects(search, start, result, estimates, gap_table(by_load))
+    strokes, result = search.measured, search_series(series)
+    found = _fitted(search, start, result.final, result.names)
+    effects = _added_effects(search, start, result, found)
     names = tuple(effect.name for effect in effects if effect.confirmed)
+    kept = found
     if names != result.names:
-        final = search.refit(result.refitted, names)
-        estimates = search.estimates(final, names)
-        by_load = leave_each_load_out(search, start, names)
+        kept = _fitted(search, start, search.refit(result.refitted, names), names)
     priors = nuisances(strokes.plant)
-    factors, best = search.factors(estimates), estimates.hypothesis(estimates.beta)
+    factors, best = search.factors(kept.estimates), kept.estimates.hypothesis
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
     alternatives = tuple(
         replace(candidate, balance=step.balance)
@@ -186,18 +198,20 @@ def _assembled(
     unconfirmed = [effect.name for effect in effects if not effect.confirmed]
     verdict, why = _decide_verdict(result, unconfirmed, unexplained)
     points = frozenset(start.gap_map.points)
-    indices = np.arange(len(points))
     with_alternative = {
         candidate.name: (*names, *_best_elsewhere(result, candidate), candidate.name)
         for candidate in alternatives
     }
-    for name, joined in with_alternative.items():
-        fits[name] = search.estimates(search.refit(start, joined), joined)
+    fits = dict.fromkeys(result.names, found.estimates) | {
+        name: search.estimates(search.refit(start, joined), joined)
+        for name, joined in with_alternative.items()
+    }
     point, practice = strokes_in_practice(strokes, best, fits)
     sections = revised(task.plant_data, factors, best)
     before = result.refitted.gap_map
     after = strokes.gap_map(best, before)
-    train = gap_table([gaps_at(search, start, names, indices)], gap_floor(final, estimates))
+    whole = gaps_at(search, start, names, np.arange(len(points)))
+    train = gap_table([whole], gap_floor(kept.model, kept.estimates))
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
@@ -210,7 +224,7 @@ def _assembled(
         alternatives=alternatives,
         rest=unexplained,
         next_experiment=next_experiment(result),
-        gap_heldout=with_floor(gap_table(by_load), train),
+        gap_heldout=with_floor(gap_table(kept.by_load), train),
         gap_train=train,
         ranking=result.steps[0].evaluated,
         threshold=result.steps[0].evaluated[0].threshold,
@@ -232,7 +246,7 @@ def _assembled(
         zero_tolerances=zero_tolerances(strokes.tolerances),
         notes=tuple(stroke_notes(labels, search, names, alternatives)),
         held_out_loads=held_out_loads(
-            by_load,
+            kept.by_load,
             {
                 name: leave_each_load_out(search, start, joined)
                 for name, joined in with_alternative.items()
@@ -277,11 +291,10 @@ def _added_effects(
     search: SeriesSearch,
     start: LinearisedModel,
     result: StrokeSearchResult,
-    estimates: ParameterEstimates,
-    held_out: GapTable,
+    found: _Fitted,
 ) -> tuple[AddedEffect, ...]:
-    """Return the added effects; their gaps are of held-out loads, as in the table ``held_out``."""
-    effects: list[AddedEffect] = []
+    """Return the added effects of the model ``found``; their gaps are those of held-out loads."""
+    effects, held_out = list[AddedEffect](), gap_table(found.by_load)
     for step in result.steps:
         if step.added is not None:
             earlier = result.names[: len(effects)]
@@ -291,7 +304,7 @@ def _added_effects(
                 added_effect(
                     step.added,
                     candidates,
-                    estimates,
+                    found.estimates,
                     without.balances[step.balance].after,
                     held_out.balances[step.balance].after,
                 )

@@ -66,7 +66,7 @@ def _changes(
     def at_point(hypothesis: Hypothesis) -> dict[str, float]:
         return dict(zip(strokes.balances, missing(hypothesis)[middle].tolist(), strict=True))
 
-    fitted = estimates.hypothesis(estimates.beta)
+    fitted = estimates.hypothesis
     half = half_widths(strokes.plant, estimates, name, at_point)
     of_loads = missing(fitted)
     return tuple(

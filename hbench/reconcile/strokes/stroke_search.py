@@ -28,6 +28,12 @@ from hbench.reconcile.acceptance import (
     indistinguishable,
     threshold_of,
 )
+from hbench.reconcile.column_names import (
+    coefficient_name,
+    coefficient_of,
+    factor_name,
+    is_coefficient,
+)
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, times, whole_dof
 from hbench.reconcile.evidence.cross_validation import rotated
 from hbench.reconcile.gaps.gap_map import GapMap
@@ -119,8 +125,8 @@ class StrokeSearchResult:
 def start_search(strokes: MeasuredStrokes) -> tuple[SeriesSearch, LinearisedModel]:
     """Return the search of a series and the levelled model. Raises ``DataError``."""
     measured = strokes.levelled
-    names = [f"/{path}" for path in nuisances(measured.plant)]
-    names += map(".".join, measured.observable)
+    names = [*map(factor_name, nuisances(measured.plant))]
+    names += map(coefficient_name, measured.observable)
     start = linearise(measured, Hypothesis(), measured.columns(Hypothesis(), names))
     points = np.arange(len(start.gap_map.points))
     effects = tuple(dict.fromkeys(name for name, _ in measured.observable))
@@ -200,40 +206,50 @@ def _step(
     candidates = tuple(ranked(tuple(summed), lambda candidate: candidate.score, TIE))
     with_effect = {name: [_model_of(of_series[name]) for of_series in evaluated] for name in names}
     accepted = [candidate for candidate in candidates if _CRITERIA.accepts(candidate)]
-    ruled_out = {}
-    for candidate in accepted:
-        if balance == "force_middle":
-            reasons = [search.measured.contradiction(candidate.name) for search in searches]
-            if reason := next(filter(None, reasons), ""):
-                ruled_out[candidate.name] = reason
-                continue
-        estimates = [
-            search.estimates(model, (*added, candidate.name))
-            for search, model in zip(searches, with_effect[candidate.name], strict=True)
-        ]
-        reasons = [
-            search.measured.excess_friction(each.hypothesis(each.beta), candidate.name)
-            for search, each in zip(searches, estimates, strict=True)
-        ]
-        if candidate.name not in OF_THE_SEAL:
-            reasons.append(_inconsistency(estimates, candidate.name))
-        if reason := next(filter(None, reasons), ""):
-            ruled_out[candidate.name] = reason
+    reasons = {
+        each.name: _reason_against(searches, with_effect[each.name], added, each.name, balance)
+        for each in accepted
+    }
+    ruled_out = {name: reason for name, reason in reasons.items() if reason}
     accepted = [candidate for candidate in accepted if candidate.name not in ruled_out]
     rejected = (candidate for candidate in candidates if candidate not in accepted)
     candidates = (*accepted, *rejected)
+    step = StrokeSearchStep(balance, models[0], candidates, None, (), ruled_out)
     if not accepted:
-        return StrokeSearchStep(balance, models[0], candidates, None, (), ruled_out), models
+        return step, models
     ambiguous, name = _not_distinguishable(accepted), accepted[0].name
+    several = len(ambiguous) > 1
+    step = replace(step, ambiguous=ambiguous) if several else replace(step, added=name)
     extended = [
         search.refit(model, (*added, name))
         for search, model in zip(searches, with_effect[name], strict=True)
     ]
-    if len(ambiguous) > 1:
-        return StrokeSearchStep(
-            balance, models[0], candidates, None, ambiguous, ruled_out
-        ), extended
-    return StrokeSearchStep(balance, models[0], candidates, name, (), ruled_out), extended
+    return step, extended
+
+
+def _reason_against(
+    searches: Sequence[SeriesSearch],
+    models: Sequence[LinearisedModel],
+    added: tuple[str, ...],
+    name: str,
+    balance: str,
+) -> str:
+    """Return why an effect is ruled out although its score suffices; empty if it is not.
+
+    ``models`` are those of the series with the effect.
+    """
+    if balance == "force_middle":
+        contradictions = (search.measured.contradiction(name) for search in searches)
+        if reason := next(filter(None, contradictions), ""):
+            return reason
+    estimates = [
+        search.estimates(model, (*added, name))
+        for search, model in zip(searches, models, strict=True)
+    ]
+    for search, each in zip(searches, estimates, strict=True):
+        if reason := search.measured.excess_friction(each.hypothesis, name):
+            return reason
+    return "" if name in OF_THE_SEAL else _inconsistency(estimates, name)
 
 
 def _not_distinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
@@ -281,7 +297,7 @@ def _visible_effects(model: LinearisedModel, balance: str) -> set[str]:
     groups = [i for i, (name, _) in enumerate(model.data.groups) if name == balance]
     visible = np.flatnonzero(model.data.columns.nonzero[groups].any(axis=0))
     names = [model.data.names[j] for j in visible]
-    return {name.partition(".")[0] for name in names if not name.startswith("/")}
+    return {coefficient_of(name)[0] for name in names if is_coefficient(name)}
 
 
 def _inconsistency(estimates: Sequence[ParameterEstimates], name: str) -> str:

@@ -8,8 +8,11 @@ from hbench.records import DIRECTIONS, KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.quality.verdict import decision_reserve, quality_verdict
 from hbench.report.campaign.reasons import aborted_words
+from hbench.report.campaign.sections.fits import fit_remarks, fit_sections
 from hbench.report.campaign.sections.method import method_section
 from hbench.report.campaign.sections.motions import motion_sections
+from hbench.report.campaign.sections.oil_temperature import temperature_section
+from hbench.report.campaign.sections.rejected import has_rejected, rejected_sections
 from hbench.report.campaign.sections.settings import (
     identity_facts,
     not_calibrated_words,
@@ -19,11 +22,8 @@ from hbench.report.campaign.sections.summary import summary_section
 from hbench.report.campaign.series_words import common_label, without_common_label
 from hbench.report.creep_words import creep_facts
 from hbench.report.drift import drift_reserve
-from hbench.report.fit_sections import fit_remarks, fit_sections
 from hbench.report.headline import headline_words, possible_drift_words
 from hbench.report.next_step import decided_step_words, next_step_words
-from hbench.report.oil_temperature import temperature_section
-from hbench.report.rejected_section import has_rejected, rejected_sections
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing, of_section
 from hbench.report.render.word_tables import titled

@@ -2,7 +2,7 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
-from math import copysign, hypot, sqrt
+from math import hypot, sqrt
 from statistics import fmean, stdev
 
 from hbench.records import (
@@ -137,7 +137,7 @@ def friction_budget_table(results: Results) -> Table:
             rows.append(
                 (
                     *who(curve),
-                    with_interval(copysign(1.0, point.v_m_s) * point.friction_n, point.u95_n),
+                    with_interval(curve.against_motion * point.friction_n, point.u95_n),
                     significant(combined, 2),
                     _degrees_of_freedom(point.u95_dof) if point.sigma_drift_n is None else NONE,
                     significant(point.u95_n / combined, 3),

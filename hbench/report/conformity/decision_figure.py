@@ -64,10 +64,7 @@ class DecisionRow:
 
 
 def draw_decisions(
-    rows: Sequence[DecisionRow],
-    rule: Rule | None,
-    simulated: bool,
-    png: bool = False,
+    rows: Sequence[DecisionRow], rule: Rule | None, simulated: bool, png: bool
 ) -> tuple[Drawing, ...]:
     """Draw the decisions in their order, in one figure or in several of about the same length.
 

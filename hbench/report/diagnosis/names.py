@@ -239,17 +239,23 @@ def quantity(name: str) -> str:
     return SOLVED_NAMES[name].title if name in SOLVED_NAMES else name.replace("_", " ")
 
 
-def steps_of(diagnosis: Diagnosis, *, of_balances: bool = True) -> dict[str, str]:
-    """Return the fields of ``BeforeAfter`` that differ from each other, and their display names.
+def models_of(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return the models that are compared: fields of ``BeforeAfter``, with their display names.
 
-    The gap that is expected of a correct model is known of balances only. A refused refit has no
-    step.
+    A refused refit is no model of its own.
     """
     added = added_words(diagnosis)
-    steps = {**STEPS, "after": f"with the {added}"}
-    refitted = [] if diagnosis.refit_refused else ["refitted"]
-    known = ("before", *refitted, *(["after"] if added else []))
-    return {step: steps[step] for step in (*known, *(["floor"] if of_balances else []))}
+    models = {"before": STEPS["before"]}
+    if not diagnosis.refit_refused:
+        models["refitted"] = STEPS["refitted"]
+    if added:
+        models["after"] = f"with the {added}"
+    return models
+
+
+def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return the models, and the gap of balances that is expected of a correct model."""
+    return models_of(diagnosis) | {"floor": STEPS["floor"]}
 
 
 def added_words(diagnosis: Diagnosis) -> str:

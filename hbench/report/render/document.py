@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
+from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -28,6 +29,13 @@ from hbench.report.render.word_tables import (
 )
 from hbench.sentences import sentences
 
+# Settings of all Jinja environments: text is escaped, and an unknown variable is an error.
+ESCAPED: dict[str, Any] = {
+    "autoescape": True,
+    "undefined": StrictUndefined,
+    "trim_blocks": True,
+    "lstrip_blocks": True,
+}
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
 _FIGURE = re.compile(r"Figure (\d+)\. ")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
@@ -116,9 +124,8 @@ def numbered(document: Document, on_paper: bool = False) -> Document:
 
     A table without a title has that of its section. ``[[anchor]]`` in the verdict or in the text of
     a section becomes the number of the first table in the section with this anchor, or without one
-    its title.
-    Parts that are not printed are left out ``on_paper``, where a reference to one is its title.
-    They are counted, so that a table has the same number on the page and on paper.
+    its title. Parts that are not printed are left out ``on_paper``, where a reference to one is its
+    title. They are counted, so that a table has the same number on the page and on paper.
     """
     counted = _Numbers(on_paper)
     sections = tuple(counted.numbered(section, "") for section in document.sections)
@@ -271,13 +278,7 @@ def slug(text: str) -> str:
 
 @cache
 def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("hbench.report.render", ""),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = Environment(loader=PackageLoader("hbench.report.render", ""), **ESCAPED)
     filters = {
         "anchor": anchor,
         "beside": beside,

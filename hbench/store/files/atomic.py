@@ -32,9 +32,9 @@ def make_folder(path: Path) -> None:
 def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bool = True) -> None:
     """Write ``data`` to ``path``: a temporary file beside it, flushed to disk, then renamed.
 
-    A file that is not ``lasting`` is not flushed; a power failure can lose it.
-    Raises ``DataError`` naming the path if the disk refuses, or if ``path`` exists and
-    ``overwrite`` is False. Then ``path`` is unchanged.
+    A file that is not ``lasting`` is not flushed; a power failure can lose it. Raises ``DataError``
+    naming the path if the disk refuses, or if ``path`` exists and ``overwrite`` is False. Then
+    ``path`` is unchanged.
     """
     if not overwrite and path.exists():
         raise DataError(f"{path}: exists already; raw logs are never overwritten")

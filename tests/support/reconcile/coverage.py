@@ -16,6 +16,7 @@ from hbench.model.effects.flows import with_air
 from hbench.model.effects.openings import overlapped
 from hbench.reconcile.estimates import ParameterEstimates, whole_dof
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients
+from hbench.reconcile.linearised import hypothesis_at
 from tests.support.hidden.laws.flows import compliance, soft_lap
 
 Coefficients = Mapping[str, float]  # SI
@@ -118,12 +119,15 @@ def estimated(name: str, fit: ParameterEstimates) -> dict[str, tuple[float, floa
         if ".".join(which) in fit.model.data.names
     )
     factor = float(student_factor(whole_dof(dof)))
-    best = _coefficients(name, fit.hypothesis(fit.beta))
+    best = _coefficients(name, fit.hypothesis)
     betas = np.random.default_rng(1).multivariate_normal(
         fit.beta, fit.covariance, _DRAWS, method="svd"
     )
     within = np.clip(betas, fit.low, fit.high)
-    drawn = [_coefficients(name, fit.hypothesis(beta)) for beta in within]
+    drawn = [
+        _coefficients(name, hypothesis_at(fit.model, fit.plant, fit.chosen, beta))
+        for beta in within
+    ]
     return {
         quantity: (of(best), factor * float(np.std([of(each) for each in drawn])))
         for quantity, (of, _) in QUANTITIES.get(name, {}).items()

@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import Any
 
 from hbench.records import Provenance, Results, Specimen
-from hbench.report.rejected_section import LONG_LIST
+from hbench.report.campaign.sections.rejected import LONG_LIST
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
 from hbench.report.setting_words import key_words, section_words

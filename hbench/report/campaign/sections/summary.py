@@ -19,13 +19,13 @@ from hbench.report.campaign.quality.verdict import (
     quality_verdict,
 )
 from hbench.report.campaign.reasons import aborted_words, is_aborted
+from hbench.report.campaign.sections.drift import drift_sections
 from hbench.report.campaign.sections.headline_table import (
     differs_from_load,
     headline_table,
     load_cell_means,
 )
 from hbench.report.drift import drift_fact
-from hbench.report.drift_section import drift_sections
 from hbench.report.headline import extrapolated_words, headline_tiles
 from hbench.report.next_step import next_step_of
 from hbench.report.oil_words import temperature_words

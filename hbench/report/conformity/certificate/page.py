@@ -8,14 +8,7 @@ The text of a replacement template is rendered in Jinja's sandbox with autoescap
 from base64 import b64encode
 from functools import cache
 
-from jinja2 import (
-    BaseLoader,
-    Environment,
-    PackageLoader,
-    StrictUndefined,
-    TemplateError,
-    TemplateSyntaxError,
-)
+from jinja2 import BaseLoader, Environment, PackageLoader, TemplateError, TemplateSyntaxError
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 from markupsafe import Markup
 
@@ -24,6 +17,7 @@ from hbench.errors import ConfigError
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.layout import Content
+from hbench.report.render.document import ESCAPED
 
 _PAGE = "certificate.html.j2"
 # Chromium from 131 on prints what is in the margins; elsewhere the browser's own header does.
@@ -51,11 +45,8 @@ def certificate_page(
     }
     if template is None:
         return _environment().get_template(_PAGE).render(variables)
-    sandbox = ImmutableSandboxedEnvironment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
     try:
-        text = sandbox.from_string(template).render(variables)
+        text = ImmutableSandboxedEnvironment(**ESCAPED).from_string(template).render(variables)
     except TemplateError as error:
         line = f", line {error.lineno}" if isinstance(error, TemplateSyntaxError) else ""
         raise ConfigError(f"{source}{line}: {error}") from None
@@ -90,10 +81,5 @@ def _data_url(logo: Image | None) -> str:
 
 @cache
 def _environment() -> Environment:
-    return Environment(
-        loader=PackageLoader("hbench.report.conformity.certificate", ""),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    loader = PackageLoader("hbench.report.conformity.certificate", "")
+    return Environment(loader=loader, **ESCAPED)

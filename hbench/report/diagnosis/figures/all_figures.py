@@ -29,8 +29,8 @@ from hbench.report.diagnosis.names import (
     added_words,
     balance,
     compared_model,
+    models_of,
     of_strokes,
-    steps_of,
 )
 from hbench.report.diagnosis.tables.run_gaps import plan_words
 from hbench.report.diagnosis.words.law import law_title
@@ -170,7 +170,7 @@ def _overlay_caption(diagnosis: Diagnosis) -> str:
 
 
 def _chosen(diagnosis: Diagnosis) -> str:
-    if "after" not in steps_of(diagnosis):
+    if "after" not in models_of(diagnosis):
         return _ONE_RUN
     return _SHRUNK if all(each.shrank for each in diagnosis.overlays) else _NONE_SHRANK
 

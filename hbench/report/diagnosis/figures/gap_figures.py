@@ -21,6 +21,7 @@ from hbench.report.diagnosis.names import (
     compared_model,
     in_words,
     mathtext,
+    models_of,
     of_the_mass,
     share,
     shown,
@@ -76,7 +77,7 @@ def _gaps(
 ) -> Figure:
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(values))
     axes = figure.subplots()
-    steps = steps_of(diagnosis, of_balances=title == BALANCES)
+    steps = (steps_of if title == BALANCES else models_of)(diagnosis)
     rows = np.arange(len(values))
     every = {
         step: np.maximum([getattr(gap, step) for gap in values.values()], _LEAST) for step in steps
@@ -96,7 +97,7 @@ def _gaps(
 def loads_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the force errors of the models of strokes at each held-out load."""
     loads = diagnosis.held_out_loads
-    steps = steps_of(diagnosis, of_balances=False)
+    steps = models_of(diagnosis)
     also = list(loads[0].also)
     figure = style.new_figure(height_in=_HEAD_IN + 1.6 * _ROW_IN * len(loads))
     axes = figure.subplots()
@@ -137,7 +138,7 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
     Where something was added to the model, the gaps with it are drawn below those without it.
     """
     names = [gap.name for gap in diagnosis.where]
-    after = steps_of(diagnosis).get("after")
+    after = models_of(diagnosis).get("after")
     sides = {compared_model(diagnosis): diagnosis.regions}
     sides |= {after: diagnosis.regions_after} if after else {}
     every = [gap for side in sides.values() for region in side for gap in region.gaps.values()]

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, Overlay
 from hbench.report.diagnosis.figures.gap_figures import AFTER, BEFORE, MEASURED
-from hbench.report.diagnosis.names import DisplayName, compared_model, mathtext, signal, steps_of
+from hbench.report.diagnosis.names import DisplayName, compared_model, mathtext, models_of, signal
 from hbench.report.render import style
 from hbench.units import parse_unit
 
@@ -32,7 +32,7 @@ def overlay_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
 
 def _deviates(diagnosis: Diagnosis, overlay: Overlay) -> bool:
     """Return whether a signal's gap in its run exceeds the repeatability, or is not known."""
-    if "after" in steps_of(diagnosis):
+    if "after" in models_of(diagnosis):
         return True
     gaps = {each.plan.run: each.gap.signals for each in diagnosis.gap_runs}
     gap = gaps.get(overlay.run, {}).get(overlay.signal)
@@ -42,7 +42,7 @@ def _deviates(diagnosis: Diagnosis, overlay: Overlay) -> bool:
 def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
     figure = style.new_figure(height_in=0.9 + _ROW_IN * len(overlays), wide=True)
     panels = figure.subplots(len(overlays), 2, sharex=True, squeeze=False)
-    after = steps_of(diagnosis).get("after")
+    after = models_of(diagnosis).get("after")
     for (left, right), overlay in zip(panels, overlays, strict=True):
         display = signal(overlay.signal)
         factor, unit = _scale(overlay, display)

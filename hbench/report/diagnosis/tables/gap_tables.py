@@ -12,6 +12,7 @@ from hbench.report.diagnosis.names import (
     deviation_and_limit,
     gap_number,
     in_unit,
+    models_of,
     of_strokes,
     signal,
     steps_of,
@@ -25,7 +26,7 @@ _ERRORS = {"force": "force along the motion", "position": "open-loop position"}
 
 def errors_table(diagnosis: Diagnosis) -> WordTable:
     """Return the errors of held-out runs of a driven mass."""
-    steps = steps_of(diagnosis, of_balances=False)
+    steps = models_of(diagnosis)
     rows = tuple(
         (
             f"{_ERRORS[error.quantity]} ({error.unit})",
@@ -40,7 +41,7 @@ def errors_table(diagnosis: Diagnosis) -> WordTable:
 def loads_table(diagnosis: Diagnosis) -> WordTable:
     """Return the force errors of the models of strokes at each held-out load."""
     loads = diagnosis.held_out_loads
-    steps = steps_of(diagnosis, of_balances=False)
+    steps = models_of(diagnosis)
     also = [name for load in loads[:1] for name in load.also]
     head = ("load", *steps.values(), *(also_words(diagnosis, name) for name in also))
     rows = tuple(
@@ -119,7 +120,7 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
         gaps: Mapping[str, BeforeAfter],
         display_name: Callable[[str], DisplayName],
     ) -> WordTable:
-        steps = steps_of(diagnosis, of_balances=kind == "quantity")
+        steps = (steps_of if kind == "quantity" else models_of)(diagnosis)
         rows = tuple(
             (display_name(name).title, *(gap_number(getattr(gap, step)) for step in steps))
             for name, gap in gaps.items()

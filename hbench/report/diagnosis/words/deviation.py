@@ -1,9 +1,9 @@
 """Deviations of balances and signals in words, with the limits below which they do not matter."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite, sqrt
 
-from hbench.records import Diagnosis, EffectInPractice, Gap
+from hbench.records import BeforeAfter, Diagnosis, EffectInPractice, Gap
 from hbench.records.reconcile.diagnosis import SIGNIFICANT_P, UNEXPLAINED_GAP
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -13,9 +13,9 @@ from hbench.report.diagnosis.names import (
     gap_number,
     in_sentence,
     in_unit,
+    models_of,
     shown,
     signal,
-    steps_of,
 )
 from hbench.report.render.numbers import NONE, number, p_equation, significant
 from hbench.sentences import listed, plural
@@ -177,9 +177,8 @@ def beyond_balances(diagnosis: Diagnosis) -> str:
 
     Empty without any.
     """
-    *_, step = (step for step in steps_of(diagnosis, of_balances=False))
-    gaps = {name: getattr(gap, step) for name, gap in diagnosis.gap_heldout.signals.items()}
-    balances = [getattr(gap, step) for gap in diagnosis.gap_heldout.balances.values()]
+    gaps = _final_gaps(diagnosis, diagnosis.gap_heldout.signals)
+    balances = _final_gaps(diagnosis, diagnosis.gap_heldout.balances).values()
     if not gaps or not balances:
         return ""
     name, largest = max(gaps, key=lambda each: gaps[each]), max(*balances, UNEXPLAINED_GAP)
@@ -236,21 +235,19 @@ def largest_gap(diagnosis: Diagnosis) -> str:
     )
 
 
-def _poor_signals(diagnosis: Diagnosis) -> dict[str, float]:
-    """Return the gaps of the signals that the final model's simulation does not reproduce."""
-    *_, step = (step for step in steps_of(diagnosis, of_balances=False))
-    gaps = {name: getattr(gap, step) for name, gap in diagnosis.gap_heldout.signals.items()}
-    poor = sorted((n for n in gaps if gaps[n] > UNEXPLAINED_GAP), key=lambda n: -gaps[n])
-    return {name: gaps[name] for name in poor}
+def _final_gaps(diagnosis: Diagnosis, gaps: Mapping[str, BeforeAfter]) -> dict[str, float]:
+    """Return the gaps of the last model that is compared."""
+    *_, final = models_of(diagnosis)
+    return {name: getattr(gap, final) for name, gap in gaps.items()}
 
 
 def poorly_simulated(diagnosis: Diagnosis) -> str:
     """Return which signals the simulation of the final model reproduces worst; empty for none."""
-    poor = _poor_signals(diagnosis)
+    gaps = _final_gaps(diagnosis, diagnosis.gap_heldout.signals)
+    poor = sorted((n for n in gaps if gaps[n] > UNEXPLAINED_GAP), key=lambda n: -gaps[n])
     if not poor:
         return ""
-    worst = list(poor.items())[:MOST_SIGNALS]
-    parts = [f"{in_sentence(name)} by {gap_number(gap)}" for name, gap in worst]
+    parts = [f"{in_sentence(name)} by {gap_number(gaps[name])}" for name in poor[:MOST_SIGNALS]]
     more = f" (the worst {MOST_SIGNALS} of {len(poor)} signals above {UNEXPLAINED_GAP:g})"
     reading = (
         "The verdict rests on the flows and forces, which need no simulation; do not expect the "

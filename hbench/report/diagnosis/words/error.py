@@ -5,7 +5,7 @@ from itertools import pairwise
 from math import sqrt
 
 from hbench.records import Diagnosis, HeldOutError
-from hbench.report.diagnosis.names import added_words, also_words, in_sentence, steps_of
+from hbench.report.diagnosis.names import added_words, also_words, in_sentence, models_of
 from hbench.report.render.numbers import number, significant
 from hbench.sentences import listed
 
@@ -25,10 +25,10 @@ _MEANING = {
 
 def errors_in_words(diagnosis: Diagnosis) -> str:
     """Return both errors of each model; empty where no motion was compared."""
-    steps = steps_of(diagnosis, of_balances=False)
+    models = models_of(diagnosis)
     parts = [
         f"the {_TEXTS[error.quantity]} is "
-        + listed([f"{significant(getattr(error, s), 3)} {error.unit} {steps[s]}" for s in steps])
+        + listed([f"{significant(getattr(error, s), 3)} {error.unit} {models[s]}" for s in models])
         for error in diagnosis.errors
     ]
     return f"In runs outside the fit {'; '.join(parts)}." if parts else ""
@@ -39,12 +39,12 @@ def change_of_errors(diagnosis: Diagnosis) -> str:
 
     The errors of every model are in a table.
     """
-    steps = list(steps_of(diagnosis, of_balances=False))
-    if len(steps) < 2:
+    models = list(models_of(diagnosis))
+    if len(models) < 2:
         return errors_in_words(diagnosis)
     parts, verbs = [], set()
     for error in diagnosis.errors:
-        before, after = (getattr(error, step) for step in steps[-2:])
+        before, after = (getattr(error, model) for model in models[-2:])
         start, end = significant(before, 3), significant(after, 3)
         verb = "rises" if after > before else "falls"
         change = f"stays at {end}" if start == end else f"{verb} from {start} to {end}"
@@ -60,7 +60,7 @@ def change_of_errors(diagnosis: Diagnosis) -> str:
 
 def use_words(diagnosis: Diagnosis) -> str:
     """Return that the final model improves the force alone, compared with the given one."""
-    *_, last = steps_of(diagnosis, of_balances=False)
+    *_, last = models_of(diagnosis)
     improved = _better(diagnosis.errors, "before", last)
     only_force = improved == (["force"], "position")
     return "Use the model for forces, not for positions." if only_force else ""
@@ -72,8 +72,8 @@ def load_errors(diagnosis: Diagnosis) -> dict[str, str]:
     Those with one more effect of an ambiguous set come last. Empty without held-out loads.
     """
     loads = diagnosis.held_out_loads
-    steps = steps_of(diagnosis, of_balances=False)
-    errors = {title: [getattr(load, step) for load in loads] for step, title in steps.items()}
+    models = models_of(diagnosis)
+    errors = {title: [getattr(load, model) for load in loads] for model, title in models.items()}
     for name in loads[0].also if loads else ():
         errors[also_words(diagnosis, name)] = [load.also[name] for load in loads]
     return {
@@ -98,8 +98,8 @@ def scatter_words(diagnosis: Diagnosis) -> str:
 
 def one_sided_words(diagnosis: Diagnosis) -> str:
     """Return each step from model to model that improves one error without the other."""
-    stages = list(steps_of(diagnosis, of_balances=False))
-    steps = [*pairwise(stages), *([_BOTH] if len(stages) > 2 else [])]
+    models = list(models_of(diagnosis))
+    steps = [*pairwise(models), *([_BOTH] if len(models) > 2 else [])]
     found = {step: _better(diagnosis.errors, *step) for step in steps}
     alike = found.get(_BOTH) == found.get(_REFIT)
     return " ".join(
