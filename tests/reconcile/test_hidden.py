@@ -25,11 +25,12 @@ from hbench.store.importing.importer import import_folder
 from hbench.workflow import load_experiment
 from tests.support import ROOT
 from tests.support.hidden.background import PRESSURES, SIDES, VALVES, wandering
-from tests.support.hidden.cases import cases, small_sample, truth
+from tests.support.hidden.cases import Case, cases, small_sample, truth
 from tests.support.hidden.draws import drawn
 from tests.support.hidden.foreign import write_index, write_mapped
 from tests.support.hidden.instruments import astray, rewritten
 from tests.support.hidden.laws.table import EFFECTS as HIDDEN
+from tests.support.hidden.measure import plant_of
 from tests.support.hidden.sizes import KNOWN, OUTSIDE
 
 BENCH = ROOT / "configs" / "bench-aau.yaml"
@@ -110,6 +111,13 @@ def test_every_bench_has_small_errors_within_the_class_of_its_valves_and_sensors
     assert 0.0029 < max(abs(one.cell_gain) for one in many) < 0.003
     assert all(0.01 <= one.wander[side] <= 0.03 for one in many for side in SIDES)
     assert drawn({}, 7).background == drawn({"supply_droop": 1.0}, 7).background
+
+
+def test_a_law_of_the_catalogue_can_be_hidden_beside_the_small_errors(bench):
+    own = {"internal_leakage": {"test": "3e-3 l/min/bar"}}
+    effects = plant_of(bench, truth(Case("leak-7", {}, 7, "own", own))).effects
+    assert effects == own | plant_of(bench, truth(Case("none-7", {}, 7, "none"))).effects
+    assert len(effects) > 3
 
 
 def test_an_error_of_a_sensor_that_is_an_effect_is_larger_than_its_class_allows(bench):

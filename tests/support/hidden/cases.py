@@ -1,6 +1,7 @@
 """The benchmark's cases, and what is hidden in each."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from tests.support.hidden.draws import Drawn, drawn
@@ -37,12 +38,13 @@ class Case:
     name: str
     effects: dict[str, float]  # severities: 1 is the catalogue's typical size
     seed: int
-    group: Literal["single", "pair", "outside", "none"]
+    group: Literal["single", "pair", "outside", "none", "own"]
+    own: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # see ``Drawn``
 
 
 def truth(case: Case) -> Drawn:
     """Return what was put in, in numbers."""
-    return drawn(case.effects, case.seed)
+    return replace(drawn(case.effects, case.seed), own=case.own)
 
 
 def cases() -> tuple[Case, ...]:

@@ -1,7 +1,7 @@
 """What differs between a hidden plant and the model, drawn from a seed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -56,6 +56,7 @@ class Drawn:
     valve_gain: float
     zero_counts: float
     background: Background
+    own: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # the catalogue's laws
 
 
 def drawn(effects: Mapping[str, float], seed: int) -> Drawn:

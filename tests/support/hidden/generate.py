@@ -33,6 +33,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         metavar=("EFFECT", "SEVERITY", "SEED"),
         help="instead of --cases: a campaign with this effect, OUT/EFFECT-SEVERITY-SEED",
     )
+    parser.add_argument(
+        "--own",
+        type=Path,
+        metavar="FILE",
+        help="instead of --cases: JSON with a section 'effects' of the catalogue's own laws for "
+        "each campaign OUT/NAME-SEED",
+    )
     parser.add_argument("--schedule", type=Path, default=DISCRIMINATE)
     parser.add_argument(
         "--csv",
@@ -41,7 +48,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     given = parser.parse_args(arguments)
     lists = {"stored": stored, "small": small_sample, "all": cases}
-    if given.hide:
+    if given.own:
+        listed = tuple(
+            Case(name, {}, int(name.rpartition("-")[2]), "own", section)
+            for name, section in json.loads(given.own.read_text()).items()
+        )
+    elif given.hide:
         listed = tuple(
             Case("-".join(hidden), {hidden[0]: float(hidden[1])}, int(hidden[2]), "single")
             for hidden in given.hide

@@ -223,7 +223,7 @@ def _friction(law: Any, hidden: Drawn) -> Any:
 
 
 def _rows(hidden: Drawn, levels: Mapping[str, float]) -> dict[str, dict[str, str]]:
-    """Return the section ``effects``: the laws of ``laws/table.py`` alone.
+    """Return the section ``effects``: the laws of ``laws/table.py``, and what ``own`` adds.
 
     ``levels`` are relative changes of the cylinders' dry friction.
     """
@@ -240,7 +240,7 @@ def _rows(hidden: Drawn, levels: Mapping[str, float]) -> dict[str, dict[str, str
             "phase": hidden.ripple_phase,
         },
     }
-    section = {}
+    section = {name: dict(values) for name, values in hidden.own.items()}
     for name, values in (background | hidden.effects).items():
         row = EFFECTS.get(f"hidden_{name}")  # without a law: instruments.py
         if row is not None:
