@@ -17,6 +17,8 @@ def test_every_effect_that_acts_in_the_plant_is_hidden_once_for_each_seed():
 
 @pytest.mark.slow
 def test_intervals_contain_what_was_hidden_if_its_law_is_the_catalogues_own(tmp_path):
+    """Of 21 intervals of 95 % more than three miss with a probability of 2 %."""
     found = outcomes(tmp_path, seeds=1)
     intervals = [each for one in found for each in one.intervals]
-    assert sum(each.contains for each in intervals) >= 0.9 * len(intervals)
+    assert len(intervals) >= 20
+    assert sum(not each.contains for each in intervals) <= 3
