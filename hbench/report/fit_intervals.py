@@ -14,7 +14,7 @@ def fit_interval_words(results: Results) -> str:
         if KINDS[curve.kind].has_constant_speed
     ]
     drifts = any(point.sigma_drift_n is not None for point in points)
-    of_drift = " and the drift of friction" if drifts else ""
+    of_drift = " and the drift" if drifts else ""
     drift = "" if drifts else " or of a drift"
     return (
         f"Intervals are those of 95 % by the scatter of the points{of_drift}, without the errors "

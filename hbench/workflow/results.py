@@ -25,13 +25,17 @@ from hbench.analysis.screening.zero_check import (
     zeros_over_time,
 )
 from hbench.analysis.summary.drift import friction_drift
-from hbench.analysis.summary.drift_uncertainty import efficiency_with_drift, with_drift
+from hbench.analysis.summary.drift_uncertainty import (
+    efficiency_with_drift,
+    with_drift,
+    with_zero_drift,
+)
 from hbench.analysis.summary.force_checks import direction_notes
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.summary.unlike_trials import unlike_notes
-from hbench.analysis.summary.zero_drift import zero_drift_notes
+from hbench.analysis.summary.zero_drift import zero_drift
 from hbench.analysis.temperature.hersey import with_hersey
 from hbench.analysis.temperature.oil_temperature import oil_temperature
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
@@ -228,7 +232,9 @@ def derive(
     clock = RunClock.of(screened, times_s, campaign.source_files())
     temperature = oil_temperature(steady, screened, setup, how, clock)
     drift = friction_drift(steady, screened, clock)
+    zero = zero_drift(steady, screened, clock, drift)
     steady = with_drift(steady, drift, clock, how.weights)
+    steady = with_zero_drift(steady, zero, clock, how.weights)
     efficiencies = efficiency_with_drift(efficiencies, steady)
     curves = (*steady, *analysed.moving)
     provenance = campaign.provenance()
@@ -237,7 +243,7 @@ def derive(
         *checks,
         *not_computed(screened, efficiencies, instruments),
         *direction_notes(steady),
-        *zero_drift_notes(steady, screened, clock),
+        *([zero.note] if zero else []),
         *unlike_notes(steady),
     )
     bands = friction_bands(steady)

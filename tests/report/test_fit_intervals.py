@@ -36,7 +36,7 @@ def test_a_drift_is_named_where_it_is_in_the_intervals(known):
         known
     )
     drifting = with_points(known, sigma_drift_n=5.0)
-    assert "and the drift of friction" in fit_interval_words(drifting)
+    assert "points and the drift, without" in fit_interval_words(drifting)
     assert "or of a drift" not in fit_interval_words(drifting)
 
 

@@ -1,6 +1,6 @@
 """Drift of friction as a part of the uncertainty of points, fits and efficiencies."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +10,7 @@ from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.statistics.intervals import too_wide
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.summary.run_clock import RunClock, campaign_place
+from hbench.analysis.summary.zero_drift import ZeroDrift
 from hbench.analysis.uncertainty.budget import (
     StandardUncertainty,
     combined,
@@ -44,16 +45,40 @@ def with_drift(
         return tuple(curves)
     if drift.of_unknown_size:
         return tuple(curves)
-    place = campaign_place(curves, clock)
     se = drift.change_ci95 / student_factor(drift.dof)
     per_span = float(np.hypot(drift.change, se))
+    is_relative = drift.scale == "relative"
+    return _with_change(
+        curves, clock, weights,
+        lambda _, point: per_span * (abs(point.friction_n) if is_relative else 1.0),
+    )  # fmt: skip
 
-    def deviation(point: CurvePoint) -> float:
-        scale_n = abs(point.friction_n) if drift.scale == "relative" else 1.0
-        return place(point) * per_span * scale_n
+
+def with_zero_drift(
+    curves: Sequence[Curve], zero: ZeroDrift | None, clock: RunClock, weights: str = "trials"
+) -> tuple[Curve, ...]:
+    """Return ``curves`` with a drifting zero as a part of each point's and fit's interval.
+
+    As in ``with_drift``; the force is added to friction in one direction, and subtracted from it
+    in the other.
+    """
+    if zero is None or zero.of_unknown_size:
+        return tuple(curves)
+    per_span = float(np.copysign(np.hypot(zero.change_n, zero.se_n), zero.change_n))
+    return _with_change(curves, clock, weights, lambda curve, _: curve.against_motion * per_span)
+
+
+def _with_change(
+    curves: Sequence[Curve],
+    clock: RunClock,
+    weights: str,
+    change_n: Callable[[Curve, CurvePoint], float],
+) -> tuple[Curve, ...]:
+    """Return ``curves`` with a linear change of friction [N] over the campaign in the intervals."""
+    place = campaign_place(curves, clock)
 
     def widened(curve: Curve) -> Curve:
-        deviations = [deviation(point) for point in curve.points]
+        deviations = [place(point) * change_n(curve, point) for point in curve.points]
         points = (_wider(p, d) for p, d in zip(curve.points, deviations, strict=True))
         fits = (_wider_fit(fit, curve, np.array(deviations), weights) for fit in curve.fits)
         return replace(curve, points=tuple(points), fits=tuple(fits))
@@ -102,17 +127,23 @@ def efficiency_drift(point: EfficiencyPoint, measured: CurvePoint) -> float:
 
 def _wider(point: CurvePoint, sigma_n: float) -> CurvePoint:
     u = combined_n(point)
+    both = _larger_signed(point.sigma_drift_n or 0.0, sigma_n)
     if u is None or point.ci95_n is None:
-        return replace(point, sigma_drift_n=sigma_n)
+        return replace(point, sigma_drift_n=both)
     before, dof = (
         (point.ci95_n, point.n - 1.0) if point.u95_n is None else (point.u95_n, point.u95_dof)
     )
     return replace(
         point,
-        sigma_drift_n=sigma_n,
+        sigma_drift_n=both,
         u95_n=float(np.hypot(before, NORMAL_95 * sigma_n)),
         u95_dof=finite_or_none(_with_part(u, dof, sigma_n).dof),
     )
+
+
+def _larger_signed(a: float, b: float) -> float:
+    """Return both independent parts together, with the sign of the larger one."""
+    return float(np.copysign(np.hypot(a, b), a if abs(a) > abs(b) else b))
 
 
 def _with_part(u: float, dof: float | None, drift: float) -> StandardUncertainty:
@@ -143,5 +174,6 @@ def _wider_fit(fit: Fit, curve: Curve, deviations_n: np.ndarray, weights: str) -
             half = np.array((ends[1] - ends[0]) / 2)
             wide |= bool(too_wide(half, np.array(parameter.value), sizes[i], cut_off))
         parameters[name] = replace(parameter, ci95=ends, wide=wide)
-    message = "; ".join(filter(None, (fit.message, "the intervals contain the drift")))
+    contained = "the intervals contain the drift"
+    message = "; ".join(dict.fromkeys(filter(None, (fit.message, contained))))
     return replace(fit, parameters=parameters, message=message)
