@@ -77,7 +77,8 @@ def test_spools_held_by_dry_friction_are_hysteresis(tmp_path):
     hysteresis = found.effects[0]
     assert hysteresis.name == "valve_hysteresis"
     for valves in ("test", "load"):
-        assert hysteresis.parameters[valves].value == pytest.approx(0.1, rel=0.05)
+        low, high = hysteresis.parameters[valves].ci95
+        assert low <= 0.1 <= high and high - low < 0.012
     assert DROOP in {effect.name for effect in found.effects}
     assert found.gap_heldout.total.refitted > 5 * found.gap_heldout.total.after
 
