@@ -92,6 +92,17 @@ def test_a_log_of_the_plant_without_effects_fits_from_its_start_on(plant_with):
     assert {name: value for name, value in found.items() if value > LIMITS[name]} == {}
 
 
+def test_a_log_that_begins_as_the_piston_starts_has_the_friction_of_rest(plant_with):
+    """A line through the first two means would go beyond it: by 2.8 N over a millimetre."""
+    model = plant_with({})
+    _, before = logged("0001", model.par, initial_state(model.par, 0.15, 15 * BAR, 20 * BAR),
+                       smooth_strokes())  # fmt: skip
+    rising = np.minimum(np.arange(8000) / 300, 1.0)  # 30 ms of 0.8 s
+    log, _ = logged("0002", model.par, before.state[-1], rising[:, None] * [0.15, 0.06, -0.3])
+    found = largest([log], model)
+    assert {name: found[name] for name in FORCES if found[name] > LIMITS[name]} == {}
+
+
 def test_warmth_goes_on_from_log_to_log(plant_with):
     """Each log alone would begin with cold oil, the third one 25 K too cold."""
     effects = {"oil_warming": {"pump": "30 K", "time": "5 s"}}

@@ -267,8 +267,12 @@ def laws_along(
 def starts(
     session: Session, signals: np.ndarray, model: BalanceModel, forces: tuple[np.ndarray, ...]
 ) -> Starts:
-    """Return what all logs start with; ``forces`` are the measured frictions of both cylinders."""
-    friction = np.column_stack([_at_start(force, session.edges) for force in forces])
+    """Return what all logs start with; ``forces`` are the measured frictions of both cylinders.
+
+    The friction is the mean over the first record: most logs start at rest, and a line through the
+    means of the motion that follows would go beyond the friction at rest.
+    """
+    friction = np.column_stack([force[session.edges[:-1]] for force in forces])
     on = acting(model.par.effects or ())
     states = np.zeros((len(friction), len(_DEFLECTS)))
     if any(EFFECTS[name].deflects for name in on):
@@ -276,12 +280,6 @@ def starts(
         states = share[:, None] * _DEFLECTS
     builds_up = _BUILDS_UP & np.repeat([name in on for name in EFFECTS], _STATES)
     return Starts(session.edges, friction, states, builds_up)
-
-
-def _at_start(signal: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Return a signal at the start of each log (r,), by a line through its first two means."""
-    first, second = edges[:-1], np.minimum(edges[:-1] + 1, edges[1:] - 1)
-    return signal[first] - 0.5 * (signal[second] - signal[first])
 
 
 def _share_of_static(force: np.ndarray, signals: np.ndarray, par: PlantParameters) -> np.ndarray:
