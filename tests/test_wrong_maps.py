@@ -5,6 +5,7 @@ import pytest
 import yaml
 
 from hbench import workflow
+from hbench.report.campaign.quality.finding import reason
 from hbench.report.campaign.quality.verdict import next_step, quality_verdict
 from hbench.report.conformity.text import acceptance_text
 from hbench.store.campaign.stored_acceptance import stored_checks
@@ -221,10 +222,15 @@ def test_a_zero_that_drifts_over_the_campaign_is_noted(analysed, trial_n, cut, n
 
     Files have no dates here, and trials follow each other by name: the size is not known.
     """
-    notes = [n for n in analysed(trial_n=trial_n, cut=cut).notes if n.startswith("drift:")]
+    results = analysed(trial_n=trial_n, cut=cut)
+    notes = [n for n in results.notes if n.startswith("drift:")]
     assert len(notes) == noted
     assert all("changes over the campaign in both directions alike" in n for n in notes)
     assert all("U does not contain the change" in n for n in notes)
+    check = check_of(results, "force_drift")
+    assert (check is not None) == noted
+    assert not noted or (check.grade, check.value) == ("with care", None)
+    assert not noted or reason(check).endswith("by how much is not known")
 
 
 @pytest.mark.parametrize("known", [True, False])

@@ -193,6 +193,7 @@ class QualityCheck:
         "drift",
         "zeros",
         "zero_drift",
+        "force_drift",
         "plausible_signs",
         "load_direction",
         "load_balance",

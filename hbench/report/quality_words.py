@@ -15,6 +15,7 @@ NAMES = {
     "drift": "Drift",
     "zeros": "Zeros of the sensors",
     "zero_drift": "Drift of the zeros",
+    "force_drift": "Drift of the force",
     "plausible_signs": "Plausible signs",
     "load_direction": "Direction of the load",
     "load_balance": "Balance over load",
@@ -34,6 +35,8 @@ FINDINGS = {  # of the checks whose words depend on their numbers alone
     "zeros": "largest error {value} % of the tolerance; {count} of {of} checked sensors beyond it",
     "zero_drift": "largest change {value} % of the tolerance; {count} of {of} checked sensors "
     "beyond it",
+    "force_drift": "F_T - F_applied changes by {value} % of friction over the campaign, in both "
+    "directions alike",
     "load_direction": "at all {count} points the load helps the motion and supplies friction, "
     "{value} % of it (median)",
     "load_balance": "the mean friction of both directions changes by {value} % of the load",
@@ -60,6 +63,8 @@ LIMITS = {
     "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
     "poor if a zero is not known",
     "zero_drift": "good to {good:g} % of that tolerance, poor above",
+    "force_drift": "good to {good:g} % or not significant; with care above, or where its size is "
+    "not known",
     "plausible_signs": "good if no point contradicts this, poor if one does beyond its interval",
     "load_direction": "good if the load opposes the motion at a point, or supplies up to {good:g} "
     "% of friction",
@@ -89,6 +94,7 @@ STEPS = {
     "possible_drift": "measure in random order, which separates drift from speed",
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
+    "force_drift": "subtract the zeros at rest, or warm the sensors up first",
     "plausible_signs": "check which pressure is that of the piston side, the sign of the load "
     "cell, the instruments, their zeros and the areas of the cylinder",
     "load_direction": "if the load opposed the motion, correct the sign of the load cell (scale: "

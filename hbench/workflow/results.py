@@ -274,6 +274,7 @@ def derive(
             efficiencies,
             planned,
             drift,
+            zero,
             checks_of_zero,
             analysed.motions.loops,
             analysed.motions.breakaways,

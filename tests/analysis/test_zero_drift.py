@@ -52,6 +52,8 @@ def test_its_interval_contains_the_change_beside_a_drift_of_friction(friction_sh
         found = zero_drift(*measured(seed, 72.0, friction_share))
         inside += abs(found.change_n - 72.0) <= found.half_n
         assert found.note.startswith("drift: F_T - F_applied changes by")
+        assert found.check.value == pytest.approx(100 * abs(found.change_n) / 330, rel=0.1)
+        assert found.check.grade == "with care"
     least, most = binomial_limits(100, 0.95)
     assert least <= inside <= most
 

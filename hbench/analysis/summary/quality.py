@@ -20,6 +20,7 @@ from hbench.analysis.summary.force_checks import (
 )
 from hbench.analysis.summary.plausibility import implausible_points
 from hbench.analysis.summary.unlike_trials import unlike_check
+from hbench.analysis.summary.zero_drift import ZeroDrift
 from hbench.analysis.uncertainty.budget import StandardUncertainty, of_instruments
 from hbench.records import (
     KINDS,
@@ -66,6 +67,7 @@ def quality(
     efficiency: Iterable[EfficiencyCurve] = (),
     planned: PlannedRuns | None = None,
     drift: Drift | None = None,
+    of_force: ZeroDrift | None = None,
     zeros: Sequence[ZeroCheck] = (),
     loops: Sequence[Loop] = (),
     breakaways: Sequence[Breakaway] = (),
@@ -83,6 +85,7 @@ def quality(
         *_checks(runs, chosen, complete, implausible),
         *(() if chosen else _without_curves(breakaways, loops, complete)),
         *drift_checks(drift),
+        *([of_force.check] if of_force else []),
         *_zeros(zeros),
     )
     worst = max((check.grade for check in checks), key=GRADES.index)

@@ -18,10 +18,10 @@ from hbench.analysis.statistics.within import within
 from hbench.analysis.summary.drift import p_value, trials_of
 from hbench.analysis.summary.run_clock import RunClock
 from hbench.analysis.summary.setups import means_of_setups, sizes_and_sets
-from hbench.records import Curve, Drift, ScreenedRun
+from hbench.records import Curve, Drift, QualityCheck, ScreenedRun
 
 _SIGNIFICANT = 0.01
-_SMALL = 0.05  # of friction: a smaller change is not reported
+_SMALL_PERCENT = 5.0  # of friction: a smaller change is not reported
 _LEAST_DOF = 2
 
 
@@ -32,6 +32,7 @@ class ZeroDrift:
     change_n: float  # from the first run to the last
     half_n: float  # half-width of its 95 % interval
     se_n: float
+    percent: float  # of friction
     of_unknown_size: bool  # extrapolated from neighbours in an order that may be of names
 
     @property
@@ -46,6 +47,12 @@ class ZeroDrift:
             f"campaign's mean time, and U {in_u} the change from there; half the difference of "
             "both directions is free of it. Subtract the zeros at rest, or let the sensors warm up"
         )
+
+    @property
+    def check(self) -> QualityCheck:
+        """Its grade."""
+        value = None if self.of_unknown_size else self.percent
+        return QualityCheck("force_drift", "with care", value, "%", _SMALL_PERCENT, None)
 
 
 def zero_drift(
@@ -67,14 +74,21 @@ def zero_drift(
     ]
     matrix, y = np.stack(of_setups[:2], axis=1), of_setups[2]
     dof = len(size) - sets - 2
-    if dof < _LEAST_DOF or not matrix[:, 0].any():
+    one_percent_n = 0.01 * float(np.median(np.abs(trials.friction_n)))
+    if dof < _LEAST_DOF or not matrix[:, 0].any() or one_percent_n == 0.0:
         return None
     found, *_ = np.linalg.lstsq(matrix, y, rcond=None)
     residual = y - matrix @ found
     covariance = np.linalg.pinv(matrix.T @ matrix) * float(residual @ residual) / dof
     rate, se, span = float(found[0]), float(np.sqrt(covariance[0, 0])), clock.span(curves)
     change_n, half_n = rate * span, student_factor(dof) * se * span
-    usual_n = float(np.median(np.abs(trials.friction_n)))
-    if p_value(rate, se, dof) >= _SIGNIFICANT or abs(change_n) - half_n <= _SMALL * usual_n:
+    surely_n = abs(change_n) - half_n
+    if p_value(rate, se, dof) >= _SIGNIFICANT or surely_n <= _SMALL_PERCENT * one_percent_n:
         return None
-    return ZeroDrift(change_n, half_n, se * span, drift is None or drift.of_unknown_size)
+    return ZeroDrift(
+        change_n,
+        half_n,
+        se * span,
+        abs(change_n) / one_percent_n,
+        of_unknown_size=drift is None or drift.of_unknown_size,
+    )

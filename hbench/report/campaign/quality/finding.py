@@ -7,6 +7,9 @@ from hbench.report.render.numbers import number, significant
 from hbench.sentences import counted, plural
 
 _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
+_UNKNOWN_DRIFT = (
+    "F_T - F_applied changes over the campaign in both directions alike; by how much is not known"
+)
 
 
 def reason(check: QualityCheck, stated: bool = False) -> str:
@@ -54,6 +57,8 @@ def _value(check: QualityCheck) -> str:
         return _signs(check)
     if check.name in ("zeros", "zero_drift") and check.value is None:
         return "a sensor shows its lowest value: the whole error of its zero is not known"
+    if check.name == "force_drift" and check.value is None:
+        return _UNKNOWN_DRIFT
     if check.name == "instruments":
         return _instruments(check)
     words = FINDINGS[check.name].format(

@@ -240,6 +240,7 @@ ENGLISH = {
     "check_drift": "drift during the test",
     "check_zeros": "zeros of the sensors",
     "check_zero_drift": "drift of the zeros",
+    "check_force_drift": "drift of the force in both directions alike",
     "check_plausible_signs": "signs of friction",
     "check_load_direction": "direction of the load",
     "check_load_balance": "balance of forces over the load",

@@ -247,6 +247,7 @@ GERMAN = {
     "check_drift": "Drift während der Prüfung",
     "check_zeros": "Nullpunkte der Sensoren",
     "check_zero_drift": "Drift der Nullpunkte",
+    "check_force_drift": "Drift der Kraft, in beiden Richtungen gleich",
     "check_plausible_signs": "Vorzeichen der Reibung",
     "check_load_direction": "Richtung der Last",
     "check_load_balance": "Kräftebilanz über der Last",
