@@ -110,6 +110,16 @@ def texts_of(sheet):
     return [text.get_text() for text in sheet.texts]
 
 
+@pytest.mark.filterwarnings("ignore:Glyph")
+def test_a_sheet_with_letters_that_the_font_lacks_says_that_they_are_boxes():
+    def footers(title):
+        feet = [t.get_text() for t in sheets(Document(title, "", ()))[0].texts]
+        return [text for text in feet if text.startswith("Written by hbench")]
+
+    assert "Boxes" not in str(footers("Zylinder 7, Öl"))
+    assert "Boxes stand for letters that the font" in str(footers("油缸 7"))
+
+
 def test_a_short_table_is_not_divided_nor_apart_from_its_heading_in_a_pdf():
     one, two = sheets(Document("t", "", (of_rows("a", 48), of_rows("b", 5))))
     assert {"Section b", *(f"b{i}" for i in range(5))} <= set(texts_of(two))

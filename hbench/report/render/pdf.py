@@ -32,6 +32,7 @@ from hbench.report.render.pdf_pen import (
     SHEET_HEIGHT,
     SHEET_WIDTH,
     Pen,
+    is_in_font,
     set_text,
     width_of,
     wrapped,
@@ -53,6 +54,7 @@ _INSET = 10.0  # of a text inside a frame
 _HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
 _DATE = re.compile(r"\d{4}-\d\d-\d\d")
 _NUMBERS = "report.html has more tables; the numbering counts them."
+_BOXES = "Boxes stand for letters that the font of this PDF does not have; report.html shows them."
 _HEADER = 34.0  # base of the running header and, from below, of the footer
 
 
@@ -100,7 +102,10 @@ def sheets(document: Document) -> list[Figure]:
         set_text(sheet, LEFT, _HEADER, _shortened(document.tab, about), _SMALL, color=QUIET)
         set_text(sheet, right, _HEADER, about, _SMALL, color=QUIET, ha="right")
         foot, page = SHEET_HEIGHT - _HEADER + 10, f"Page {number} of {len(pen.done)}"
-        set_text(sheet, LEFT, foot, f"Written by hbench {version('hbench')}", _SMALL, color=QUIET)
+        written = f"Written by hbench {version('hbench')}"
+        if not all(is_in_font(text.get_text()) for text in sheet.texts):
+            written = f"{written}. {_BOXES}"
+        set_text(sheet, LEFT, foot, written, _SMALL, color=QUIET)
         set_text(sheet, right, foot, page, _SMALL, color=QUIET, ha="right")
     return pen.done
 
