@@ -296,7 +296,7 @@ def judged_again(first, again):
     class Rounds(CampaignSearch):
         _cross_validate = refit = lambda *_: "again"
         _better = lambda *_: ("first", 0)  # noqa: E731
-        _judged = lambda self, model, before, with_effect, joined: judged[with_effect]  # noqa: E731
+        _assess = lambda self, model, before, with_effect, joined: judged[with_effect]  # noqa: E731
         _with_threshold = lambda self, each, *_: each  # noqa: E731
 
     return Rounds(None, np.arange(5), ("end_cushion",)), judged
