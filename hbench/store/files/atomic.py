@@ -103,6 +103,15 @@ def temporary_folder(path: Path) -> Iterator[None]:
                 folder.rmdir()
 
 
+def move_folder(source: Path, destination: Path) -> None:
+    """Move a folder to where nothing is, and flush the move to disk. Raises ``DataError``."""
+    try:
+        source.rename(destination)
+        _flush_folder(destination.parent)
+    except OSError as error:
+        raise refused(destination, error) from error
+
+
 def move_files(source: Path, destination: Path) -> None:
     """Move the files of a folder, replacing those of the same name, and flush the moves to disk.
 
