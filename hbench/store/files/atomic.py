@@ -244,6 +244,8 @@ def refused(path: Path, error: OSError) -> DataError:
         hint = "Choose another path: a file, folder or link of this name is in the way."
     elif error.errno == errno.ENAMETOOLONG:
         hint = "Choose a shorter name."
+    elif error.errno == errno.ENOENT:  # its folder was there: see ``make_folder``
+        hint = "Another program moved or removed it. Repeat the command when that one has ended."
     return DataError(f"{path}: can't be written: {error.strerror or error}", hint)
 
 
