@@ -85,12 +85,13 @@ def stage_log(path: Path) -> Iterator[StageLog]:
         stream = path.open("w", encoding="utf-8")
     except OSError as error:
         raise refused(path, error) from error
-    with stream:
-        log, last = StageLog(stream), "finished"
-        try:
-            yield log
-        except BaseException as error:
-            last = f"ended by {type(error).__name__}: {error}".rstrip(": ")
-            raise
-        finally:
-            log.stage(last)
+    log, last = StageLog(stream), "finished"
+    try:
+        yield log
+    except BaseException as error:
+        last = f"ended by {type(error).__name__}: {error}".rstrip(": ")
+        raise
+    finally:
+        log.stage(last)
+        with suppress(OSError):  # lines that a full disk did not take
+            stream.close()

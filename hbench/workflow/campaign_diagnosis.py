@@ -4,10 +4,11 @@ from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from hbench.config.bench import Plant, merge, plant_sections
+from hbench.config.bench import Bench, Plant, merge, plant_sections
 from hbench.config.files.loading import read_yaml, validate
+from hbench.config.sensors import Instruments
 from hbench.control.plausibility import implausible
 from hbench.errors import ConfigError
 from hbench.reconcile.contradicted_values import MODULUS, contradicted_values
@@ -68,6 +69,14 @@ def no_flows_without(runs: Sequence[Run], model_file: Path) -> tuple[str, ...]:
     return channels
 
 
+class _Model(NamedTuple):
+    """A campaign's model, with a value where its file has 0 or what the flows contradict."""
+
+    plant: Plant
+    sections: dict[str, Any]  # of the plant, as in a file
+    notes: tuple[str, ...]  # values that are implausible, and those that are not the file's
+
+
 def diagnosed(
     campaign: StoredCampaign,
     runs: Sequence[Run],
@@ -78,46 +87,31 @@ def diagnosed(
 ) -> Diagnosis:
     """Diagnose the runs of a campaign, in the order of their starts where these are known.
 
-    Raises ``ConfigError``, ``DataError``.
+    Deviations below ``material``, a share of a signal's range, do not matter. ``report`` receives
+    the number of completed simulations and the total, ``stage`` a description of each stage. Raises
+    ``ConfigError``, ``DataError``.
     """
     times_s = campaign.start_times_s()
     dated = all(run.plan.run in times_s for run in runs)
     if dated:
         runs = sorted(runs, key=lambda run: times_s[run.plan.run])
     bench = campaign.bench()
-    content = campaign.bench_content
-    source = str(model_file)
-    sections = plant_sections(content, read_yaml(model_file), source)
-    opposed = any(run.p_lp_pa is not None or run.p_lr_pa is not None for run in runs)
+    sections = plant_sections(campaign.bench_content, read_yaml(model_file), str(model_file))
     try:
-        plant = _validated(sections, opposed, source)
-        check_effects(plant, model_file)
-        doubts = [words for words in implausible(plant) if opposed or ".load" not in words]
-        sections, zeros = _without_zeros(sections, plant)
-        plant = _validated(sections, opposed, source)
-        found = contradicted_values(bench, plant, runs)
-        shown = {path: _quantity(path, value) for path, value in found.items()}
-        given = {path: _quantity(path, nuisance_value(plant, path)) for path in found}
-        for path, value in shown.items():
-            section, key = path.split(".")
-            sections = merge(sections, {section: {key: value}})
-        plant = _validated(sections, opposed, source)
+        model = _model(sections, bench, runs, model_file)
     except ConfigError as error:
-        raise ConfigError(error.message, error.hint or ("" if content else _NO_BENCH)) from None
-    simulate = simulator(bench, plant, report) if bench and not campaign.imported else None
+        hint = error.hint or ("" if campaign.bench_content else _NO_BENCH)
+        raise ConfigError(error.message, hint) from None
     instruments = campaign.setup().instruments
-    schedule = (campaign.header.get("schedule") or {}).get("content") or {}
-    bench_file = (campaign.header.get("bench") or {}).get("file") or "BENCH"
-    experiments = None
-    if bench:
-        experiments = ExperimentLibrary(bench, plant, instruments, schedule, bench_file)
+    experiments = _experiments(campaign, bench, model.plant, instruments) if bench else None
+    simulate = simulator(bench, model.plant, report) if bench and not campaign.imported else None
     diagnosis = diagnose(
         ReconcileTask(
             provenance=campaign.provenance(),
             bench=bench,
             model=model_file.name,
-            plant=plant,
-            plant_data=sections,
+            plant=model.plant,
+            plant_data=model.sections,
             runs=tuple(runs),
             instruments=instruments,
             material=material,
@@ -126,17 +120,47 @@ def diagnosed(
             stage=stage,
         )
     )
-    notes = list(diagnosis.notes)
-    notes += [_DOUBT.format(words) for words in doubts]
+    assumed = (_ORDER_ASSUMED,) if campaign.imported and not dated else ()
+    return replace(diagnosis, notes=(*diagnosis.notes, *model.notes, *assumed))
+
+
+def _model(
+    sections: dict[str, Any], bench: Bench | None, runs: Sequence[Run], model_file: Path
+) -> _Model:
+    """Return the model of a plant's ``sections`` from which the refit of the runs starts.
+
+    Raises ``ConfigError``.
+    """
+    source = str(model_file)
+    opposed = any(run.p_lp_pa is not None or run.p_lr_pa is not None for run in runs)
+    plant = _validated(sections, opposed, source)
+    check_effects(plant, model_file)
+    doubts = [words for words in implausible(plant) if opposed or ".load" not in words]
+    sections, zeros = _without_zeros(sections, plant)
+    plant = _validated(sections, opposed, source)
+    contradicted = contradicted_values(bench, plant, runs)
+    shown = {path: _quantity(path, value) for path, value in contradicted.items()}
+    given = {path: _quantity(path, nuisance_value(plant, path)) for path in contradicted}
+    for path, value in shown.items():
+        section, key = path.split(".")
+        sections = merge(sections, {section: {key: value}})
+    notes = [_DOUBT.format(words) for words in doubts]
     if zeros:
         notes.append(_ZERO.format(listed(list(zeros)), listed(list(zeros.values()))))
     notes += [
         _CONTRADICTED.format(path, value, given[path]) + (_VOLUMES_ALIKE if path == MODULUS else "")
         for path, value in shown.items()
     ]
-    if campaign.imported and not dated:
-        notes.append(_ORDER_ASSUMED)
-    return replace(diagnosis, notes=tuple(notes))
+    return _Model(_validated(sections, opposed, source), sections, tuple(notes))
+
+
+def _experiments(
+    campaign: StoredCampaign, bench: Bench, plant: Plant, instruments: Instruments | None
+) -> ExperimentLibrary:
+    """Return the experiments on a campaign's bench that could follow it."""
+    schedule = (campaign.header.get("schedule") or {}).get("content") or {}
+    bench_file = (campaign.header.get("bench") or {}).get("file") or "BENCH"
+    return ExperimentLibrary(bench, plant, instruments, schedule, bench_file)
 
 
 def _validated(sections: dict[str, Any], opposed: bool, source: str) -> Plant:

@@ -18,6 +18,7 @@ from hbench.config.conformity.certificate import parse_certificate
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.raw_logs import raw_data
+from hbench.store.exporting import ro_crate
 from hbench.store.exporting.settings import exported_settings
 from tests.support import ROOT
 from tests.support.certificates import FILE, LIMITS
@@ -187,3 +188,37 @@ def test_a_browser_that_fails_is_named_with_its_words(file, tmp_path, monkeypatc
     monkeypatch.setenv("PATH", str(browser.parent))
     with pytest.raises(ConfigError, match=r"exit code 3; no display"):
         workflow.certify(SAMPLE, file, tmp_path / "own.pdf")
+
+
+def test_a_second_certificate_into_the_same_folder_waits_its_turn_and_takes_no_file(tmp_path):
+    """It would remove the files of the first, whose archive would lack them without an error."""
+    crate = tmp_path / "crate"
+    with ro_crate._folder(crate) as put:
+        put("runs/0001.dat", b"1")
+        with pytest.raises(ConfigError, match="crate: another hbench is writing") as refused:
+            with ro_crate._folder(crate):
+                pass
+        assert refused.value.hint == "Wait until it has ended."
+        put("runs/0002.dat", b"2")
+    assert {path.name for path in crate.rglob("*.dat")} == {"0001.dat", "0002.dat"}
+    assert list(tmp_path.iterdir()) == [crate]
+
+
+def test_what_a_killed_certificate_left_is_replaced(tmp_path):
+    crate, old = tmp_path / "crate", tmp_path / ".crate.part" / "crate" / "runs"
+    old.mkdir(parents=True)
+    (old / "old.dat").write_bytes(b"old")
+    with ro_crate._folder(crate) as put:
+        put("new.dat", b"new")
+    assert [path.name for path in crate.rglob("*.dat")] == ["new.dat"]
+    assert list(tmp_path.iterdir()) == [crate]
+
+
+def test_a_link_in_the_place_of_the_hidden_folder_is_refused(tmp_path):
+    (tmp_path / "mine" / "crate").mkdir(parents=True)
+    (tmp_path / "mine" / "crate" / "notes.txt").write_text("kept")
+    (tmp_path / ".crate.part").symlink_to(tmp_path / "mine")
+    with pytest.raises(DataError, match=r"\.crate\.part: can't be written"):
+        with ro_crate._folder(tmp_path / "crate"):
+            pass
+    assert (tmp_path / "mine" / "crate" / "notes.txt").read_text() == "kept"

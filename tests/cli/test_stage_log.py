@@ -4,10 +4,12 @@ import io
 import re
 from datetime import UTC, datetime, timedelta
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 
 from hbench.cli.stage_log import StageLog, repeat_until, stage_log
+from hbench.errors import DataError
 
 LINE = re.compile(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ) +([\d.]+) s  (.*)")
 
@@ -97,3 +99,12 @@ def test_the_file_ends_with_the_end_or_with_the_error(tmp_path):
         raise ValueError("bad file")
     (only,) = lines(io.StringIO(path.read_text()))
     assert only[2] == "ended by ValueError: bad file"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full is of Linux")
+def test_a_full_disk_ends_a_command_with_its_own_error_and_not_with_that_of_the_log():
+    with pytest.raises(DataError, match=r"report\.html"), stage_log(Path("/dev/full")) as log:
+        log.stage("writing the page")
+        raise DataError("report.html: can't be written")
+    with stage_log(Path("/dev/full")) as log:  # the log alone is lost
+        log.stage("reading")

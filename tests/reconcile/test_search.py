@@ -26,7 +26,7 @@ from hbench.reconcile.search.candidates import (
     explained_share,
     is_constant_force,
 )
-from hbench.reconcile.search_result import SearchResult, SearchStep
+from hbench.reconcile.search_result import SearchResult, SearchStep, added_names
 from hbench.reconcile.verdict import decide_verdict
 from hbench.records import Candidate
 from tests.support import ROOT
@@ -165,6 +165,15 @@ def test_an_effect_of_which_refinement_leaves_nothing_is_not_named():
     assert set(found.final.hypothesis.effects) & set(CANDIDATES) == {"internal_leakage"}
 
 
+@pytest.fixture(scope="module")
+def leaking():
+    """Return a search in a campaign with a leak, and its steps and model up to refinement."""
+    leak = {"internal_leakage": {"load": "5e-3 l/min/bar"}}
+    _, search = search_in(*bench_and_plant(leak), seed=5, candidates=("internal_leakage",))
+    refitted = search._with_candidates(search._refitted()[1])
+    return search, *search._searched(refitted, (), ())
+
+
 @pytest.mark.parametrize(
     ("lost", "before", "after", "stays"),
     [
@@ -174,11 +183,10 @@ def test_an_effect_of_which_refinement_leaves_nothing_is_not_named():
         (6.0, 0.7, 0.1, False),  # there is none
     ],
 )
-def test_an_effect_that_may_be_zero_stays_if_it_is_needed(monkeypatch, lost, before, after, stays):
-    class Losing(CampaignSearch):
-        def _lost(self, model, without, effects, fewer):
-            return lost
-
+def test_an_effect_that_may_be_zero_stays_if_it_is_needed(
+    leaking, monkeypatch, lost, before, after, stays
+):
+    search, current, steps = leaking
     outside, gap = iter((before, after)), GapMap.gap
 
     def gap_outside(gaps, balances, points):
@@ -186,8 +194,9 @@ def test_an_effect_that_may_be_zero_stays_if_it_is_needed(monkeypatch, lost, bef
 
     monkeypatch.setattr(GapMap, "gap", gap_outside)
     monkeypatch.setattr(ParameterEstimates, "may_be_zero", lambda _, name: True)
-    leak = {"internal_leakage": {"load": "5e-3 l/min/bar"}}
-    found, _, _ = searched(leak, candidates=("internal_leakage",), search=Losing)
+    monkeypatch.setattr(CampaignSearch, "_lost", lambda *_: lost)
+    final, ruled_out = search.refined_and_named(current, added_names(steps))
+    found = SearchResult(None, None, steps, final, ruled_out=ruled_out)
     assert found.names == (("internal_leakage",) if stays else ())
     reasons = (
         []
@@ -287,7 +296,7 @@ def judged_again(first, again):
     class Rounds(CampaignSearch):
         _cross_validate = refit = lambda *_: "again"
         _better = lambda *_: ("first", 0)  # noqa: E731
-        _judged = lambda self, model, before, with_effect, joined: judged[with_effect]  # noqa: E731
+        _assess = lambda self, model, before, with_effect, joined: judged[with_effect]  # noqa: E731
         _with_threshold = lambda self, each, *_: each  # noqa: E731
 
     return Rounds(None, np.arange(5), ("end_cushion",)), judged

@@ -1,12 +1,17 @@
 """A cache of compiled functions that is damaged, refused or write-protected ends no command."""
 
+import fcntl
 import importlib.util
+import multiprocessing
 import os
+import sys
+import time
 from pathlib import Path
 
 import numba
 import pytest
 
+from hbench.model import compiled_cache
 from hbench.model.compiled_cache import keep_on_disk
 
 
@@ -17,13 +22,14 @@ def twice(tmp_path, monkeypatch):
     source.write_text("def twice(x):\n    return 2.0 * x\n")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
 
-    def start(package=tmp_path / "package") -> tuple[int, int]:
+    def start(package=tmp_path / "package", x=1.5) -> tuple[int, int]:
         spec = importlib.util.spec_from_file_location("source", source)
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
+        monkeypatch.setitem(sys.modules, "source", module)  # numba looks for it there
         dispatcher = numba.njit(module.twice)
         keep_on_disk(dispatcher, module.twice, "compiled-key", package)
-        assert dispatcher(1.5) == 3.0
+        assert dispatcher(x) == 2.0 * x
         stats = dispatcher.stats
         return sum(stats.cache_hits.values()), sum(stats.cache_misses.values())
 
@@ -109,3 +115,65 @@ def test_a_full_disk_ends_no_command(twice, tmp_path, monkeypatch):
         assert not files(tmp_path / "package")
     assert twice() == (0, 1)
     assert twice() == (1, 0)
+
+
+FORK = multiprocessing.get_context("fork")
+
+
+def at_the_same_time(twice, monkeypatch, *numbers: float) -> list[tuple[int, int]]:
+    """Hits and misses of processes that start together and read the index before any writes it."""
+    read = compiled_cache._CheckedFiles._load_index
+
+    def slowly(self) -> dict:
+        index = read(self)
+        time.sleep(0.2)
+        return index
+
+    pipes = [FORK.Pipe(duplex=False) for _ in numbers]
+    with monkeypatch.context() as patch:
+        patch.setattr(compiled_cache._CheckedFiles, "_load_index", slowly)
+        for (_, sent), number in zip(pipes, numbers, strict=True):
+            FORK.Process(target=lambda sent=sent, x=number: sent.send(twice(x=x))).start()
+    for _, sent in pipes:
+        sent.close()
+    return [received.recv() for received, _ in pipes]
+
+
+def test_one_of_the_processes_that_start_together_compiles(twice, monkeypatch):
+    """Otherwise each would take 15 s of a core for the plant."""
+    assert sorted(at_the_same_time(twice, monkeypatch, 1.5, 1.5)) == [(0, 1), (1, 0)]
+
+
+def test_processes_that_compile_for_other_types_keep_their_own_code(twice, monkeypatch):
+    """Without a lock both would write file 1, and numba would execute it for either type."""
+    assert at_the_same_time(twice, monkeypatch, 1.5, 3) == [(0, 1), (0, 1)]
+    assert [twice(x=1.5), twice(x=3)] == [(1, 0), (1, 0)]
+
+
+def test_a_process_that_never_ends_its_compilation_is_not_waited_for_forever(
+    twice, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(compiled_cache, "_LONGEST_WAIT_S", 0.2)
+    twice()
+    (lock,) = (tmp_path / "package").rglob("*.lock")
+    for path in files(tmp_path / "package"):
+        path.unlink()
+    with lock.open() as stopped:
+        fcntl.flock(stopped, fcntl.LOCK_EX)
+        assert twice() == (0, 1)
+    assert twice() == (1, 0)
+
+
+def test_a_function_that_cannot_be_compiled_leaves_no_lock(tmp_path):
+    source = tmp_path / "wrong.py"
+    source.write_text("def wrong(x):\n    return x + 'a'\n")
+    spec = importlib.util.spec_from_file_location("wrong", source)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    dispatcher = numba.njit(module.wrong)
+    keep_on_disk(dispatcher, module.wrong, "compiled-key", tmp_path / "package")
+    with pytest.raises(numba.core.errors.TypingError):
+        dispatcher(1.5)
+    (lock,) = (tmp_path / "package").rglob("*.lock")
+    with lock.open() as free:
+        fcntl.flock(free, fcntl.LOCK_EX | fcntl.LOCK_NB)  # raises BlockingIOError where it is held

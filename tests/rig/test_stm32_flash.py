@@ -186,6 +186,35 @@ def test_every_moment_of_a_fault_ends_in_its_message_and_starts_nothing_wrong(fa
         assert any(step in words for words in said)
 
 
+@pytest.mark.parametrize("sent", range(1, SENT, 20))
+def test_after_a_killed_flash_the_next_one_is_complete_or_asks_for_a_reset(sent):
+    """The boot ROM still waits for the rest of a command, or has a part of the image."""
+
+    class Killed(Exception):
+        pass
+
+    class CutLine(RomLine):
+        def write(self, data):
+            super().write(data[: max(sent - self.sent, 0)])
+            if self.sent >= sent:
+                raise Killed
+
+    rom = Stm32Rom(program=running())
+    with pytest.raises(Killed):
+        send_image(CutLine(rom, BAUD), SMALL)
+    assert rom.started is None
+    try:
+        flashed(rom, SMALL)
+    except DeviceError as error:
+        assert "no answer to the boot ROM" in error.message
+        assert "reset the board and try again" in error.hint
+        reset = Stm32Rom(program=running())
+        reset.flash = rom.flash
+        rom = reset
+        flashed(rom, SMALL)
+    assert rom.started and rom.flash[: len(SMALL.content)] == SMALL.content
+
+
 @pytest.fixture
 def served():
     """Return a function that puts a chip behind a socket and names the port.

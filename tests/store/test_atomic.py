@@ -110,6 +110,17 @@ def test_a_name_that_is_too_long_is_no_lack_of_space(tmp_path):
     assert refused.value.hint == "Choose a shorter name."
 
 
+def test_a_file_that_another_program_takes_away_is_no_lack_of_space(tmp_path):
+    """Two exports into the same folder have the same temporary names."""
+    with pytest.raises(DataError) as refused, atomic.whole_file(tmp_path / "runs.csv") as file:
+        file.write(b"1")
+        (tmp_path / ".runs.csv.part").unlink()
+    assert refused.value.message == f"{tmp_path / 'runs.csv'}: can't be written: " + (
+        "No such file or directory"
+    )
+    assert refused.value.hint.startswith("Another program moved or removed it.")
+
+
 def test_figures_that_an_earlier_document_alone_had_are_removed(tmp_path):
     files = {f"figures/{name}": b"1" for name in ("a.svg", "a.png", "a.csv", "old.svg", "old.csv")}
     atomic.write_document(tmp_path, files | {"page.json": b""}, "page.json")

@@ -56,10 +56,12 @@ class CandidateEvaluator(Refits):
         return EvaluatedCandidate(self._candidate(name, gain, share, values, "linear"), None)
 
     def _promise(self, model: LinearisedModel, added: Sequence[str], name: str) -> float:
-        """Return a candidate's linear score: of values, changes, both or levels, the largest.
+        """Return a candidate's linear score: the largest of four gains.
 
-        A large effect is far from linear, and its error shows in changes, which are small. A law of
-        another form can err at every start and stop, and explain the levels of the runs.
+        They are those of the windows' values, of the changes between windows, of both, and of the
+        levels of runs. A large effect is far from linear, and the error of its columns shows in the
+        changes, which are small. A law of another form than the bench's can explain the levels of
+        runs while it errs at every start and stop.
         """
         comparison = self._comparison(model, added, name)
         groups, gains = comparison.gains()
@@ -111,6 +113,7 @@ class CandidateEvaluator(Refits):
     def _values(
         self, model: LinearisedModel, name: str, chosen: Sequence[int], beta: np.ndarray
     ) -> dict[CoefficientKey, float]:
+        """Return an effect's coefficients [SI] after steps ``beta`` (c,) of columns ``chosen``."""
         steps = dict(zip(chosen, beta.tolist(), strict=True))
         return {
             which: model.hypothesis.coefficient(which)
@@ -119,6 +122,7 @@ class CandidateEvaluator(Refits):
         }
 
     def _own_values(self, model: LinearisedModel, name: str) -> dict[CoefficientKey, float]:
+        """Return an effect's coefficients [SI] in a model."""
         return {
             which: model.hypothesis.coefficient(which) for which in model.coefficients_of([name])
         }
@@ -141,6 +145,10 @@ class CandidateEvaluator(Refits):
     def _evaluate_at_best(
         self, model: LinearisedModel, start: LinearisedModel, added: tuple[str, ...], name: str
     ) -> EvaluatedCandidate:
+        """Evaluate a candidate about ``model`` at the best steps from ``start``.
+
+        Where no step is better, its values are those of the linear fit.
+        """
         joined = (*added, name)
         before, with_effect = self._cross_validate(model, added), start
         for _ in range(_FULL_ROUNDS):
@@ -148,18 +156,16 @@ class CandidateEvaluator(Refits):
             if better is with_effect:
                 break
             with_effect = better
-        candidate = self._judged(model, before, with_effect, joined)
+        candidate = self._assess(model, before, with_effect, joined)
         evaluated = EvaluatedCandidate(candidate, with_effect)
         if candidate.score > CRITERIA.score and candidate.explained <= CRITERIA.explained:
             evaluated = self._refitted_candidate(model, added, evaluated)
-        if evaluated.model is start:  # no step is better: what is known is the linear fit
+        if evaluated.model is start:
             values = self._values(start, name, start.index(joined), self._fit(start, joined))
-            evaluated = EvaluatedCandidate(
-                self._candidate(
-                    name, candidate.score, candidate.explained, values, candidate.tried
-                ),
-                start,
+            at_fit = self._candidate(
+                name, candidate.score, candidate.explained, values, candidate.tried
             )
+            evaluated = EvaluatedCandidate(at_fit, start)
         return evaluated
 
     def _refitted_candidate(
@@ -172,18 +178,21 @@ class CandidateEvaluator(Refits):
         assert evaluated.model is not None
         joined = (*added, evaluated.candidate.name)
         refitted = self.refit(evaluated.model, joined)
-        candidate = self._judged(model, self._cross_validate(model, added), refitted, joined)
+        candidate = self._assess(model, self._cross_validate(model, added), refitted, joined)
         better = candidate.score > evaluated.candidate.score
         return EvaluatedCandidate(candidate, refitted) if better else evaluated
 
-    def _judged(
+    def _assess(
         self,
         model: LinearisedModel,
         before: CrossValidation,
         with_effect: LinearisedModel,
         joined: tuple[str, ...],
     ) -> Candidate:
-        """Return the last of the effects ``joined`` at its coefficients in ``with_effect``."""
+        """Assess the last of the effects ``joined`` at its coefficients in ``with_effect``.
+
+        ``before`` is the cross-validation of ``model``, which has the others.
+        """
         name = joined[-1]
         after = self._cross_validate(with_effect, joined)
         gain = float(after.gains_over(before)[0].sum())
@@ -227,7 +236,7 @@ class CandidateEvaluator(Refits):
         values: Mapping[CoefficientKey, float],
         tried: Literal["full", "linear"],
     ) -> Candidate:
-        """Return a candidate.
+        """Return a candidate; its size is the largest of its values over their typical sizes.
 
         One within its tolerance has the size 0. So has one that needs several sensors beyond their
         tolerances where the effect is that of one: linear fits have such values.
@@ -242,7 +251,10 @@ class CandidateEvaluator(Refits):
 
 
 def is_constant_force(name: str) -> bool:
-    """Return whether an effect of the bench is in steady motion what an offset of the cell is."""
+    """Return whether an effect acts in steady motion like an offset of the load cell.
+
+    An effect of a sensor does not count: it is such an error itself.
+    """
     return not EFFECTS[name].of_sensor and "load_cell_offset" in lookalikes(name)
 
 

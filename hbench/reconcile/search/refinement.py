@@ -30,7 +30,7 @@ from hbench.reconcile.linearised import (
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.search.candidates import CandidateEvaluator, EvaluatedCandidate
 
-_AS_SMALL = 1.02  # times the smallest gap: no reason to prefer a model
+_AS_SMALL = 1.02  # times the smallest gap; less is no reason to prefer a model
 
 
 @dataclass(frozen=True)
@@ -166,22 +166,31 @@ class EffectRefinement(CandidateEvaluator):
     def refined(self, model: LinearisedModel, names: tuple[str, ...]) -> LinearisedModel:
         """Return the model with effects ``names`` and their shapes refitted to all deviations.
 
+        Deviations too small to matter can help to determine an effect. Where the law of another
+        effect is wrong, fitting them can also enlarge those that matter. Three models are therefore
+        compared by the gap of the training points: the refined one (``fine``), the same with its
+        nuisances refitted to what matters alone (``settled``), and ``model``. The first whose gap
+        is at most 2 % above the smallest is returned.
+        """
+        best = self._refitted_to_all(model, names)
+        fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
+        settled = self.refit(fine, self._tolerated(names), renewed=())
+        models = (fine, settled, model)
+        gaps = [each.gap_map.gap(each.gap_map.names, self.train) for each in models]
+        return next(
+            each for each, gap in zip(models, gaps, strict=True) if gap <= _AS_SMALL * min(gaps)
+        )
+
+    def _refitted_to_all(self, model: LinearisedModel, names: tuple[str, ...]) -> LinearisedModel:
+        """Return the model refitted to all deviations, with the shapes that predict better.
+
         All columns are computed at ``model`` first: with those of the model without an effect no
         step may be better. Those of the nuisances then stay, as refinement changes them little.
-
-        Deviations that do not matter may determine an effect, but where the law of another one is
-        wrong they can also cost more of those that do. So the nuisances are then refitted to what
-        matters alone. Of the refined model, this one and the one before, the first is returned
-        whose gap of the training points is about the smallest.
         """
         taking_part = [model.data.names[i] for i in model.index(names)]
         residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
-        start = linearise_residuals(
-            self.measured,
-            model.hypothesis,
-            residuals,
-            {key: model.columns[key] for key in taking_part},
-        )
+        columns = {key: model.columns[key] for key in taking_part}
+        start = linearise_residuals(self.measured, model.hypothesis, residuals, columns)
         start = self.with_columns(start, taking_part)
         best = self.refit(start, names, _columns_of(start, names))
         for name in names:
@@ -191,13 +200,7 @@ class EffectRefinement(CandidateEvaluator):
                 shaped = self.refit(shaped, names, _columns_of(shaped, names))
                 if self._lost(shaped, best, names, names) > 0:
                     best = shaped
-        fine = linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
-        settled = self.refit(fine, self._tolerated(names), renewed=())
-        models = (fine, settled, model)
-        gaps = [one.gap_map.gap(one.gap_map.names, self.train) for one in models]
-        return next(
-            one for one, gap in zip(models, gaps, strict=True) if gap <= _AS_SMALL * min(gaps)
-        )
+        return best
 
     def _tolerated(self, names: Iterable[str]) -> list[str]:
         """Return the effects among ``names`` that are nuisances within a tolerance."""

@@ -6,7 +6,7 @@ effects of the model were chosen with all loads: four loads are too few to choos
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from hbench.reconcile.diagnosis_fields import (
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.log_map import unexplained_gaps
 from hbench.reconcile.gaps.regions import regions
+from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.nuisance import nuisances, zero_tolerances
 from hbench.reconcile.revised_model import revised
@@ -175,6 +176,7 @@ def _assembled(
     missing: tuple[str, ...],
     left_out: tuple[str, ...],
 ) -> Diagnosis:
+    """Search all series, and return the diagnosis of the first one."""
     search, start = series[0]
     strokes, result = search.measured, search_series(series)
     found = _fitted(search, start, result.final, result.names)
@@ -183,21 +185,12 @@ def _assembled(
     kept = found
     if names != result.names:
         kept = _fitted(search, start, search.refit(result.refitted, names), names)
-    priors = nuisances(strokes.plant)
     factors, best = search.factors(kept.estimates), kept.estimates.hypothesis
-    ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
     alternatives = tuple(
         replace(candidate, balance=step.balance)
         for step in result.steps
         for candidate in step.ambiguous
     )
-    undecided = {step.balance for step in result.steps if step.ambiguous}
-    unexplained = tuple(
-        gap for gap in unexplained_gaps(strokes.ranked_gaps(best)) if gap.name not in undecided
-    )
-    unconfirmed = [effect.name for effect in effects if not effect.confirmed]
-    verdict, why = _decide_verdict(result, unconfirmed, unexplained)
-    points = frozenset(start.gap_map.points)
     with_alternative = {
         candidate.name: (*names, *_best_elsewhere(result, candidate), candidate.name)
         for candidate in alternatives
@@ -206,35 +199,27 @@ def _assembled(
         name: search.estimates(search.refit(start, joined), joined)
         for name, joined in with_alternative.items()
     }
+    unexplained = _unexplained(strokes, result, best)
+    unconfirmed = [effect.name for effect in effects if not effect.confirmed]
+    verdict, why = _decide_verdict(result, unconfirmed, unexplained)
     point, practice = strokes_in_practice(strokes, best, fits)
-    sections = revised(task.plant_data, factors, best)
-    before = result.refitted.gap_map
-    after = strokes.gap_map(best, before)
-    whole = gaps_at(search, start, names, np.arange(len(points)))
-    train = gap_table([whole], gap_floor(kept.model, kept.estimates))
+    sections, priors = revised(task.plant_data, factors, best), nuisances(strokes.plant)
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
         verdict=verdict,
         why=why,
-        where=strokes.ranked_gaps(result.refitted.hypothesis),
-        regions=regions(before),
-        regions_after=regions(after),
         effects=effects,
         alternatives=alternatives,
         rest=unexplained,
         next_experiment=next_experiment(result),
-        gap_heldout=with_floor(gap_table(kept.by_load), train),
-        gap_train=train,
         ranking=result.steps[0].evaluated,
         threshold=result.steps[0].evaluated[0].threshold,
         refitted=factors,
         refit_priors={path: priors[path] for path in factors},
-        residuals_before=residual_map(before, points, "N"),
-        residuals_after=residual_map(after, points, "N"),
         heldout_runs=tuple(run.run.plan.run for run in task.series[labels[0]] if run.accepted),
         not_tried=not_tried(search),
-        ruled_out=ruled_out,
+        ruled_out={name: why for step in result.steps for name, why in step.ruled_out.items()},
         missing=missing,
         left_out=left_out,
         revised=sections,
@@ -245,16 +230,59 @@ def _assembled(
         ),
         zero_tolerances=zero_tolerances(strokes.tolerances),
         notes=tuple(stroke_notes(labels, search, names, alternatives)),
-        held_out_loads=held_out_loads(
-            kept.by_load,
-            {
-                name: leave_each_load_out(search, start, joined)
-                for name, joined in with_alternative.items()
-            },
-        ),
         working_point=point,
         practice=practice,
+        **_residual_fields(strokes, result, best),
+        **_gap_fields(search, start, names, kept, with_alternative),
     )
+
+
+def _unexplained(
+    strokes: MeasuredStrokes, result: StrokeSearchResult, best: Hypothesis
+) -> tuple[Gap, ...]:
+    """Return the gaps of the best model that no effect or ambiguous set explains."""
+    undecided = {step.balance for step in result.steps if step.ambiguous}
+    gaps = unexplained_gaps(strokes.ranked_gaps(best))
+    return tuple(gap for gap in gaps if gap.name not in undecided)
+
+
+def _residual_fields(
+    strokes: MeasuredStrokes, result: StrokeSearchResult, best: Hypothesis
+) -> dict[str, Any]:
+    """Return the diagnosis's fields on residuals: of the refitted and of the best model."""
+    before = result.refitted.gap_map
+    after, points = strokes.gap_map(best, before), frozenset(before.points)
+    return {
+        "where": strokes.ranked_gaps(result.refitted.hypothesis),
+        "regions": regions(before),
+        "regions_after": regions(after),
+        "residuals_before": residual_map(before, points, "N"),
+        "residuals_after": residual_map(after, points, "N"),
+    }
+
+
+def _gap_fields(
+    search: SeriesSearch,
+    start: LinearisedModel,
+    names: Sequence[str],
+    kept: _Fitted,
+    with_alternative: Mapping[str, Sequence[str]],
+) -> dict[str, Any]:
+    """Return the diagnosis's fields on gaps: with all loads in the fit, and of held-out loads.
+
+    ``with_alternative`` are the effects of the model with each candidate of an ambiguous set.
+    """
+    whole = gaps_at(search, start, names, np.arange(len(start.gap_map.points)))
+    train = gap_table([whole], gap_floor(kept.model, kept.estimates))
+    of_alternatives = {
+        name: leave_each_load_out(search, start, joined)
+        for name, joined in with_alternative.items()
+    }
+    return {
+        "gap_heldout": with_floor(gap_table(kept.by_load), train),
+        "gap_train": train,
+        "held_out_loads": held_out_loads(kept.by_load, of_alternatives),
+    }
 
 
 def _decide_verdict(

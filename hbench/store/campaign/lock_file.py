@@ -1,9 +1,9 @@
-"""Lock of a campaign's folder, which excludes other hosts while one writes to it."""
+"""Lock of a folder, such as a campaign's, which excludes other hosts while one writes to it."""
 
 import errno
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 
 from hbench.errors import ConfigError, DataError
@@ -15,11 +15,17 @@ except ImportError:  # Windows has no such lock
     fcntl = None  # type: ignore[assignment]
 
 
-@contextmanager
-def campaign_lock(folder: Path) -> Iterator[None]:
-    """Lock a campaign's folder, created if missing; the system releases it when the host ends.
+def campaign_lock(folder: Path) -> AbstractContextManager[None]:
+    """Lock a campaign's folder. Raises ``ConfigError`` if it is locked."""
+    return folder_lock(folder, f"{folder}: another hbench is writing this campaign")
 
-    Created folders that stay empty are removed. Raises ``ConfigError`` if it is locked.
+
+@contextmanager
+def folder_lock(folder: Path, locked: str) -> Iterator[None]:
+    """Lock a folder, created if missing; the system releases it when the host ends.
+
+    Created folders that stay empty are removed. Raises ``ConfigError`` with the message ``locked``
+    if it is locked.
     """
     if folder.exists() and not folder.is_dir():
         raise ConfigError(f"{folder}: is a file", "Give a folder as the campaign's name.")
@@ -34,7 +40,7 @@ def campaign_lock(folder: Path) -> Iterator[None]:
         ) from None
     try:
         if handle is not None:
-            _lock(handle, folder)
+            _lock(handle, locked)
         yield
     finally:
         if handle is not None:
@@ -44,11 +50,9 @@ def campaign_lock(folder: Path) -> Iterator[None]:
                 path.rmdir()
 
 
-def _lock(handle: int, folder: Path) -> None:
+def _lock(handle: int, locked: str) -> None:
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
         if error.errno in (errno.EAGAIN, errno.EACCES):  # others: a file system without locks
-            raise ConfigError(
-                f"{folder}: another hbench is writing this campaign", "Wait until it has ended."
-            ) from None
+            raise ConfigError(locked, "Wait until it has ended.") from None

@@ -4,11 +4,13 @@
 bytes depend on the campaign only: entries of a ZIP file have a fixed time.
 """
 
+import errno
 import hashlib
 import json
+import os
 import zipfile
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -17,8 +19,15 @@ from typing import Any, Protocol
 from hbench.errors import ConfigError
 from hbench.records.conformity.certified import RawData
 from hbench.store.campaign.folder import JOURNAL, StoredCampaign
+from hbench.store.campaign.lock_file import folder_lock
 from hbench.store.campaign.raw_logs import raw_files
-from hbench.store.files.atomic import new_file, rename, temporary_folder, whole_file
+from hbench.store.files.atomic import (
+    move_folder,
+    new_file,
+    refused,
+    temporary_folder,
+    whole_file,
+)
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, read_file
 
 METADATA = "ro-crate-metadata.json"
@@ -100,17 +109,24 @@ def _zip(output: Path) -> Iterator[_Target]:
 
 @contextmanager
 def _folder(output: Path) -> Iterator[_Target]:
-    if output.exists():
-        raise ConfigError(f"{output}: exists already", "Choose another folder.")
+    """Write to a hidden folder beside ``output``, locked, that gets its name when it is whole."""
     part = output.with_name(f".{output.name}.part")
+    files = part / output.name
 
     def put(name: str, data: bytes) -> None:
-        with new_file(part / name) as file:
+        with new_file(files / name) as file:
             file.write(data)
 
-    with temporary_folder(part):
-        yield put
-        rename(part, output.name)
+    if part.is_symlink():
+        raise refused(part, OSError(errno.ELOOP, os.strerror(errno.ELOOP)))
+    with folder_lock(part, f"{output}: another hbench is writing this archive"):
+        if output.exists():
+            raise ConfigError(f"{output}: exists already", "Choose another folder.")
+        with temporary_folder(files):
+            yield put
+            move_folder(files, output)
+    with suppress(OSError):  # of an hbench that was killed
+        part.rmdir()
 
 
 def _entity(name: str, data: bytes) -> dict[str, Any]:

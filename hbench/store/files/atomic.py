@@ -103,6 +103,15 @@ def temporary_folder(path: Path) -> Iterator[None]:
                 folder.rmdir()
 
 
+def move_folder(source: Path, destination: Path) -> None:
+    """Move a folder to where nothing is, and flush the move to disk. Raises ``DataError``."""
+    try:
+        source.rename(destination)
+        _flush_folder(destination.parent)
+    except OSError as error:
+        raise refused(destination, error) from error
+
+
 def move_files(source: Path, destination: Path) -> None:
     """Move the files of a folder, replacing those of the same name, and flush the moves to disk.
 
@@ -235,6 +244,8 @@ def refused(path: Path, error: OSError) -> DataError:
         hint = "Choose another path: a file, folder or link of this name is in the way."
     elif error.errno == errno.ENAMETOOLONG:
         hint = "Choose a shorter name."
+    elif error.errno == errno.ENOENT:  # its folder was there: see ``make_folder``
+        hint = "Another program moved or removed it. Repeat the command when that one has ended."
     return DataError(f"{path}: can't be written: {error.strerror or error}", hint)
 
 
