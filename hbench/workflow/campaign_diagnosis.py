@@ -10,11 +10,11 @@ from hbench.config.bench import Plant, merge, plant_sections
 from hbench.config.files.loading import read_yaml, validate
 from hbench.control.plausibility import implausible
 from hbench.errors import ConfigError
-from hbench.reconcile.contradicted_values import MODULUS, contradicted_values
+from hbench.reconcile.contradicted_values import MODULUS, contradicted_values, given_value
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, channels_missing
-from hbench.reconcile.nuisance import nuisance_value, zero_values
+from hbench.reconcile.nuisance import zero_values
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.records import Diagnosis, Run
 from hbench.sentences import listed
@@ -50,6 +50,9 @@ _UNITS = {  # of values, by the last key of their path
     "coulomb": "N",
     "stiction": "N",
     "viscous": "N s/m",
+    "gain_load_1": "%",
+    "gain_load_2": "%",
+    "ports": "%",
 }
 
 
@@ -97,10 +100,13 @@ def diagnosed(
         plant = _validated(sections, opposed, source)
         found = contradicted_values(bench, plant, runs)
         shown = {path: _quantity(path, value) for path, value in found.items()}
-        given = {path: _quantity(path, nuisance_value(plant, path)) for path in found}
+        given = {path: _quantity(path, given_value(plant, path)) for path in found}
         for path, value in shown.items():
-            section, key = path.split(".")
-            sections = merge(sections, {section: {key: value}})
+            *parents, key = path.split(".")
+            changed: dict[str, Any] = {key: value}
+            for name in reversed(parents):
+                changed = {name: changed}
+            sections = merge(sections, changed)
         plant = _validated(sections, opposed, source)
     except ConfigError as error:
         raise ConfigError(error.message, error.hint or ("" if content else _NO_BENCH)) from None
