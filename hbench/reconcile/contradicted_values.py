@@ -11,8 +11,9 @@ derivatives h by the coefficients p of ``valve_trim`` that are given as p_0,
     s = given / measured modulus, k = measured / given gain
 
 k and p are multiplied with each other, so that this is solved twice, the second time at the values
-of the first. The flows to a chamber show the ratio of modulus and volume; the modulus is that for
-the given dead volumes.
+of the first. Among p are the nulls, which the others would replace otherwise. The flows to a
+chamber show the ratio of modulus and volume; the modulus is that for the given dead volumes. One
+that no liquid has is that of runs in which little is compressed.
 """
 
 from collections.abc import Iterator, Sequence
@@ -44,10 +45,15 @@ from hbench.records.reconcile.diagnosis import MATERIAL
 MODULUS, GAIN = "oil.bulk_modulus", "valve.gain"
 PORTS: CoefficientKey = ("valve_trim", "ports")
 LOADS: tuple[CoefficientKey, ...] = (("valve_trim", "gain_load_1"), ("valve_trim", "gain_load_2"))
+NULLS: tuple[CoefficientKey, ...] = tuple(
+    ("valve_trim", f"null_{valve}") for valve in ("test", "load_1", "load_2")
+)
 _POWERS = {MODULUS: -1, GAIN: 1}  # the residuals are linear in these powers of the values
 _EFFECTS = "effects."  # the section of a model file
 _CLEAR = 5.0  # standard errors; windows overlap, so the true ones are larger
+_PRECISE = 0.01  # standard error of a gain; V, that of a null
 _SOLUTIONS = 2
+_STIFFEST_PA = 3.5e9  # water glycol; oil without air has half of it
 
 
 def contradicted_values(bench: Bench | None, plant: Plant, runs: Sequence[Run]) -> dict[str, float]:
@@ -75,13 +81,15 @@ def _beyond_refit(measured: MeasuredCampaign, at: Hypothesis) -> Iterator[tuple[
     """
     given, limits = measured.start, measured.tolerances
     sizes = []
-    for which in LOADS:
+    for which in LOADS if GAIN in at.factors else ():
         before, after = (1.0 + each.coefficient(which) for each in (given, at))
         share = limits[which] / before
         sizes.append(abs(log(after / before)) > log((1.0 + share) / (1.0 - share)))
     for path, factor in at.factors.items():
-        if abs(log(factor)) > BOUND * FACTORS[path] or (path == GAIN and any(sizes)):
-            yield path, factor * given_value(measured.plant, path)
+        value = factor * given_value(measured.plant, path)
+        is_far = abs(log(factor)) > BOUND * FACTORS[path] or (path == GAIN and any(sizes))
+        if is_far and not (path == MODULUS and value > _STIFFEST_PA):
+            yield path, value
     uneven = abs(at.coefficient(PORTS) - given.coefficient(PORTS)) > BOUND * limits[PORTS]
     for which in (*(LOADS if any(sizes) else ()), *([PORTS] if uneven else ())):
         yield f"{_EFFECTS}{coefficient_name(which)}", at.coefficient(which)
@@ -97,7 +105,7 @@ def given_value(plant: Plant, path: str) -> float:
 
 def _solved(measured: MeasuredCampaign, at: Hypothesis) -> Hypothesis:
     """Return a hypothesis with the values that the flows show, where they determine them."""
-    coefficients = (PORTS, *LOADS)
+    coefficients = (PORTS, *LOADS, *NULLS)
     names = [*map(factor_name, _POWERS), *map(coefficient_name, coefficients)]
     sizes = [FACTORS[path] * power for path, power in _POWERS.items()]
     sizes += [typical_size(which) for which in coefficients]
@@ -120,7 +128,7 @@ def _solved(measured: MeasuredCampaign, at: Hypothesis) -> Hypothesis:
             path, power = list(_POWERS.items())[i]
             if 1.0 + change > _CLEAR * error:
                 factors[path] = factors.get(path, 1.0) * float((1.0 + change) ** (1 / power))
-        elif error < 0.01:
+        elif error < _PRECISE:
             which = coefficients[i - len(_POWERS)]
             trims[which] = at.coefficient(which) + float(change)
     return replace(at, factors=factors).with_coefficients(trims)

@@ -10,7 +10,12 @@ from hbench.config.bench import Plant, merge, plant_sections
 from hbench.config.files.loading import read_yaml, validate
 from hbench.control.plausibility import implausible
 from hbench.errors import ConfigError
-from hbench.reconcile.contradicted_values import MODULUS, contradicted_values, given_value
+from hbench.reconcile.contradicted_values import (
+    GAIN,
+    MODULUS,
+    contradicted_values,
+    given_value,
+)
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, channels_missing
@@ -40,7 +45,10 @@ _CONTRADICTED = (
     "The measured flows show {} = {}; the model file has {}. The refit started from the measured "
     "value. Correct the file."
 )
-_VOLUMES_ALIKE = " Wrong dead volumes look the same: check these too."
+_ALIKE = {
+    MODULUS: " Wrong dead volumes look the same: check these too.",
+    GAIN: " A wrong scale of the commands in the import map looks the same: check it too.",
+}
 _UNITS = {  # of values, by the last key of their path
     "bulk_modulus": "bar",
     "gain": "m^2/V",
@@ -137,7 +145,7 @@ def diagnosed(
     if zeros:
         notes.append(_ZERO.format(listed(list(zeros)), listed(list(zeros.values()))))
     notes += [
-        _CONTRADICTED.format(path, value, given[path]) + (_VOLUMES_ALIKE if path == MODULUS else "")
+        _CONTRADICTED.format(path, value, given[path]) + _ALIKE.get(path, "")
         for path, value in shown.items()
     ]
     if campaign.imported and not dated:

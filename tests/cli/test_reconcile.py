@@ -102,6 +102,7 @@ def test_values_that_the_flows_contradict_are_replaced_by_the_measured_ones(task
     ):
         assert f"The measured flows show {path} = {value}; the model file has {given}." in words
     assert words.count("Wrong dead volumes look the same") == 1
+    assert words.count("A wrong scale of the commands in the import map looks the same") == 1
 
 
 def test_edges_of_two_sizes_that_the_flows_contradict_are_replaced_by_the_measured_ones(

@@ -61,6 +61,14 @@ def test_the_flows_show_that_the_edges_of_both_ports_have_one_size(name, uneven)
 
 
 @pytest.mark.parametrize("name", CAMPAIGNS)
+def test_nulls_of_the_valves_contradict_nothing(name):
+    """They would be taken for gains of the load valves that are twice as large."""
+    task = task_of(BLIND / name)
+    shifted = with_trim(task.plant, null_test="0.3 V", null_load_1="-0.3 V", null_load_2="0.3 V")
+    assert contradicted_values(task.bench, shifted, task.runs) == {}
+
+
+@pytest.mark.parametrize("name", CAMPAIGNS)
 def test_the_flows_show_the_sizes_of_the_load_valves(name):
     task = task_of(BLIND / name)
     wrong = with_trim(task.plant, gain_load_1="50 %", gain_load_2="-40 %", gain_test="20 %")
