@@ -11,11 +11,16 @@ from hbench.config.files.loading import read_yaml, validate
 from hbench.config.sensors import Instruments
 from hbench.control.plausibility import implausible
 from hbench.errors import ConfigError
-from hbench.reconcile.contradicted_values import MODULUS, contradicted_values
+from hbench.reconcile.contradicted_values import (
+    GAIN,
+    MODULUS,
+    contradicted_values,
+    given_value,
+)
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.gaps.simulated_runs import simulator
 from hbench.reconcile.measured.balances import CHANNELS_OF, FLOWS, channels_missing
-from hbench.reconcile.nuisance import nuisance_value, zero_values
+from hbench.reconcile.nuisance import zero_values
 from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.records import Diagnosis, Run
 from hbench.sentences import listed
@@ -41,7 +46,10 @@ _CONTRADICTED = (
     "The measured flows show {} = {}; the model file has {}. The refit started from the measured "
     "value. Correct the file."
 )
-_VOLUMES_ALIKE = " Wrong dead volumes look the same: check these too."
+_ALIKE = {
+    MODULUS: " Wrong dead volumes look the same: check these too.",
+    GAIN: " A wrong scale of the commands in the import map looks the same: check it too.",
+}
 _UNITS = {  # of values, by the last key of their path
     "bulk_modulus": "bar",
     "gain": "m^2/V",
@@ -51,6 +59,9 @@ _UNITS = {  # of values, by the last key of their path
     "coulomb": "N",
     "stiction": "N",
     "viscous": "N s/m",
+    "gain_load_1": "%",
+    "gain_load_2": "%",
+    "ports": "%",
 }
 
 
@@ -140,15 +151,18 @@ def _model(
     plant = _validated(sections, opposed, source)
     contradicted = contradicted_values(bench, plant, runs)
     shown = {path: _quantity(path, value) for path, value in contradicted.items()}
-    given = {path: _quantity(path, nuisance_value(plant, path)) for path in contradicted}
+    given = {path: _quantity(path, given_value(plant, path)) for path in contradicted}
     for path, value in shown.items():
-        section, key = path.split(".")
-        sections = merge(sections, {section: {key: value}})
+        *parents, key = path.split(".")
+        changed: dict[str, Any] = {key: value}
+        for name in reversed(parents):
+            changed = {name: changed}
+        sections = merge(sections, changed)
     notes = [_DOUBT.format(words) for words in doubts]
     if zeros:
         notes.append(_ZERO.format(listed(list(zeros)), listed(list(zeros.values()))))
     notes += [
-        _CONTRADICTED.format(path, value, given[path]) + (_VOLUMES_ALIKE if path == MODULUS else "")
+        _CONTRADICTED.format(path, value, given[path]) + _ALIKE.get(path, "")
         for path, value in shown.items()
     ]
     return _Model(_validated(sections, opposed, source), sections, tuple(notes))

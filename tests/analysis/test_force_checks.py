@@ -111,3 +111,18 @@ def test_friction_of_one_direction_beyond_the_load_is_noted(load_n, beside):
     (note,) = direction_notes(alone)
     assert ("times the applied force" in note) is bool(beside)
     assert beside in note
+
+
+def test_directions_with_labels_of_their_own_are_not_compared_and_noted():
+    """A weight of 250 N is then found by no check."""
+    both = curves([1000.0, 4000.0], speeds=[0.05, 0.1, 0.12], middle=lambda load: 250.0, u95_n=20.0)
+    (note,) = direction_notes(both)
+    assert "250 N" in note
+    for curve in both:
+        curve.label = {"extend": "up", "retract": "down"}[curve.direction]
+    assert not list(equal_directions(both))
+    (note,) = direction_notes(both)
+    assert "Give series such as 'up' and 'down' the same label" in note
+    both[0].label = "down"  # this one has both directions
+    (note,) = direction_notes(both)
+    assert "250 N" in note

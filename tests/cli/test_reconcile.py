@@ -102,6 +102,26 @@ def test_values_that_the_flows_contradict_are_replaced_by_the_measured_ones(task
     ):
         assert f"The measured flows show {path} = {value}; the model file has {given}." in words
     assert words.count("Wrong dead volumes look the same") == 1
+    assert words.count("A wrong scale of the commands in the import map looks the same") == 1
+
+
+def test_edges_of_two_sizes_that_the_flows_contradict_are_replaced_by_the_measured_ones(
+    tasks, tmp_path
+):
+    model = tmp_path / "model.yaml"
+    model.write_text(
+        f"{MODEL.read_text()}\neffects: {{valve_trim: {{ports: 25 %, leak: 0.01 V}}}}\n"
+    )
+    result = run(SAMPLE, "--model", model, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    (task,) = tasks
+    trim = task.plant_data["effects"]["valve_trim"]
+    assert trim["leak"] == "0.01 V"
+    assert float(trim["ports"].removesuffix(" %")) == pytest.approx(0.0, abs=4.0)
+    assert (
+        f"The measured flows show effects.valve_trim.ports = {trim['ports']}; the model file has "
+        "25 %."
+    ) in " ".join(result.stdout.split())
 
 
 def test_a_value_in_the_model_file_that_no_bench_has_is_noted(monkeypatch, tmp_path):

@@ -8,7 +8,12 @@ import pytest
 
 from hbench.config.scaling import scaled
 from hbench.errors import DataError
-from hbench.reconcile.contradicted_values import GAIN, MODULUS, contradicted_values
+from hbench.reconcile.contradicted_values import (
+    GAIN,
+    MODULUS,
+    contradicted_values,
+    given_value,
+)
 from hbench.reconcile.measured.balances import CHAMBERS
 from tests.support import ROOT
 from tests.support.reconcile.blind import task_of
@@ -37,6 +42,43 @@ def test_the_flows_show_the_gain_of_the_valves(name, factor):
     true = task.plant.valve.gain * TRUTH[name]["truth"]["factors"][GAIN]
     assert found.keys() == {GAIN, MODULUS}
     assert found[GAIN] == pytest.approx(true, rel=0.05)
+
+
+def with_trim(plant, **coefficients):
+    return plant.model_copy(update={"effects": {"valve_trim": coefficients}})
+
+
+@pytest.mark.parametrize("uneven", [-25, 20])
+@pytest.mark.parametrize("name", CAMPAIGNS)
+def test_the_flows_show_that_the_edges_of_both_ports_have_one_size(name, uneven):
+    """The model file has a spool for an asymmetric cylinder; a modulus would take its part."""
+    task = task_of(BLIND / name)
+    wrong = with_trim(task.plant, ports=f"{uneven} %")
+    path = "effects.valve_trim.ports"
+    assert given_value(wrong, path) == pytest.approx(uneven / 100)
+    found = contradicted_values(task.bench, wrong, task.runs)
+    assert found == {path: pytest.approx(0.0, abs=0.03)}
+
+
+@pytest.mark.parametrize("name", CAMPAIGNS)
+def test_nulls_of_the_valves_contradict_nothing(name):
+    """They would be taken for gains of the load valves that are twice as large."""
+    task = task_of(BLIND / name)
+    shifted = with_trim(task.plant, null_test="0.3 V", null_load_1="-0.3 V", null_load_2="0.3 V")
+    assert contradicted_values(task.bench, shifted, task.runs) == {}
+
+
+@pytest.mark.parametrize("name", CAMPAIGNS)
+def test_the_flows_show_the_sizes_of_the_load_valves(name):
+    task = task_of(BLIND / name)
+    wrong = with_trim(task.plant, gain_load_1="50 %", gain_load_2="-40 %", gain_test="20 %")
+    found = contradicted_values(task.bench, wrong, task.runs)
+    loads = [f"effects.valve_trim.gain_load_{i}" for i in (1, 2)]
+    assert found.keys() == {GAIN, *loads}
+    true = task.plant.valve.gain * TRUTH[name]["truth"]["factors"][GAIN]
+    assert 1.2 * found[GAIN] == pytest.approx(true, rel=0.05)
+    for path in loads:
+        assert found[GAIN] * (1 + found[path]) == pytest.approx(true, rel=0.08)
 
 
 def test_commands_of_another_scale_are_refused_and_no_gain():

@@ -16,9 +16,9 @@ from hbench.reconcile.measured.contradictions import refuse_contradictions
 from hbench.reconcile.measured.moving_windows import moving_windows
 from hbench.reconcile.measured.session import sessions
 from hbench.records import Run, RunPlan, Specimen
-from tests.support.reconcile.exact_logs import SPECIMEN
 
 BAR = 1e5
+NO_AREAS = Specimen(0.0, 0.0)  # not stated by the campaign: pressures and forces alone show them
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def strokes(model, wander):
                     name: mean + 0.05 * BAR * rng.standard_normal(len(t))
                     for name, mean in pressures.items()
                 }
-                plan = RunPlan(f"{len(made):04d}", "steady", 1, v, SPECIMEN, f_load_n=force)
+                plan = RunPlan(f"{len(made):04d}", "steady", 1, v, NO_AREAS, f_load_n=force)
                 commands = {"u_t_v": 12 * v, "u_l1_v": 9 * v, "u_l2_v": -11 * v}
                 made.append(
                     Run(
@@ -161,20 +161,35 @@ def test_a_wrong_rod_in_the_model_is_refused_with_the_rod_that_would_fit(runs, m
     assert found == pytest.approx(1e3 * rod_m, abs=0.3)
 
 
-def test_other_diameters_in_the_import_map_are_stated_beside_those_of_the_model(runs, model):
-    """The map has a bore of 50 mm and a rod of 32 mm; the areas are circles."""
-    own, (thinner, rod_m) = model.par.test, with_thinner_rod(model, "test")
+def test_areas_that_the_campaign_states_otherwise_are_refused(runs, model):
+    """Before commands: with another bore, their scale seems to be wrong."""
+    own, halved = model.par.test, replace(model, par=with_half_the_bores(model.par))
 
-    def measured_on(bore_m, rod_m):
-        piston = np.pi / 4 * bore_m**2
-        cylinder = Specimen(piston, piston - np.pi / 4 * rod_m**2)
+    def stated(piston_m2, rod_m2):
+        cylinder = Specimen(piston_m2, rod_m2)
         return [replace(run, plan=replace(run.plan, specimen=cylinder)) for run in runs]
 
-    words = refused(measured_on(0.05, 0.032), thinner).message
-    assert "states a bore of 50 mm and a rod of 32 mm, the model file " in words
-    bore_m = np.sqrt(4 * own.area_piston_m2 / np.pi)
-    assert words.endswith(f"{1e3 * bore_m:.4g} mm and {1e3 * rod_m - 5:.4g} mm")
-    assert "states" not in refused(measured_on(bore_m, rod_m - 5e-3), thinner).message
+    areas = own.area_piston_m2, own.area_rod_m2
+    refuse_contradictions(sessions(stated(1.01 * areas[0], 0.99 * areas[1])), model)
+    assert "valve.gain" in refused(runs, halved).hint
+    bore = np.sqrt(4 * own.area_piston_m2 / np.pi)
+    error = refused(stated(*areas), halved)
+    assert error.message.startswith("test_cylinder: areas of ")
+    assert f"(bore {500 * bore:.4g} mm," in error.message.split(" in the model file, ")[0]
+    assert f"(bore {1e3 * bore:.4g} mm," in error.message.split(" in the model file, ")[1]
+    rod = areas[0] - areas[1]  # its own area instead of the ring around it
+    assert "ring: piston less rod" in refused(stated(areas[0], rod), model).hint
+
+
+def with_half_the_bores(par):
+    quarter = {
+        part: getattr(par, part)._replace(
+            area_piston_m2=getattr(par, part).area_piston_m2 / 4,
+            area_rod_m2=getattr(par, part).area_rod_m2 / 4,
+        )
+        for part in ("test", "load")
+    }
+    return par._replace(**quarter)
 
 
 def test_areas_are_not_judged_by_forces_that_no_area_explains(runs, model):
@@ -339,7 +354,7 @@ def test_positions_outside_the_stroke_are_refused(runs, model):
 
 def test_a_stroke_that_the_campaign_states_otherwise_is_refused(runs, model):
     stated = [
-        replace(run, plan=replace(run.plan, specimen=replace(SPECIMEN, stroke_m=0.4)))
+        replace(run, plan=replace(run.plan, specimen=replace(NO_AREAS, stroke_m=0.4)))
         for run in runs
     ]
     refuse_contradictions(sessions(stated), model)

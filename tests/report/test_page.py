@@ -498,6 +498,22 @@ def test_a_complete_campaign_with_a_point_without_a_trial_reports_that_point_onc
     ]
 
 
+def test_points_beside_one_without_a_trial_are_used_with_care_where_a_force_is_not_measured():
+    """A weight takes from the friction of one direction, and from the limits of its screening."""
+    point = PointTrials("steady", "", "retract", 500.0, None, None, 0.1, 0, 3)
+    missing = QualityCheck("trials_per_point", "poor", 0, "trials", 3, 1, 1)
+    weight = QualityCheck("equal_directions", "with care", 104.0, "%", 33.3, None, 2, 9)
+    spread = QualityCheck("repeatability", "with care", 7.0, "%", 5.0, 15.0)
+    complete = Completeness(8, False, (), 2, (point,))
+    quality = Quality("poor", (missing, weight, spread), complete, ())
+    words = quality_verdict(quality)
+    assert "those of the other points. Use these with care. Both directions: at 2 of 9" in words
+    assert next_step(quality, "").startswith("Look for a force that is not measured, such as a")
+    without = Quality("poor", (missing, spread), complete, ())
+    assert quality_verdict(without).endswith("The numbers below are those of the other points.")
+    assert next_step(without, "") == "Make at least three trials of each point."
+
+
 def test_speeds_of_a_page_are_in_mm_per_second_only(page):
     text = Parsed(page).text
     assert re.search(r"\d mm/s\b", text)

@@ -359,6 +359,27 @@ def test_a_value_that_the_refit_can_not_reach_is_checked_before_anything_is_insp
         assert "ends at its bound" not in summary(other)
 
 
+def test_friction_that_the_refit_can_not_reach_is_checked_where_a_force_is_unexplained(compared):
+    """A file without the stiffness of the bristles has the default: soft for large seals."""
+    path = "friction.test.bristle_stiffness"
+    factor = FitParameter(11.0, 3.0, (3.3, 11.0), "upper", "1")
+    far = replace(
+        compared,
+        refitted={path: factor},
+        refit_priors={path: 0.8},
+        rest=(replace(compared.rest[0], name="force_test"),),
+    )
+    value = "bristle stiffness, test cylinder"
+    assert f"First check in the model file: {value}." in verdict_words(far)
+    assert f"may be further off: {value} 11.0" in ordinary_spaces(summary(far))
+    assert "with the refitted model.yaml as the model" in ordinary_spaces(summary(far))
+    inside = replace(far, refitted={path: replace(factor, at_bound=None)})
+    of_flow = replace(far, rest=(replace(compared.rest[0], name="flow_tp"),))
+    for other in (inside, of_flow, replace(far, refit_refused="No.")):
+        assert "First check in the model file" not in verdict_words(other)
+        assert "may be further off" not in summary(other)
+
+
 def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     sizes = tuple(
         DetectableSize(name, "test", smallest, 2.0, "N", "evidence")

@@ -203,6 +203,13 @@ def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
             "offset or a weight that is not measured is then a part of friction that no check "
             f"shows. {_beside_load(curves)}Measure both directions"
         )
+    elif labels := _labels_of_one_direction(curves):
+        names = " and ".join(f"'{label}'" for label in labels[:2])
+        yield (
+            "directions: each label has runs in one direction. Both directions are compared under "
+            "one label alone, so a wrong diameter, a zero offset or a weight that is not measured "
+            f"is a part of friction that no check shows. Give series such as {names} the same label"
+        )
     elif (mean := _constant_force(curves)) is not None:
         yield (
             f"directions: the mean friction of both directions is {mean.middle_n:.3g} N (U "
@@ -221,6 +228,17 @@ def direction_notes(curves: Iterable[Curve]) -> Iterator[str]:
             "load in one direction does the same. Half the difference of both directions is free "
             "of it"
         )
+
+
+def _labels_of_one_direction(curves: Iterable[Curve]) -> list[str]:
+    """Return the labels if both directions were measured, and none of them has both."""
+    of_labels: dict[str, set[str]] = defaultdict(set)
+    for curve in curves:
+        if curve.points:
+            of_labels[curve.label].add(curve.direction)
+    measured = set().union(*of_labels.values())
+    apart = len(measured) == 2 and all(len(each) == 1 for each in of_labels.values())
+    return sorted(of_labels, key=lambda label: sorted(of_labels[label])) if apart else []
 
 
 def _beside_load(curves: Iterable[Curve]) -> str:

@@ -14,9 +14,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from hbench.errors import DataError
+from hbench.model.parameters import CylinderParameters
 from hbench.reconcile.measured.balances import BalanceModel
 from hbench.reconcile.measured.command_checks import refuse_commands
 from hbench.reconcile.measured.force_checks import (
+    diameters_mm,
     fit_areas,
     refuse_areas,
     refuse_driving_friction,
@@ -24,15 +26,19 @@ from hbench.reconcile.measured.force_checks import (
 )
 from hbench.reconcile.measured.moving_windows import moving_windows
 from hbench.reconcile.measured.session import Session
+from hbench.records import Specimen
 
 _SUPPLY = 0.25  # relative deviation of the median: a source that droops falls by less
 # Of the stroke: the zero of a position sensor, or a stated stroke, may be off by so much.
 _OUTSIDE = 0.05
+_SAME_AREA = 0.02  # relative difference of areas that are stated twice: rounding
 
 
 def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     """Raise ``DataError`` where positions, commands or forces contradict the logs or the model."""
-    _refuse_stroke(logs[0].runs[0].plan.specimen.stroke_m, model.par.test.stroke_m)
+    specimen = logs[0].runs[0].plan.specimen
+    _refuse_stroke(specimen.stroke_m, model.par.test.stroke_m)
+    _refuse_areas(specimen, model.par.test)
     _refuse_positions(logs, model.par.test.stroke_m)
     _refuse_supply(logs, model.par.supply.pressure_pa)
     moving = moving_windows(logs, model)
@@ -41,11 +47,10 @@ def refuse_contradictions(logs: Sequence[Session], model: BalanceModel) -> None:
     p_tp, p_tr, p_lp, p_lr = moving.pressures_pa
     pressures = {"test_cylinder": (p_tp, p_tr), "load_cylinder": (p_lp, p_lr)}
     cylinders = {"test_cylinder": model.par.test, "load_cylinder": model.par.load}
-    stated = {"test_cylinder": logs[0].runs[0].plan.specimen}
     fits = {}
     for name, cylinder in cylinders.items():
         if fit := fit_areas(cylinder, *pressures[name], moving):
-            refuse_areas(name, cylinder, fit, stated.get(name))
+            refuse_areas(name, cylinder, fit)
             fits[name] = fit
     refuse_one_scale(fits, cylinders)
 
@@ -62,6 +67,25 @@ def _refuse_stroke(stated_m: float | None, stroke_m: float) -> None:
         "in the import map or the campaign's bench file (limit: "
         f"{100 * _OUTSIDE:.0f} % difference)",
         "Correct the one that is wrong.",
+    )
+
+
+def _refuse_areas(stated: Specimen, cylinder: CylinderParameters) -> None:
+    """Raise ``DataError`` for areas in the model that are not those of the measured cylinder."""
+    campaigns = stated.area_piston_m2, stated.area_rod_m2
+    models = cylinder.area_piston_m2, cylinder.area_rod_m2
+    if min(campaigns) <= 0 or np.allclose(models, campaigns, rtol=_SAME_AREA):
+        return
+    own, other = (
+        "{:.4g} and {:.4g} mm^2 (bore {:.4g} mm, rod {:.4g} mm)".format(
+            *(1e6 * area for area in areas), *diameters_mm(*areas)
+        )
+        for areas in (models, campaigns)
+    )
+    raise DataError(
+        f"test_cylinder: areas of {own} in the model file, {other} in the import map or the "
+        f"campaign's bench file (limit: {100 * _SAME_AREA:.0f} % difference)",
+        "Correct the one that is wrong. The rod side's area is a ring: piston less rod.",
     )
 
 

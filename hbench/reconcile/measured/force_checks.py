@@ -29,14 +29,12 @@ from hbench.model.cylinders import pressure_force
 from hbench.model.parameters import CylinderParameters, PlantParameters
 from hbench.reconcile.measured.command_checks import TURNED_HINT
 from hbench.reconcile.measured.moving_windows import FEWEST, SIGMAS, Moving
-from hbench.records import Specimen
 
 _AREAS = 0.08  # relative error of the areas' ratio; 11 % or more to the next rod of ISO 3320
 _LEAST_SHARE = 0.5  # of the piston's area by the fit
 _LEAST_OWN = 0.05  # part of a pressure that neither friction nor the other pressure explains
 _SCALE = 1.25  # times both areas: half the step to the next preferred bore of ISO 3320, 1.6 times
 _OTHER_SCALE = 3.0  # no cylinder is confused with one whose areas are so much larger
-_SAME_SIZE = 0.002  # of a diameter
 _CLEAR = 3.0  # times the force that the fit leaves: what a wrong area must explain, at least
 _VISIBLE = 0.01  # of the applied force: load cells have such errors
 
@@ -120,10 +118,8 @@ def fit_areas(
     return AreaFit(piston, rod, se, own, size[1] * own[1], float(np.linalg.norm(left)))
 
 
-def refuse_areas(
-    name: str, cylinder: CylinderParameters, fit: AreaFit, stated: Specimen | None
-) -> None:
-    """Raise ``DataError`` for areas that do not fit; the campaign has the areas ``stated``.
+def refuse_areas(name: str, cylinder: CylinderParameters, fit: AreaFit) -> None:
+    """Raise ``DataError`` for areas that do not fit.
 
     The standard error of the ratio leaves out the correlation of both areas.
     """
@@ -133,7 +129,7 @@ def refuse_areas(
     if piston < -SIGMAS * se[0] and rod < -SIGMAS * se[1] and -rod * rod_n > clear:
         raise _negative_areas(name, piston, rod, rod_m2 / piston_m2)
     if fit.has_scale and abs(log(fit.scale)) - SIGMAS * fit.scale_error > log(_SCALE):
-        raise _other_scale(name, cylinder, fit, stated)
+        raise _other_scale(name, cylinder, fit)
     if min(own) < _LEAST_OWN:
         return  # friction may follow the pressures
     if piston < max(_LEAST_SHARE, SIGMAS * se[0]):
@@ -146,8 +142,7 @@ def refuse_areas(
         raise DataError(
             f"{name}: pressures and force give a ratio of rod side to piston side area of "
             f"{found:.3f}, the model file {given:.3f} ({100 * off:+.0f} %, limit: "
-            f"{100 * _AREAS:.0f} %){_fitting_rod(piston_m2, found)}"
-            f"{_other_sizes(cylinder, stated)}",
+            f"{100 * _AREAS:.0f} %){_fitting_rod(piston_m2, found)}",
             "Correct the cylinder's diameters in the model file, or the scale of a pressure in the "
             "import map.",
         )
@@ -168,7 +163,7 @@ def refuse_one_scale(
     if abs(log(off)) - SIGMAS * error < log1p(_AREAS):
         return
     cylinder, gain = cylinders[wrong], fits[right].scale
-    bore, rod = _diameters_mm(
+    bore, rod = diameters_mm(
         fits[wrong].piston / gain * cylinder.area_piston_m2,
         fits[wrong].rod / gain * cylinder.area_rod_m2,
     )
@@ -185,18 +180,15 @@ def _percent(fit: AreaFit) -> str:
     return f"{100 * fit.piston:.0f} and {100 * fit.rod:.0f}"
 
 
-def _other_scale(
-    name: str, cylinder: CylinderParameters, fit: AreaFit, stated: Specimen | None
-) -> DataError:
+def _other_scale(name: str, cylinder: CylinderParameters, fit: AreaFit) -> DataError:
     """Return the error for areas that are both off."""
     piston, rod, scale = fit.piston, fit.rod, fit.scale
     map_hint = "the unit or scale of f_applied_n, or of the pressures, in the import map"
-    bore, rod_mm = _diameters_mm(piston * cylinder.area_piston_m2, rod * cylinder.area_rod_m2)
+    bore, rod_mm = diameters_mm(piston * cylinder.area_piston_m2, rod * cylinder.area_rod_m2)
     is_cylinder = 1 / _OTHER_SCALE < scale < _OTHER_SCALE
     return DataError(
         f"{name}: f_applied_n is {scale:.2g} times the forces of the pressures (areas by a fit: "
-        f"{100 * piston:.0f} and {100 * rod:.0f} % of the model file's)"
-        f"{_other_sizes(cylinder, stated)}",
+        f"{100 * piston:.0f} and {100 * rod:.0f} % of the model file's)",
         f"Correct the cylinder's diameters in the model file (a bore of {bore:.3g} mm and a rod of "
         f"{rod_mm:.3g} mm would fit), or {map_hint}."
         if is_cylinder
@@ -225,21 +217,7 @@ def _own_part(columns: np.ndarray, which: int) -> float:
     return float(np.linalg.norm(left))
 
 
-def _other_sizes(cylinder: CylinderParameters, stated: Specimen | None) -> str:
-    """Return the diameters of the campaign's cylinder; empty for those of the model file."""
-    if stated is None or not stated.area_piston_m2 > 0:
-        return ""
-    own = _diameters_mm(cylinder.area_piston_m2, cylinder.area_rod_m2)
-    other = _diameters_mm(stated.area_piston_m2, stated.area_rod_m2)
-    if np.allclose(own, other, rtol=_SAME_SIZE):
-        return ""
-    return (
-        f"; the import map (or the campaign's bench file) states a bore of {other[0]:.4g} mm and a "
-        f"rod of {other[1]:.4g} mm, the model file {own[0]:.4g} mm and {own[1]:.4g} mm"
-    )
-
-
-def _diameters_mm(piston_m2: float, rod_m2: float) -> tuple[float, float]:
+def diameters_mm(piston_m2: float, rod_m2: float) -> tuple[float, float]:
     """Return bore and rod of a cylinder's areas."""
     return 1e3 * sqrt(4 * piston_m2 / pi), 1e3 * sqrt(4 * max(piston_m2 - rod_m2, 0.0) / pi)
 

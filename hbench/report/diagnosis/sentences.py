@@ -189,18 +189,20 @@ def doubtful_values(diagnosis: Diagnosis) -> str:
     valves' bandwidth does not count: both delay the flow. If such a value is right in the model
     file, the refit has changed it in place of an effect that the model does not contain.
     Where flows to chambers are unexplained, the dead volumes there are a hint from one assumed
-    standard deviation.
+    standard deviation; where a force is, so is a value of its friction law that is at its bound.
     """
     if diagnosis.refit_refused:
         return ""
     if diagnosis.verdict == "unknown":
-        return " ".join(filter(None, (_bounds_hint(diagnosis), _volume_hint(diagnosis))))
+        friction = _friction_at_bound(diagnosis, _with_force_gaps(diagnosis))
+        hints = _bounds_hint(diagnosis), _volume_hint(diagnosis), friction
+        return " ".join(filter(None, hints))
     parts = [
         f"{value_words(path)} {parameter_text(factor)}"
         for path, factor in _changed_values(diagnosis).items()
         if _is_doubtful(diagnosis, path)
     ]
-    friction = _friction_at_bound(diagnosis)
+    friction = _friction_at_bound(diagnosis, _FRICTION)
     if not parts:
         return friction
     checks = (
@@ -211,16 +213,29 @@ def doubtful_values(diagnosis: Diagnosis) -> str:
     return " ".join(filter(None, (checks, friction)))
 
 
-def _friction_at_bound(diagnosis: Diagnosis) -> str:
-    """Return the values of the friction laws whose refit ends at a bound.
+def _friction_values_at_bounds(
+    diagnosis: Diagnosis, sections: str | tuple[str, ...]
+) -> dict[str, FitParameter]:
+    """Return the factors of friction laws, in sections of the model, whose refit ends at a bound.
 
     They are first guesses, so that only a value counts which may be further off than its bound.
     """
-    at_bound = {
+    return {
         path: factor
         for path, factor in _changed_values(diagnosis).items()
-        if path.startswith(_FRICTION) and factor.at_bound is not None
+        if path.startswith(sections) and factor.at_bound is not None
     }
+
+
+def _with_force_gaps(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return the sections of friction of the cylinders whose forces are not explained."""
+    names = {gap.name for gap in diagnosis.rest}
+    return tuple(f"{_FRICTION}{each}." for each in ("test", "load") if f"force_{each}" in names)
+
+
+def _friction_at_bound(diagnosis: Diagnosis, sections: str | tuple[str, ...]) -> str:
+    """Return the values of friction laws, in sections of the model, whose refit ends at a bound."""
+    at_bound = _friction_values_at_bounds(diagnosis, sections)
     if not at_bound:
         return ""
     parts = [f"{value_words(path)} {parameter_text(f)}" for path, f in at_bound.items()]
@@ -244,9 +259,17 @@ def _is_doubtful(diagnosis: Diagnosis, path: str) -> bool:
 
 
 def values_at_bounds(diagnosis: Diagnosis) -> list[str]:
-    """Return the values of valves, oil and supply at whose bounds the refit ends; none without."""
+    """Return the values at whose bounds the refit ends, and which may explain the deviations.
+
+    Those of valves, oil and supply, and of the friction of a cylinder whose force is not explained.
+    """
     if diagnosis.refit_refused:
         return []
+    friction = _friction_values_at_bounds(diagnosis, _with_force_gaps(diagnosis))
+    return [*_catalogued_at_bounds(diagnosis), *map(value_words, friction)]
+
+
+def _catalogued_at_bounds(diagnosis: Diagnosis) -> list[str]:
     return [value_words(path) for path in diagnosis.refitted if _is_beyond(diagnosis, path)]
 
 
@@ -258,7 +281,7 @@ def _is_beyond(diagnosis: Diagnosis, path: str) -> bool:
 
 
 def _bounds_hint(diagnosis: Diagnosis) -> str:
-    if not (values := values_at_bounds(diagnosis)):
+    if not (values := _catalogued_at_bounds(diagnosis)):
         return ""
     return (
         f"The refit ends at its bound for {listed(values)}. A value of the model file that is "

@@ -12,6 +12,9 @@ RULE = (
     "Each check is good, to be used with care, or poor; the verdict is the worst of them. The "
     "limits are hbench's own; no standard sets them. Each fit has its own verdict."
 )
+_OF_FORCES = frozenset(
+    "plausible_signs load_direction load_balance equal_directions constant_force".split()
+)
 _NO_TOLERANCES = "state the tolerances of the sensors in the {file}"
 _ALL_IMPLAUSIBLE = (
     "if the position falls while the cylinder extends, turn its sign (scale: -1 in a map); if not, "
@@ -56,7 +59,10 @@ def quality_verdict(
     elif all(check.name == "complete" or is_without_trial(check) for check in worst):
         why = f"{reasons}." if reasons else ""
         numbers = f"The numbers below are those of the {other}." if count_runs and below else ""
-        verdict = " ".join(filter(None, ("The data is poor.", why, numbers)))
+        doubts = _doubts(quality)
+        care = f"Use these with care. {'. '.join(capital(reason(c)) for c in doubts)}."
+        parts = "The data is poor.", why, numbers, care if numbers and doubts else ""
+        verdict = " ".join(filter(None, parts))
     else:
         why = f" {reasons}." if reasons else ""
         rely = "; do not rely on the numbers below" if below else ""
@@ -86,6 +92,16 @@ def weak_checks(quality: Quality) -> str:
 
 def _worst(quality: Quality) -> list[QualityCheck]:
     return [check for check in quality.checks if check.grade == quality.grade]
+
+
+def _doubts(quality: Quality) -> list[QualityCheck]:
+    """Return errors of the forces that may be the cause of rejected runs, where these make it poor.
+
+    Limits of screening are shares of friction, which such an error changes.
+    """
+    if quality.completeness.not_completed or not all(map(is_without_trial, _worst(quality))):
+        return []
+    return [c for c in quality.checks if c.grade == "with care" and c.name in _OF_FORCES]
 
 
 def instruments_percent(quality: Quality) -> str:
@@ -146,7 +162,7 @@ def next_step(
     sensors = largest if parts else "of pressure and force"  # parts of breakaway are not known
     steps = [
         _step(check).format(sensors=sensors, file=file)
-        for check in _worst(quality)
+        for check in (*_doubts(quality), *_worst(quality))
         if check.grade != "good" and check.name not in missing
         if not (beyond_u and _is_in_u(check))
     ]
