@@ -16,6 +16,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numba
@@ -102,6 +103,7 @@ class _Cache(FunctionCache):
         stamp = self._impl.locator.get_source_stamp()
         self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, stamp)
         self._lock: int | None = None  # a file descriptor, while this process compiles
+        self._unlocking = Lock()  # threads that waited for the same function end together
 
     def load_overload(self, *signature: Any) -> Any:
         """Return the function from disk; None if it is missing, and then the cache is locked."""
@@ -149,6 +151,7 @@ class _Cache(FunctionCache):
                     time.sleep(_POLL_S)
 
     def _unlock(self) -> None:
-        if self._lock is not None:
-            os.close(self._lock)
-            self._lock = None
+        with self._unlocking:
+            if self._lock is not None:
+                os.close(self._lock)
+                self._lock = None

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numba
@@ -162,6 +163,26 @@ def test_a_process_that_never_ends_its_compilation_is_not_waited_for_forever(
         fcntl.flock(stopped, fcntl.LOCK_EX)
         assert twice() == (0, 1)
     assert twice() == (1, 0)
+
+
+def test_threads_that_wait_for_one_function_close_its_lock_once(tmp_path, monkeypatch):
+    """A second close fails, or closes a file that another thread has opened since."""
+    close = os.close
+
+    def slowly(file: int) -> None:
+        time.sleep(0.05)
+        close(file)
+
+    source = tmp_path / "half.py"
+    source.write_text("def half(x):\n    return 0.5 * x\n")
+    spec = importlib.util.spec_from_file_location("half", source)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    dispatcher = numba.njit(module.half)
+    keep_on_disk(dispatcher, module.half, "compiled-key", tmp_path / "package")
+    monkeypatch.setattr(compiled_cache.os, "close", slowly)
+    with ThreadPoolExecutor(4) as threads:
+        assert list(threads.map(dispatcher, [3.0] * 4)) == [1.5] * 4
 
 
 def test_a_function_that_cannot_be_compiled_leaves_no_lock(tmp_path):
