@@ -5,15 +5,15 @@ spool for an asymmetric cylinder has edges of two sizes, and load valves may hav
 own. A refit does not reach values so far from the given ones, and gaps would remain in their place.
 The residual of a flow balance is linear in the compressibility and in each gain: with the residual
 r, its part c from compression, its derivative g by the logarithm of the gain of all valves and its
-derivatives h by the coefficients p of ``valve_trim`` that are given as p_0,
+derivatives h by the coefficients p of ``valve_trim`` and ``valve_asymmetry``, given as p_0,
 
     r + (s - 1) c + (k - 1) g + h (p - p_0) = noise,
     s = given / measured modulus, k = measured / given gain
 
 k and p are multiplied with each other, so that this is solved twice, the second time at the values
-of the first. Among p are the nulls, which the others would replace otherwise. The flows to a
-chamber show the ratio of modulus and volume; the modulus is that for the given dead volumes. One
-that no liquid has is that of runs in which little is compressed.
+of the first. Among p are nulls and asymmetries, which the others would replace otherwise. The flows
+to a chamber show the ratio of modulus and volume; the modulus is that for the given dead volumes.
+One that no liquid has is that of runs in which little is compressed.
 """
 
 from collections.abc import Iterator, Sequence
@@ -45,8 +45,9 @@ from hbench.records.reconcile.diagnosis import MATERIAL
 MODULUS, GAIN = "oil.bulk_modulus", "valve.gain"
 PORTS: CoefficientKey = ("valve_trim", "ports")
 LOADS: tuple[CoefficientKey, ...] = (("valve_trim", "gain_load_1"), ("valve_trim", "gain_load_2"))
-NULLS: tuple[CoefficientKey, ...] = tuple(
-    ("valve_trim", f"null_{valve}") for valve in ("test", "load_1", "load_2")
+_BESIDE: tuple[CoefficientKey, ...] = (
+    *(("valve_trim", f"null_{valve}") for valve in ("test", "load_1", "load_2")),
+    *(("valve_asymmetry", key) for key in ("test", "load", "load_apart")),
 )
 _POWERS = {MODULUS: -1, GAIN: 1}  # the residuals are linear in these powers of the values
 _EFFECTS = "effects."  # the section of a model file
@@ -105,7 +106,7 @@ def given_value(plant: Plant, path: str) -> float:
 
 def _solved(measured: MeasuredCampaign, at: Hypothesis) -> Hypothesis:
     """Return a hypothesis with the values that the flows show, where they determine them."""
-    coefficients = (PORTS, *LOADS, *NULLS)
+    coefficients = (PORTS, *LOADS, *_BESIDE)
     names = [*map(factor_name, _POWERS), *map(coefficient_name, coefficients)]
     sizes = [FACTORS[path] * power for path, power in _POWERS.items()]
     sizes += [typical_size(which) for which in coefficients]

@@ -68,10 +68,14 @@ def test_nulls_of_the_valves_contradict_nothing(name):
     assert contradicted_values(task.bench, shifted, task.runs) == {}
 
 
+@pytest.mark.parametrize("asymmetry", ["0 %", "15 %", "-15 %"])
 @pytest.mark.parametrize("name", CAMPAIGNS)
-def test_the_flows_show_the_sizes_of_the_load_valves(name):
+def test_the_flows_show_the_sizes_of_the_load_valves(name, asymmetry):
+    """Also beside valves that open further in one direction, which would take the gains' part."""
     task = task_of(BLIND / name)
     wrong = with_trim(task.plant, gain_load_1="50 %", gain_load_2="-40 %", gain_test="20 %")
+    uneven = dict.fromkeys(("test", "load", "load_apart"), asymmetry)
+    wrong = wrong.model_copy(update={"effects": {**wrong.effects, "valve_asymmetry": uneven}})
     found = contradicted_values(task.bench, wrong, task.runs)
     loads = [f"effects.valve_trim.gain_load_{i}" for i in (1, 2)]
     assert found.keys() == {GAIN, *loads}
