@@ -10,10 +10,10 @@ derivatives h by the coefficients p of ``valve_trim`` and ``valve_asymmetry``, g
     r + (s - 1) c + (k - 1) g + h (p - p_0) = noise,
     s = given / measured modulus, k = measured / given gain
 
-k and p are multiplied with each other, so that this is solved twice, the second time at the values
-of the first. Among p are nulls and asymmetries, which the others would replace otherwise. The flows
-to a chamber show the ratio of modulus and volume; the modulus is that for the given dead volumes.
-One that no liquid has is that of runs in which little is compressed.
+k and p are multiplied with each other, so that values that no refit reaches are solved for again,
+about themselves. Among p are nulls and asymmetries, which the others would replace otherwise. The
+flows to a chamber show the ratio of modulus and volume; the modulus is that for the given dead
+volumes. One that no liquid has is that of runs in which little is compressed.
 """
 
 from collections.abc import Iterator, Sequence
@@ -53,7 +53,6 @@ _POWERS = {MODULUS: -1, GAIN: 1}  # the residuals are linear in these powers of 
 _EFFECTS = "effects."  # the section of a model file
 _CLEAR = 5.0  # standard errors; windows overlap, so the true ones are larger
 _PRECISE = 0.01  # standard error of a gain; V, that of a null
-_SOLUTIONS = 2
 _STIFFEST_PA = 3.5e9  # water glycol; oil without air has half of it
 
 
@@ -69,10 +68,10 @@ def contradicted_values(bench: Bench | None, plant: Plant, runs: Sequence[Run]) 
         return {}
     measured = MeasuredCampaign(bench, plant, None, sessions(usable), MATERIAL)
     refuse_contradictions(measured.logs, measured.balance_model(measured.start))
-    at = measured.start
-    for _ in range(_SOLUTIONS):
-        at = _solved(measured, at)
-    return dict(_beyond_refit(measured, at))
+    at = _solved(measured, measured.start)
+    if not any(_beyond_refit(measured, at)):
+        return {}
+    return dict(_beyond_refit(measured, _solved(measured, at)))
 
 
 def _beyond_refit(measured: MeasuredCampaign, at: Hypothesis) -> Iterator[tuple[str, float]]:
