@@ -126,6 +126,28 @@ class LinearisedModel:
         at = np.array([name in replaced for name in self.data.names], bool)
         return replace(priors, sigma=np.where(at, _FIXED, priors.sigma))
 
+    def alternative_priors(self, names: Iterable[str]) -> list[Priors]:
+        """Return the priors of all columns, several where an effect is an error of one sensor.
+
+        Of its coefficients one alone is beyond its tolerance, another one in each of the priors,
+        unless one is in the hypothesis. Transducers that are all wrong by a share are another
+        effect: a wrong load cell.
+        """
+        wanted = list(names)
+        every = [self.priors(wanted)]
+        for effect in (name for name in wanted if EFFECTS[name].alone):
+            own = np.array([self.column(which) for which in self.coefficients_of([effect])])
+            if len(own) and (self.wide.high[own] > self.tight.high[own]).all():
+                every = [self._tight_but(p, own, alone) for p in every for alone in own.tolist()]
+        return every
+
+    def _tight_but(self, priors: Priors, own: np.ndarray, alone: int) -> Priors:
+        """Return priors that are tight for the columns ``own`` but one."""
+        others = np.isin(np.arange(len(self.data.names)), own[own != alone])
+        names = ("centre", "sigma", "low", "high")
+        pairs = ((getattr(self.tight, name), getattr(priors, name)) for name in names)
+        return Priors(*(np.where(others, tight, given) for tight, given in pairs))
+
 
 def linearise(
     measured: Measured,
@@ -204,7 +226,6 @@ def hypothesis_at(
 ) -> Hypothesis:
     """Return the hypothesis at steps ``beta`` (q,) of the ``chosen`` columns."""
     before, widths = model.hypothesis, nuisances(plant)
-    beta = _one_alone(model, chosen, beta)
     factors, values, tables = dict(before.factors), {}, list(before.tables)
     disturbances = dict(before.disturbances)
     for i, step in zip(chosen, beta.tolist(), strict=True):
@@ -221,25 +242,6 @@ def hypothesis_at(
             values[which] = _allowed(which, before.coefficient(which) + step * typical_size(which))
     changed = replace(before, factors=factors, tables=tuple(tables), disturbances=disturbances)
     return changed.with_coefficients(values)
-
-
-def _one_alone(model: LinearisedModel, chosen: Sequence[int], beta: np.ndarray) -> np.ndarray:
-    """Return steps (q,) that leave one coefficient beyond its tolerance where an effect has one.
-
-    It is the one that is farthest beyond. Transducers that are all wrong by a share are another
-    effect: a wrong load cell.
-    """
-    names = [model.data.names[i] for i in chosen]
-    effects = [coefficient_of(name)[0] if is_coefficient(name) else "" for name in names]
-    for effect in {each for each in effects if each and EFFECTS[each].alone}:
-        own = np.array([each == effect for each in effects])
-        within = model.tight.select([i for i, wanted in zip(chosen, own, strict=True) if wanted])
-        inside = np.clip(beta[own], within.low, within.high)
-        farthest = np.argmax(np.abs(beta[own] - inside) / (within.high - within.low))
-        inside[farthest] = beta[own][farthest]
-        beta = beta.copy()
-        beta[own] = inside
-    return beta
 
 
 def _allowed(which: CoefficientKey, value: float) -> float:

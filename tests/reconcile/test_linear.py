@@ -10,6 +10,7 @@ from hbench.config.bench import Plant, parse_plant
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.evidence.likelihood import likeliest, maximum_likelihood
 from hbench.reconcile.evidence.window_sums import (
     GROUPS,
     MOTIONS,
@@ -543,24 +544,27 @@ def test_steps_are_taken_in_priors_and_typical_sizes(measured):
     assert some.coefficient(LEAK) == pytest.approx(1e-12 + 2 * typical_size(LEAK))
 
 
-@pytest.mark.parametrize("step", [[2.0, 2.5, -0.3], [-4.0, 0.5, 1.5]])
-def test_one_transducers_gain_alone_leaves_its_tolerance(measured, step):
-    """1 % is the class, and the typical size: the largest error stays, the others are limited."""
-    keys = [("pressure_gain", name) for name in ("p_tp", "p_tr", "p_s")]
-    measured = replace(measured, tolerances=dict.fromkeys(keys, 0.01))
+def test_of_the_gains_of_two_transducers_the_more_likely_one_leaves_its_tolerance(measured):
+    """1 % is the class, and the typical size. A fit of both has the larger value for the other."""
+    keys = [("pressure_gain", name) for name in ("p_tp", "p_s")]
     names = list(map(".".join, keys))
-    model = model_of(measured, names)
-    for priors in (model.tight, model.wide):
-        free = model.wide is priors
-        assert priors.high == pytest.approx([20.0 if free else 1.0] * 3)
-    found = hypothesis_at(model, measured.plant, range(3), np.array(step))
-    largest = np.argmax(np.abs(step))
-    expected = np.where(np.arange(3) == largest, step, np.clip(step, -1, 1))
-    assert [found.coefficient(key) for key in keys] == pytest.approx(0.01 * expected)
-    beyond = model_of(measured, names, found).priors(["pressure_gain"])
-    others = np.arange(3) != largest
-    assert beyond.high[others] == pytest.approx(1.0 - expected[others])
-    assert beyond.high[largest] == pytest.approx(20.0 - expected[largest])
+    measured = replace(measured, tolerances=dict.fromkeys(keys, 0.01))
+    rng, shape = np.random.default_rng(3), measured.map.difference.shape
+    first, apart = 1e3 * rng.standard_normal((2, *shape))
+    columns = dict(zip(names, (first, 0.5 * first + 0.05 * apart), strict=True))
+    difference = 2.0 * columns[names[0]] + 2.2 * columns[names[1]]
+    measured = replace(measured, map=replace(measured.map, difference=difference))
+    model = linearise(measured, Hypothesis(), columns)
+    points = np.arange(len(model.gap_map.points))
+    both = maximum_likelihood(model.data, model.priors(["pressure_gain"]), [0, 1], points)
+    assert both == pytest.approx([2.0, 2.2], abs=0.1)
+    alternatives = model.alternative_priors(["pressure_gain"])
+    assert [list(each.high) for each in alternatives] == [[20.0, 1.0], [1.0, 20.0]]
+    found = likeliest(model.data, alternatives, [0, 1], points)
+    assert found == pytest.approx([2.6, 1.0], abs=0.1)
+    alone = hypothesis_at(model, measured.plant, [0, 1], found)
+    (priors,) = linearise(measured, alone, columns).alternative_priors(["pressure_gain"])
+    assert priors.high == pytest.approx([20.0, 1.0] - found, abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -72,6 +72,16 @@ def maximum_likelihood(
     return most_likely(data.sums(chosen, data.part(points)), priors.select(chosen))[0, 0]
 
 
+def likeliest(
+    data: Products, alternatives: Sequence[Priors], chosen: Sequence[int], points: np.ndarray
+) -> np.ndarray:
+    """Return the most likely beta (q,) of the ``chosen`` columns with any of several priors."""
+    sums = data.sums(chosen, data.part(points))
+    fits = [_best_fit(sums, priors.select(chosen)) for priors in alternatives]
+    beta, _ = min(fits, key=lambda fit: float(fit[1][0, 0]))
+    return beta[0, 0]
+
+
 def most_likely(sums: Sums, priors: Priors) -> np.ndarray:
     """Return the most likely beta (f, b, q) for each part and data set of the sums."""
     return _best_fit(sums, priors)[0]

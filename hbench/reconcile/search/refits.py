@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from hbench.reconcile.evidence.cross_validation import CrossValidation, cross_validate
-from hbench.reconcile.evidence.likelihood import cost, maximum_likelihood
+from hbench.reconcile.evidence.likelihood import cost, likeliest
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import (
     LinearisedModel,
@@ -97,8 +97,8 @@ class Refits:
         self, model: LinearisedModel, effects: Sequence[str], radius: float = np.inf
     ) -> np.ndarray:
         """Return the most likely steps of the columns of ``model.index(effects)``."""
-        priors = model.priors(effects).damped(radius)
-        return maximum_likelihood(model.data, priors, model.index(effects), self.train)
+        alternatives = [each.damped(radius) for each in model.alternative_priors(effects)]
+        return likeliest(model.data, alternatives, model.index(effects), self.train)
 
     def _cost(self, model: LinearisedModel, effects: Sequence[str]) -> float:
         return cost(model.data, model.priors(effects), model.index(effects), self.train)
