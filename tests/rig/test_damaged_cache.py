@@ -165,6 +165,18 @@ def test_a_process_that_never_ends_its_compilation_is_not_waited_for_forever(
     assert twice() == (1, 0)
 
 
+def dispatcher_of(expression: str, folder: Path):
+    """Return a function of x that is kept in a package of the folder."""
+    source = folder / "made.py"
+    source.write_text(f"def made(x):\n    return {expression}\n")
+    spec = importlib.util.spec_from_file_location("made", source)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    dispatcher = numba.njit(module.made)
+    keep_on_disk(dispatcher, module.made, "compiled-key", folder / "package")
+    return dispatcher
+
+
 def test_threads_that_wait_for_one_function_close_its_lock_once(tmp_path, monkeypatch):
     """A second close fails, or closes a file that another thread has opened since."""
     close = os.close
@@ -173,26 +185,14 @@ def test_threads_that_wait_for_one_function_close_its_lock_once(tmp_path, monkey
         time.sleep(0.05)
         close(file)
 
-    source = tmp_path / "half.py"
-    source.write_text("def half(x):\n    return 0.5 * x\n")
-    spec = importlib.util.spec_from_file_location("half", source)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    dispatcher = numba.njit(module.half)
-    keep_on_disk(dispatcher, module.half, "compiled-key", tmp_path / "package")
+    dispatcher = dispatcher_of("0.5 * x", tmp_path)
     monkeypatch.setattr(compiled_cache.os, "close", slowly)
     with ThreadPoolExecutor(4) as threads:
         assert list(threads.map(dispatcher, [3.0] * 4)) == [1.5] * 4
 
 
 def test_a_function_that_cannot_be_compiled_leaves_no_lock(tmp_path):
-    source = tmp_path / "wrong.py"
-    source.write_text("def wrong(x):\n    return x + 'a'\n")
-    spec = importlib.util.spec_from_file_location("wrong", source)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    dispatcher = numba.njit(module.wrong)
-    keep_on_disk(dispatcher, module.wrong, "compiled-key", tmp_path / "package")
+    dispatcher = dispatcher_of("x + 'a'", tmp_path)
     with pytest.raises(numba.core.errors.TypingError):
         dispatcher(1.5)
     (lock,) = (tmp_path / "package").rglob("*.lock")
