@@ -6,8 +6,10 @@ vector figures, or the page's layout, print the page from a browser.
 """
 
 import io
+import re
 from collections.abc import Callable, Iterator
 from functools import partial
+from importlib.metadata import version
 from struct import unpack
 
 import numpy as np
@@ -22,13 +24,15 @@ from hbench.report.render.document import Document, Section, has_unprinted, menu
 from hbench.report.render.figures import Drawing
 from hbench.report.render.markdown import words
 from hbench.report.render.numbers import unbroken
-from hbench.report.render.pdf_margins import set_margins
 from hbench.report.render.pdf_pen import (
     INK,
     INNER,
     LEFT,
     LINE,
+    SHEET_HEIGHT,
+    SHEET_WIDTH,
     Pen,
+    is_in_font,
     set_text,
     width_of,
     wrapped,
@@ -48,7 +52,10 @@ _LABEL = 0.22  # share of a fact's name
 _ALARM, _BANNER = "#9b1111", "#8a3a00"
 _INSET = 10.0  # of a text inside a frame
 _HEADING, _CAPTION, _FEW_LINES = 34.0, 20.0, 40.0  # heights of a heading, a table's title, a text
+_DATE = re.compile(r"\d{4}-\d\d-\d\d")
 _NUMBERS = "report.html has more tables; the numbering counts them."
+_BOXES = "Boxes stand for letters that the font of this PDF does not have; report.html shows them."
+_HEADER = 34.0  # base of the running header and, from below, of the footer
 
 
 def pdf(document: Document) -> bytes:
@@ -89,7 +96,17 @@ def sheets(document: Document) -> list[Figure]:
     pages = {section.title: _set(pen, section, _SECTION) for section in document.sections}
     pen.place_waiting()
     set_contents(pages)
-    set_margins(pen.done, document)
+    about = _running(document)
+    for number, sheet in enumerate(pen.done, start=1):
+        right = SHEET_WIDTH - LEFT
+        set_text(sheet, LEFT, _HEADER, _shortened(document.tab, about), _SMALL, color=QUIET)
+        set_text(sheet, right, _HEADER, about, _SMALL, color=QUIET, ha="right")
+        foot, page = SHEET_HEIGHT - _HEADER + 10, f"Page {number} of {len(pen.done)}"
+        written = f"Written by hbench {version('hbench')}"
+        if not all(is_in_font(text.get_text()) for text in sheet.texts):
+            written = f"{written}. {_BOXES}"
+        set_text(sheet, LEFT, foot, written, _SMALL, color=QUIET)
+        set_text(sheet, right, foot, page, _SMALL, color=QUIET, ha="right")
     return pen.done
 
 
@@ -128,6 +145,27 @@ def _contents(pen: Pen, titles: list[str]) -> Callable[[dict[str, int]], None]:
             set_text(sheet, LEFT, top + number * CELLS * LINE, line, CELLS, color=QUIET)
 
     return set_lines
+
+
+def _running(document: Document) -> str:
+    """Return cylinder, number and date of the test for the header of each sheet."""
+    facts = dict(document.identity)
+    cylinder = facts.get("Cylinder", "")
+    known = (facts.get(name, "") for name in ("Test date", "Measured", "Simulated time"))
+    dates = [found[0] for text in known if (found := _DATE.match(text))]
+    number = facts.get("Test number", "")
+    parts = (
+        "" if cylinder.startswith("no serial") else cylinder,
+        f"test {number}" if number else "",
+        dates[0] if dates else "",
+        "hbench",
+    )
+    return " · ".join(filter(None, parts))
+
+
+def _shortened(text: str, beside: str) -> str:
+    """Return as much of a title as fits into the header ``beside`` another text."""
+    return wrapped(text, INNER - width_of(beside, "normal") * _SMALL - 20, _SMALL)[0]
 
 
 def _set(pen: Pen, section: Section, size: float) -> int:
